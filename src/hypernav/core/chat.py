@@ -25,10 +25,9 @@ class Question:
     """One question to a chat model.
 
     Attributes:
-        kind: Purpose of the question ("ground", "choose block", "verify", …); the ledger counts by
-            it.
+        kind: Purpose of the question (see `hypernav.core.trace.Exchange`); the ledger counts by it.
         text: Text of the prompt.
-        images: Images that the text refers to, in order. They are sent without loss.
+        images: RGB images that the text refers to, in order; sent as JPEG, quality 95 by default.
         allowed: The only possible answers; empty for an open question.
         form: Form of a JSON answer, as a pydantic model; None for an open question.
         max_tokens: Limit on the length of the answer, tokens.

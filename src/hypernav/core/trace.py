@@ -79,12 +79,13 @@ class Exchange(_Record):
     """One question and its answer.
 
     Attributes:
-        kind: "ground", "choose block" or "verify".
+        kind: "ground", "crop", "verify", "stop", "score view", "summarise", "choose block",
+            "choose arrow", "choose direction" or "choose frontier".
         asked: Name of the component that was asked: a model's name, "geometric", "ground truth".
         by_model: Whether a chat model answered.
         question: Text of the question.
         answer: Text of the answer.
-        chosen: Number of the chosen block, for a map question.
+        chosen: Number of the chosen block or arrow, where one was asked for.
         excluded: Numbers of the blocks that were excluded beforehand.
         probabilities: Probabilities of the allowed answers, if the model gives them.
         tokens_in: Number of prompt tokens; 0 where there is no model.

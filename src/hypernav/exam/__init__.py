@@ -1,4 +1,4 @@
-"""The exam: questions with true answers for a model, before anybody runs it for days.
+"""The exam: questions with true answers for a model, before it is used in long evaluations.
 
 ::
 

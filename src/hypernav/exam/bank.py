@@ -1,6 +1,6 @@
 """The bank of questions: which buildings and searches they come from, and how many of each.
 
-It weighs nothing: everybody makes the same questions again from the numbers of the buildings.
+No file holds the questions: they are made again, always the same, from the buildings' numbers.
 """
 
 from collections import Counter
@@ -20,7 +20,7 @@ BANK_VERSION = 1
 
 _BUILDINGS = ("houses", "offices", "shops")
 _MOST_SHEETS = 40
-"""Sheets for a quick exam after which it is content with what there is."""
+"""Largest number of sheets of a quick exam; if they give too few questions, fewer are asked."""
 
 QUICK: dict[tuple[Kind, str], int] = {
     ("block", "map"): 60,
@@ -36,13 +36,13 @@ QUICK: dict[tuple[Kind, str], int] = {
     ("arrow", "view"): 15,
     ("direction", "view"): 10,
 }
-"""Number of questions of a quick exam, by type and part: 200. A full one has five times as many."""
+"""Questions of a quick exam by type and stratum, 200 in all; a full one has five times as many."""
 _FULL = 5
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """One search in one building, from which some of the questions come.
+    """One search in one building and views around it, the source of some of the questions.
 
     Attributes:
         number: Number in the bank, from 0.
@@ -53,7 +53,7 @@ class Sheet:
     scene: str
 
     def question_id(self, number: int, kind: Kind, stratum: str, goal: Goal) -> str:
-        """Name of a question of this sheet, unique in the bank."""
+        """Name of a question of this sheet, unique in the bank; `number` is a step's or thing's."""
         return f"{self.scene}/{self.number}/{kind}/{stratum}/{goal.text}/{number}"
 
 
@@ -63,9 +63,9 @@ class Bank:
 
     Attributes:
         name: "val", which nothing is tuned on, or "train", for work on prompts.
-        size: "quick", 200 questions, or "full", 1,000.
+        size: "quick", 200 questions, or "full", 1,000; masks are asked for besides.
         kinds: Types that are asked.
-        quotas: Number of questions by type and part.
+        quotas: Number of questions of a quick exam by type and stratum; None takes `QUICK`.
     """
 
     name: BankName
@@ -75,7 +75,7 @@ class Bank:
 
     @property
     def wanted(self) -> dict[tuple[Kind, str], int]:
-        """Number of questions by type and part. Masks are asked for where near boxes are."""
+        """Number of questions by type and stratum; of masks as many as of near boxes."""
         factor = 1 if self.size == "quick" else _FULL
         quotas = dict(QUICK if self.quotas is None else self.quotas)
         quotas["mask", "near"] = quotas.get(("boxes", "near"), 0)
@@ -87,7 +87,7 @@ class Bank:
         return sum(self.wanted.values())
 
     def sheets(self) -> Iterator[Sheet]:
-        """The searches, kind of building by kind of building."""
+        """The sheets; houses, offices and shops take turns."""
         buildings, factor = EXAM_BUILDINGS[self.name], 1 if self.size == "quick" else _FULL
         for number in range(_MOST_SHEETS * factor):
             kind = _BUILDINGS[number % len(_BUILDINGS)]
@@ -96,11 +96,11 @@ class Bank:
     def choose(
         self, found: Sequence[ExamQuestion], taken: Counter[tuple[Kind, str]]
     ) -> list[ExamQuestion]:
-        """The questions of a sheet that are asked: a fair share of each part, as far as wanted.
+        """The questions of a sheet that are asked: at most a 15th of a quick exam's, by stratum.
 
         Args:
-            found: All that the search gave.
-            taken: Number of questions of the sheets before, by type and part.
+            found: All questions of the sheet.
+            taken: Number of questions of the sheets before, by type and stratum.
         """
         chosen: list[ExamQuestion] = []
         factor = 1 if self.size == "quick" else _FULL

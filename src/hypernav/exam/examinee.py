@@ -1,4 +1,4 @@
-"""Who sits the exam: the components of the search, asked exactly as a search asks them."""
+"""The examinee: the components of a search, asked exactly as a search asks them."""
 
 import hashlib
 import threading
@@ -41,7 +41,7 @@ from hypernav.perception.local.presence import VlmPresenceCheck
 
 
 class _NoBlock:
-    """Stands where a reasoner falls back, so that no rule answers for the model."""
+    """The fallback of the examined reasoner, so that no rule answers for the model."""
 
     def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
         return BlockChoice(None, "no usable answer")
@@ -56,9 +56,9 @@ class Examinee:
         """Choose the components.
 
         Args:
-            config: Values of the questions.
-            specs: Components; what none is named for is answered by the model, if there is one.
-            chat: The model; None if none is examined.
+            config: Configuration of robot, map and components.
+            specs: Components; the model answers where no reasoner or detector is named.
+            chat: The chat model; None if none is examined.
 
         Raises:
             ConfigError: There is nothing to examine, or a component needs a model.
@@ -101,7 +101,7 @@ class Examinee:
         return tuple(k for k in self.kinds if k in own or k == "presence")
 
     def check(self) -> None:
-        """Make every component once, so that what is missing is told before the first question.
+        """Make every component once, so that errors are raised before the first question.
 
         Raises:
             HyPerNavError: A component can't be made, or its model's coordinates are not known.
@@ -112,7 +112,7 @@ class Examinee:
                 made.check_model()
 
     def words(self, kind: Kind) -> str:
-        """Name of the component that answers a type of question."""
+        """Specification of the component that answers a type of question."""
         return "vlm" if kind == "presence" else self._choices[kind][0].spec
 
     def ask(self, question: ExamQuestion) -> Answered:
@@ -125,7 +125,7 @@ class Examinee:
         log = ExchangeLog()
         if question.kind in self.by_model:
             given = self._given(question, log)
-        else:  # a network in this process, or a rule: nobody says that two threads may use it
+        else:  # a network in this process, or a rule: it may not be safe for two threads
             with self._one_at_a_time:
                 given = self._given(question, log)
         return marked(question, given, log.drain())
@@ -154,7 +154,7 @@ class Examinee:
                 return Given("yes" if use.score(subject, goal) >= 0.5 else "no")
 
     def _component(self, question: ExamQuestion, log: ExchangeLog) -> Any:
-        """The component for a question: a fresh one with this log, unless it keeps weights."""
+        """The component for a question: a new one, unless it uses neither log, model nor truth."""
         if question.kind == "presence":
             assert self._chat is not None
             return VlmPresenceCheck(self._chat, log, self._config.presence)
@@ -183,7 +183,7 @@ class Examinee:
 
 
 def _truth(question: ExamQuestion) -> EpisodeTruth:
-    """The truth about one question, for stand-ins."""
+    """The truth about one question, for stand-ins that know it."""
     truth, left_m = EpisodeTruth(), dict[tuple[float, float], float]()
     if isinstance(question.subject, Overview):
         left_m = {

@@ -1,6 +1,6 @@
-"""Names what is systematically wrong with a model, from all its answers together.
+"""Names the systematic faults of a model, from all its answers together.
 
-Each fault is a rate with an interval, so a few unlucky answers name none.
+Each fault needs a rate with an interval or a significance test, so chance alone names none.
 """
 
 from collections import Counter
@@ -18,19 +18,19 @@ from hypernav.models.chat.vlm_families import VlmFamily, family_named, family_of
 from hypernav.perception.local.grounding_format import read_grounding
 
 _LEAST = 8
-"""Number of answers below which nothing is said."""
+"""Number of answers below which no fault is named."""
 _CLEAR = 0.001
-"""Probability of chance below which a bias is named."""
+"""p-value below which a bias is named."""
 _READINGS = ("pixels", "thousandths", "unit")
 
 
 def faults_of(answers: Sequence[Answered], model: str, family: str) -> list[Finding]:
-    """All faults that are shown.
+    """All faults that the answers show.
 
     Args:
         answers: All answers of an exam.
         model: Name of the model.
-        family: Configured family of its coordinates; "auto" reads it off the name.
+        family: Configured family of models for its coordinates; "auto" reads it off the name.
     """
     return [
         *_unusable(answers),
@@ -154,7 +154,7 @@ def _absence(answers: Sequence[Answered]) -> Iterator[Finding]:
 
 
 def _first_option(answers: Sequence[Answered]) -> Iterator[Finding]:
-    """Whether it prefers the first option, or low numbers."""
+    """Whether the model prefers the first option, or low numbers."""
     kinds: tuple[tuple[Kind, str], ...] = (("block", "block"), ("arrow", "arrow"))
     for kind, word in kinds:
         usable = [o for o in answers if o.kind == kind and o.chosen in o.options and o.options]

@@ -1,7 +1,7 @@
 """Makes the questions of one sheet: a search in a generated building, and views around it.
 
-The search of the package runs with true labels and meets what any search meets: maps half drawn,
-frames of doors and corridors. What its components are then asked is kept with the truth about it.
+The search of the package runs with true labels and meets what any search meets: incomplete maps,
+frames of doors and corridors. The questions to its components are kept with their true answers.
 """
 
 import hashlib
@@ -38,16 +38,16 @@ from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
-_STEPS = 50
+_STEPS = 50  # length of a search
 _EVERY = 3
-"""Of so many frames one is asked about."""
+"""Every third frame of a search is asked about."""
 _TURN_M = 1.0
-"""What a turn is worth as length of path; ours."""
-_AHEAD_M = 2.0
+"""Cost of turning around or exploring on, as length of path, metres; ours."""
+_AHEAD_M = 2.0  # largest distance ahead from which the path of a direction is measured
 
 
 def questions_of(sheet: Sheet, config: HyPerNavConfig) -> list[ExamQuestion]:
-    """All questions of a sheet, in an order by chance that depends on nothing but their names.
+    """All questions of a sheet, in an order by the hashes of their names.
 
     Args:
         sheet: The search.
@@ -74,13 +74,13 @@ def questions_of(sheet: Sheet, config: HyPerNavConfig) -> list[ExamQuestion]:
 
 
 def _base(config: HyPerNavConfig) -> HyPerNavConfig:
-    """The search that gathers: always the same method, with the robot and map of the examined."""
+    """Configuration of the gathering search: the default preset, with the given robot and map."""
     robot = {"embodiment": config.embodiment, "mapping": config.mapping}
     return preset("default").model_copy(update=robot)
 
 
 def _goals(scene: str, world: SimulatedWorld) -> list[str]:
-    """The goals of such buildings that this one has."""
+    """Names of the goals for this kind of building that this one holds."""
     labels = [one.label for one in world.scene.instances if one.label is not None]
     names = RULES[scene.partition(":")[0]].categories
     return [name for name in names if any(label.satisfies(Goal(name)) for label in labels)]
@@ -88,7 +88,7 @@ def _goals(scene: str, world: SimulatedWorld) -> list[str]:
 
 @dataclass(eq=False)
 class _Ears:
-    """Stands where a reasoner, an arrow reasoner and a guide stand, and keeps what it is asked."""
+    """Reasoner, arrow reasoner and guide in one that keeps what it is asked and chooses nothing."""
 
     heard: list[Overview | ArrowView | GuideView] = field(default_factory=list)
 
@@ -107,7 +107,7 @@ class _Ears:
 
 @dataclass(frozen=True, eq=False)
 class _Listener:
-    """The explorer of the search, and what other explorers would ask of the same view."""
+    """The explorer of the search; it also keeps what other explorers would ask of each view."""
 
     drives: Explorer
     asking: tuple[Explorer, ...]
@@ -118,14 +118,14 @@ class _Listener:
         self.ears.heard.clear()
         for explorer in self.asking:
             explorer.next_destination(replace(view, notes={}))
-        # An explorer that gets no answer asks once more, about less.
+        # An explorer without an answer may ask again; of each type the first question is kept.
         self.views.append((view, list({type(one): one for one in self.ears.heard[::-1]}.values())))
         return self.drives.next_destination(view)
 
 
 @dataclass(frozen=True, eq=False)
 class _Wanderer:
-    """Chooses blocks now by the geometric rule, now by chance, so that maps of all kinds arise."""
+    """Chooses blocks by the geometric rule or at random, so that many kinds of maps arise."""
 
     rule: GeometricReasoner
     rng: np.random.Generator
@@ -166,7 +166,7 @@ def _of_search(
     assert left_m is not None
     found: list[ExamQuestion] = []
     for number, step in enumerate(run):
-        if listener.views:  # of several in one step the last, after which the robot moves
+        if listener.views:  # of several in one step the last, on which the robot acts
             view, heard = listener.views[-1]
             listener.views.clear()
             for subject in heard:
@@ -188,7 +188,7 @@ def _choice(
     rule: GeometricReasoner,
     config: HyPerNavConfig,
 ) -> ExamQuestion | None:
-    """A question with options, of which the true lengths are known; None if all are equal."""
+    """A question with the true path lengths of its options; None if all options are right."""
     here, by_rule = view.robot, ""
     match subject:
         case Overview():
@@ -228,7 +228,7 @@ def _choice(
 
 
 def _by_way_of(observation: Observation, columns: slice, left_m: PathLeft) -> float:
-    """True length of the path by way of what a part of the image shows, metres."""
+    """True length of the path by way of floor ahead in these image columns, metres."""
     camera, robot = observation.camera, observation.robot
     middle = (columns.start + columns.stop) // 2
     heading = robot.yaw - math.atan2(middle + 0.5 - camera.cx, camera.fx)

@@ -1,4 +1,4 @@
-"""Questions about single images: frames of a search, and views from where it may stop."""
+"""Questions about single images: frames of a search, and views at which it may stop."""
 
 import math
 from collections.abc import Sequence
@@ -20,10 +20,10 @@ from hypernav.perception.local.noisy_detector import resembles
 from hypernav.worlds.simulation import SimulatedWorld
 
 _CLEAR_SHARE = 0.002
-"""Share of the image that a thing covers at least which is asked for."""
-_NEAR_M = 2.5
+"""Least share of the image that a thing must cover to be asked for."""
+_NEAR_M = 2.5  # median depth up to which a goal in a frame is near
 _CLOSE_BY_M, _FAR_AWAY_M = 4.0, 10.0
-"""True paths up to and from which the goal is close by, and is not; between, nobody is asked."""
+"""True paths, metres, up to which the goal is close by and from which it isn't; else not asked."""
 
 
 def of_frame(
@@ -74,7 +74,7 @@ def close_by(
 def of_stops(
     sheet: Sheet, world: SimulatedWorld, goals: Sequence[str], rng: np.random.Generator
 ) -> list[ExamQuestion]:
-    """Presence questions from positions at which a search may stop: right and wrong ones."""
+    """Presence questions at positions where a search may stop, with and without the goal."""
     things = [one for one in world.scene.instances if one.label is not None]
     found, there = [], {"there": 0, "not there": 0, "look-alike": 0}
     for k in rng.permutation(len(things)).tolist()[:30]:
@@ -107,7 +107,7 @@ def of_stops(
 def _stopped_at(
     world: SimulatedWorld, thing: Instance, rng: np.random.Generator
 ) -> Observation | None:
-    """What a robot sees that has stopped at a thing; None if it can't get there."""
+    """The view of a robot that has stopped at a thing; None if it can't get there."""
     points = world.regions.view_points(thing)
     if not len(points):
         return None
@@ -131,7 +131,7 @@ def _looked(
     is_so: bool | None = None,
     **true: object,
 ) -> ExamQuestion:
-    """A question about one image."""
+    """A question about one image; `is_so` is the true answer to yes or no."""
     truth = true_labels(observation)
     right = frozenset[str]() if is_so is None else frozenset({"yes" if is_so else "no"})
     conditions = {

@@ -12,7 +12,7 @@ from hypernav.core.trace import Exchange
 from hypernav.exam.questions import RIGHT_IOU, Answered, ExamQuestion
 
 _CORNERS = re.compile(r"(?:-?\d+(?:\.\d+)?[\s,()\[\]]+){3}-?\d")
-"""Four numbers one after another, as of a box."""
+"""Four successive numbers, as of a box."""
 
 
 @dataclass(frozen=True)
@@ -20,10 +20,10 @@ class Given:
     """What a component answered.
 
     Attributes:
-        chosen: Option; None if it is none, or if boxes or a mask were asked for.
-        found: Boxes.
-        mask: Pixels.
-        probability: Score of the best box.
+        chosen: Option; None if it named none, or if boxes or a mask were asked for.
+        found: Boxes, pixels of the question's image.
+        mask: Pixels of the goal; None if no mask was asked for.
+        probability: Score of the best box, 0 to 1; None without boxes.
     """
 
     chosen: str | None = None
@@ -33,7 +33,7 @@ class Given:
 
 
 def marked(question: ExamQuestion, given: Given, exchanges: list[Exchange]) -> Answered:
-    """The record of a question and what was answered, marked by its truth."""
+    """The record of a question and its answer, marked by the truth."""
     unusable = _unusable(question, given, exchanges)
     chosen = None if unusable and question.kind != "boxes" else given.chosen
     costs = {key: cost for key, cost in question.costs.items() if np.isfinite(cost)}
@@ -79,7 +79,7 @@ def _score(
 
 
 def _overlap(question: ExamQuestion, given: Given) -> float | None:
-    """Overlap with the truth: of the mask, or of the best box with the true one it fits best."""
+    """IoU with the truth: of the mask, or of the best box with the true one it fits best."""
     if question.mask is not None and given.mask is not None:
         both = np.count_nonzero(question.mask & given.mask)
         return both / max(np.count_nonzero(question.mask | given.mask), 1)
@@ -114,7 +114,7 @@ def _is_unread(exchange: Exchange) -> bool:
 def _probability(
     question: ExamQuestion, chosen: str | None, given: Given, exchanges: list[Exchange]
 ) -> float | None:
-    """What the model says how sure it is of its answer."""
+    """Probability, 0 to 1, that the model gives its answer; None if it gives none."""
     told: list[Mapping[str, float]] = [one.probabilities for one in exchanges if one.probabilities]
     if question.kind == "boxes":
         return given.probability

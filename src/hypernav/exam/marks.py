@@ -30,11 +30,11 @@ class Part:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Whether answers that are given as 80% sure are right in 80% of the cases.
+    """Whether answers with a probability of 80% are right in 80% of the cases, and so on.
 
     Attributes:
         count: Number of answers with a probability.
-        error: Expected calibration error: mean distance of what is said from what is so.
+        error: Expected calibration error: mean gap from probability to share of right answers.
         bins: For each fifth from 0 to 1: mean probability, share of right answers, number.
     """
 
@@ -51,19 +51,19 @@ class TypeMarks:
         kind: The type.
         words: Its name for people.
         count: Number of questions.
-        score: Share of right answers; one that can't be used is wrong.
-        chance: Score of answers at random.
+        score: Share of right answers; an unusable answer is wrong.
+        chance: Expected score of random answers; 0 where there are no options.
         rule: Score of the geometric rule on the same questions; None where there is none.
-        versus_rule: The model minus the rule, on the same questions.
+        versus_rule: The model minus the rule, on the same questions; None where there is none.
         parts: Scores by stratum, kind of building, distance, clutter and light.
         regret_m: Mean additional path of the usable answers, metres; None without paths.
-        overlap: Mean overlap of boxes or masks where there is something; None elsewhere.
-        unusable: Number of answers that can't be used, by reason.
+        overlap: Mean IoU of boxes or masks where the goal is in the image; None without any.
+        unusable: Number of unusable answers, by reason.
         calibration: None where too few answers come with a probability.
-        calls: Mean number of questions to the model for one of these.
-        seconds: Mean time for one of these.
-        tokens_in: Mean number of prompt tokens.
-        tokens_out: Mean number of answer tokens.
+        calls: Mean number of calls of the model per question.
+        seconds: Mean time of these calls per question.
+        tokens_in: Mean number of prompt tokens per question.
+        tokens_out: Mean number of answer tokens per question.
     """
 
     kind: Kind
@@ -108,7 +108,7 @@ def marks_of(answers: Sequence[Answered]) -> list[TypeMarks]:
 
 
 def rate(hits: int, count: int) -> Estimate:
-    """A share with its 95% interval (Wilson)."""
+    """A share with its 95% interval (Wilson); NaN if `count` is 0."""
     if not count:
         return Estimate(float("nan"), float("nan"), float("nan"), 0)
     interval = binomtest(hits, count).proportion_ci(method="wilson")
@@ -165,7 +165,7 @@ def _against_rule(answers: Sequence[Answered]) -> Comparison:
 
 
 def _parts(answers: Sequence[Answered]) -> list[Part]:
-    """Scores by stratum and building, and of the lower and upper half of every condition."""
+    """Scores by stratum and kind of building, and for the halves of every condition."""
     groups: dict[str, list[Answered]] = {}
     for one in answers:
         for name in (one.stratum, f"in {one.scene.partition(':')[0]}"):

@@ -1,4 +1,4 @@
-"""Small pictures of the questions, with what is right and what was answered drawn in."""
+"""Small images of the questions, with true and answered boxes drawn in."""
 
 from pathlib import Path
 
@@ -18,12 +18,12 @@ PICTURES = "pictures"
 
 
 def picture_of(folder: Path, question_id: str) -> Path:
-    """Path of the picture of a question."""
+    """Path of the image of a question, in the folder of the exam."""
     return folder / PICTURES / (question_id.replace("/", "_").replace(":", "-") + ".webp")
 
 
 def write_picture(folder: Path, question: ExamQuestion, answered: Answered) -> None:
-    """Draw a question and its answer, and write them."""
+    """Draw a question and its boxes, true and answered, and write the image as WebP."""
     path = picture_of(folder, question.id)
     path.parent.mkdir(exist_ok=True)
     Image.fromarray(_drawn(question, answered)).save(path, "WEBP", quality=70)

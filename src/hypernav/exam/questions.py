@@ -29,10 +29,10 @@ KINDS: dict[Kind, str] = {
 """The types of questions, in the words of the page."""
 
 EQUAL_M = 0.5
-"""Difference in length below which two ways are equally good, metres."""
+"""Difference in length up to which two paths are equally good, metres."""
 
 RIGHT_IOU = 0.5
-"""Overlap with a true box or mask from which an answer is right."""
+"""Overlap (IoU) with a true box or mask from which an answer is right."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,16 +40,16 @@ class ExamQuestion:
     """A question with its true answer.
 
     Attributes:
-        id: Name that is unique in the bank: building, search, kind, stratum, number.
+        id: Name that is unique in the bank: building, sheet, kind, stratum, goal, number.
         kind: Type of the question.
         stratum: Part of the type, such as "absent" or "look-alike".
         scene: Name of the building; answers about one building are not independent.
-        goal: What is asked about.
-        subject: What the component of the search is given.
+        goal: Goal that is asked about.
+        subject: What the component of the search is given to decide on.
         costs: For a choice, the true length of the path to the goal by way of each option, metres.
         right: Options that are right; empty where boxes or a mask are asked for.
-        rule: What the geometric rule answers, which needs no model; empty if there is none.
-        boxes: True boxes of the goal; none where it is not in the image.
+        rule: Answer of the geometric rule, for comparison; empty if there is none.
+        boxes: True boxes of the goal, pixels, the largest first; none where it isn't in the image.
         mask: True pixels of the goal in the first box, where a mask is asked for.
         conditions: "distance_m" to the goal, "clutter" (number of things in the image) and "light"
             (mean brightness, 0 to 1), as far as they are known.
@@ -70,7 +70,7 @@ class ExamQuestion:
 
 
 def best_of(costs: dict[str, float]) -> frozenset[str]:
-    """The options whose paths are about as short as the shortest."""
+    """The options whose paths are at most `EQUAL_M` longer than the shortest."""
     shortest = min(costs.values())
     return frozenset(option for option, cost in costs.items() if cost <= shortest + EQUAL_M)
 
@@ -87,19 +87,19 @@ class Answered(BaseModel):
         conditions: See `ExamQuestion`.
         options: The options, in the order in which they were shown.
         right: Options that are right.
-        costs: True length by way of each option, metres; those from which no path leads are absent.
+        costs: True length of the path by way of each option, metres; absent if there is no path.
         chosen: The option that was answered; None if the answer can't be used.
-        rule: What the geometric rule answers.
-        true_boxes: True boxes.
-        boxes: Boxes of the answer that survived, the best first.
-        raw_boxes: Whether the model's text held any box, before crops were looked at.
-        image_size: Width and height that the boxes refer to, pixels.
+        rule: Answer of the geometric rule; empty if there is none.
+        true_boxes: True boxes ``(x_min, y_min, x_max, y_max)``, pixels.
+        boxes: Boxes of the answer that were kept, in the same form, the best first.
+        raw_boxes: Whether the model's text held any box, before the questions about crops.
+        image_size: Width and height of the question's image, pixels; zeros where it has none.
         score: 1 if the answer is right, else 0.
-        chance: Score that an answer at random has in the mean.
+        chance: Expected score of a random answer; 0 where there are no options.
         rule_score: Score of the rule; None if there is none.
-        overlap: Overlap of box or mask with the truth; None where neither is asked for.
+        overlap: IoU of box or mask with the truth; None where there is none to compare with.
         probability: Probability or score that the answer was given with; None if none was told.
-        unusable: Why the answer can't be used; empty if it can.
+        unusable: Reason why the answer can't be used; empty if it can.
         exchanges: Every question to the model and its answer.
     """
 
@@ -130,12 +130,12 @@ class Answered(BaseModel):
 
     @property
     def regret_m(self) -> float | None:
-        """How much longer the way by the chosen option is than the shortest, metres."""
+        """How much longer the chosen option's path is than the shortest, metres; None without."""
         if self.chosen is None or self.chosen not in self.costs:
             return None
         return self.costs[self.chosen] - min(self.costs.values())
 
     @property
     def calls(self) -> int:
-        """Number of questions to a chat model that it took."""
+        """Number of calls of a chat model that it took."""
         return sum(exchange.by_model for exchange in self.exchanges)

@@ -1,4 +1,4 @@
-"""What an exam says: one JSON and one page, and the paired comparison of two exams."""
+"""The results of an exam as JSON and page, and the paired comparison of two exams."""
 
 import json
 from collections.abc import Sequence
@@ -29,10 +29,10 @@ class Examined:
     Attributes:
         model: Name of the model, or of the components.
         family: Configured family of the model's coordinates.
-        bank: Words for the bank: name, size and version.
+        bank: Description of the bank: name, size and version.
         wanted: Number of questions of the bank.
         who: Specifications of the components.
-        prompts: Hash of the words of every question.
+        prompts: Hashes of the texts of the questions.
         price_in_per_million: Price of a million prompt tokens; None if unknown.
         price_out_per_million: Price of a million answer tokens.
     """
@@ -47,7 +47,7 @@ class Examined:
     price_out_per_million: float | None = None
 
     def cost(self, answers: Sequence[Answered]) -> float | None:
-        """Money for these answers; None without a price."""
+        """Price of these answers, in the currency of the prices; None without a price."""
         if self.price_in_per_million is None and self.price_out_per_million is None:
             return None
         told = [one for answer in answers for one in answer.exchanges if one.by_model]
@@ -62,8 +62,8 @@ class Difference:
 
     Attributes:
         words: Type of the questions.
-        first: Score of the first.
-        second: Score of the second.
+        first: Mean score of the first exam.
+        second: Mean score of the second exam.
         gap: Difference with interval; its p-value is corrected for the number of types (Holm).
     """
 
@@ -170,7 +170,7 @@ def _lead(marks: Sequence[TypeMarks], faults: Sequence[Finding]) -> str:
 
 
 def _worst(answers: Sequence[Answered]) -> list[Answered]:
-    """Wrong answers, one type after the other, the farthest off and the surest first."""
+    """Wrong answers, the types in turn; of each, usable, far off and sure ones first."""
 
     def badness(one: Answered) -> tuple[bool, float]:
         return (not one.unusable, (one.regret_m or 0.0) + (one.probability or 0.0))
@@ -184,7 +184,7 @@ def _worst(answers: Sequence[Answered]) -> list[Answered]:
 
 
 def _examples(folder: Path, answers: Sequence[Answered]) -> list[dict[str, Any]]:
-    """Pictures and words of some answers, of as many types as possible."""
+    """Images and texts of at most nine answers, of as many types as possible."""
     found, kinds = [], set[str]()
     for one in sorted(answers, key=lambda one: one.kind in kinds or bool(kinds.add(one.kind))):
         path = picture_of(folder, one.id)
@@ -220,7 +220,7 @@ def _chosen(one: Answered) -> str:
 
 
 def _finite(value: Any) -> Any:
-    """JSON data with null for what is no number."""
+    """JSON data with null for numbers that are not finite."""
     if isinstance(value, dict):
         return {key: _finite(one) for key, one in value.items()}
     if isinstance(value, list):

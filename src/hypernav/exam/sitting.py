@@ -1,4 +1,4 @@
-"""Sits the exam: asks every question once, several at a time, and goes on after a kill."""
+"""Runs the exam: asks every question once, several at a time, and resumes after a kill."""
 
 import json
 import os
@@ -25,7 +25,7 @@ from hypernav.exam.questions import Answered, ExamQuestion
 ANSWERS = "answers.jsonl"
 SHEETS = "sheets.jsonl"
 FORECAST_AFTER = 10
-"""Number of answers after which there is a forecast."""
+"""Number of answers from which on there is a forecast."""
 
 
 @dataclass(frozen=True)
@@ -33,10 +33,10 @@ class Progress:
     """State of an exam.
 
     Attributes:
-        done: Answers so far, those of earlier sessions included.
+        done: Number of answers so far, those of earlier sessions included.
         wanted: Number of questions.
-        answered_here: Answers of this session.
-        seconds: Time of this session.
+        answered_here: Number of answers of this session.
+        seconds: Time of this session so far.
         tokens_in: Prompt tokens of all answers.
         tokens_out: Answer tokens of all answers.
     """
@@ -50,13 +50,13 @@ class Progress:
 
     @property
     def left_s(self) -> float | None:
-        """Forecast of the time that is left; None before there is one."""
+        """Forecast of the time that is left, seconds; None too early."""
         if self.answered_here < FORECAST_AFTER:
             return None
         return self.seconds / self.answered_here * (self.wanted - self.done)
 
     def cost(self, in_per_million: float | None, out_per_million: float | None) -> float | None:
-        """Forecast of the money for the whole exam; None without a price or too early."""
+        """Forecast of the price of the whole exam; None without a price or too early."""
         if self.done < FORECAST_AFTER or (in_per_million is None and out_per_million is None):
             return None
         spent = self.tokens_in * (in_per_million or 0) + self.tokens_out * (out_per_million or 0)
@@ -79,18 +79,18 @@ def sit(
         folder: Folder of the exam; one that was begun is continued.
         bank: The questions.
         gather: Makes the questions of a sheet.
-        examinee: Who is asked.
-        configuration: All that decides about the answers; a folder with another one is refused.
+        examinee: Components that are asked.
+        configuration: All that the answers depend on; a folder with another one is refused.
         at_once: Number of questions at a time.
-        watch: Called after every answer.
+        watch: Function that is called after every answer.
 
     Returns:
         All answers, in the order of the bank.
 
     Raises:
         RunFolderError: The folder is in use, of another exam, damaged, or can't be written.
-        ModelUnavailableError: The model did not answer within its patience; what was answered is
-            on the disk.
+        OutputError: The image of a question can't be written.
+        ModelUnavailableError: The model did not answer in time; the answers so far are on the disk.
     """
     with ExitStack() as stack:
         folder.mkdir(parents=True, exist_ok=True)
@@ -122,11 +122,11 @@ def sit(
         try:
             for question in _questions(folder, bank, gather, done, order):
                 running.add(pool.submit(_asked, folder, examinee, question))
-                # A few wait in line, so that nobody is idle while the next building is made.
+                # A few wait in line, so that no thread is idle while the next building is made.
                 _collect(running, add, at_once + 8)
             _collect(running, add, 0)
         except BaseException:
-            pool.shutdown(cancel_futures=True)  # what is being answered is paid for
+            pool.shutdown(cancel_futures=True)  # keep answers under way: they are paid for
             for one in running:
                 if not one.cancelled() and one.exception() is None:
                     add(one.result())
@@ -156,7 +156,7 @@ def read_answers(folder: Path) -> list[Answered]:
 def _questions(
     folder: Path, bank: Bank, gather: Gather, done: dict[str, Answered], order: list[str]
 ) -> Iterator[ExamQuestion]:
-    """The questions without an answer; fills in the names of all, in the order of the bank."""
+    """The questions without an answer; adds the names of all to `order`, in the bank's order."""
     known: dict[int, list[str]] = {}
     for line in _whole_lines(folder / SHEETS):
         try:
@@ -202,7 +202,7 @@ def _collect(running: set[Future[Answered]], add: Callable[[Answered], None], mo
 
 
 def _whole_lines(path: Path) -> list[bytes]:
-    """The lines of a file, which loses a last one that a kill cut off."""
+    """The lines of a file; a last one that a kill cut off is removed from it."""
     with suppress(FileNotFoundError):
         content = path.read_bytes()
         end = content.rfind(b"\n") + 1

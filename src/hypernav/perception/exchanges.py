@@ -1,4 +1,4 @@
-"""Questions to a chat model and their answers in the trace; questions of yes or no."""
+"""Questions to a chat model and their answers in the trace; yes-or-no questions."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ def exchange_of(
     Args:
         question: Question that was asked.
         answer: Answer of the model.
-        chosen: Number of the chosen block, for a map question.
+        chosen: Number of the chosen block or arrow, where one was asked for.
         excluded: Numbers of the blocks that were ruled out beforehand.
         remarks: Oddities of the answer.
     """
@@ -45,7 +45,7 @@ def exchange_of(
 
 
 def unusable_answers(step: StepTrace) -> Counter[str]:
-    """Number of a model's answers in a step that were of no use, by reason."""
+    """Number of a model's answers in a step that could not be used, by reason."""
     reasons = Counter[str]()
     for exchange in step.exchanges:
         reason = exchange.fault
@@ -57,10 +57,10 @@ def unusable_answers(step: StepTrace) -> Counter[str]:
 
 
 def yes_no_question(kind: str, text: str, image: Image) -> Question:
-    """Question about an image that yes and no are the only answers to.
+    """Question about an image, to which yes and no are the only answers.
 
     Args:
-        kind: Kind of the question, for the trace.
+        kind: Purpose of the question; see `Question.kind`.
         text: The question.
         image: RGB.
     """
@@ -68,7 +68,7 @@ def yes_no_question(kind: str, text: str, image: Image) -> Question:
 
 
 def probability_of_yes(answer: Answer) -> float | None:
-    """Probability of yes, 1 or 0 where the model tells none; None if it is neither yes nor no."""
+    """Probability of yes; 1 or 0 if the model gives none; None if it is neither yes nor no."""
     if answer.fault is not None:
         return None
     return float(answer.probabilities.get("yes", answer.value == "yes"))
@@ -96,7 +96,7 @@ class YesNoAsker:
 
         Args:
             question: Question with the answers yes and no.
-            otherwise: What an answer that is neither comes to, for the trace.
+            otherwise: What an answer that is neither counts as, for the trace.
 
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.

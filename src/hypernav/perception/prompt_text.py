@@ -1,18 +1,18 @@
-"""Words of questions as data: what may stand in braces, and a hash for the results."""
+"""Configured texts of questions: check of their placeholders, and a hash for the results."""
 
 import hashlib
 from string import Formatter
 
 
 def check_placeholders(prompt: str, *names: str) -> str:
-    """The words of a question, if they can be filled in.
+    """The text of a question, unchanged, if it can be filled in.
 
     Args:
-        prompt: Words with names in braces.
+        prompt: Text with names in braces.
         names: Names that may stand in braces.
 
     Raises:
-        ValueError: It holds other names, or formats.
+        ValueError: It holds other names, formats or single braces.
     """
     try:
         if any(spec or conversion for _, _, spec, conversion in Formatter().parse(prompt)):
@@ -26,5 +26,5 @@ def check_placeholders(prompt: str, *names: str) -> str:
 
 
 def prompt_hash(prompt: str) -> str:
-    """The first digits of the words' SHA-256, which tell two versions apart."""
+    """The first 12 hexadecimal digits of the text's SHA-256, which tell versions apart."""
     return hashlib.sha256(prompt.encode()).hexdigest()[:12]

@@ -1,4 +1,4 @@
-"""Global perception: draw the map, ask which block to visit, remember what was visited."""
+"""Global perception: draw the map and ask which unvisited block to go to."""
 
 import math
 from collections.abc import Collection, Sequence
@@ -33,7 +33,7 @@ class OverviewConfig(RoomConfig):
     Attributes:
         image_px: Side of the image of the map, pixels; a multiple of 28 fits the patches of most
             models.
-        strong_colors: Whether unknown stands out from free floor, at least three to one.
+        strong_colors: Whether unknown stands out from free floor, with a contrast of at least 3:1.
         draw_frontier: Whether the boundary to the unknown is drawn in a colour.
         fill_obstacles: Whether the inside of furniture and walls, which no camera sees, is filled.
         clear_numbers: Whether numbers are larger and keep off furniture.
@@ -41,7 +41,7 @@ class OverviewConfig(RoomConfig):
             map.
         visited: What counts as a visit: "destinations" that were reached or given up, or the
             "positions" that the robot has been at (paper), beside the latest destination, so that
-            the next is a new one. "none": nothing is remembered.
+            the next is a new one. "none": nothing counts.
         visited_radius_m: Distance from a visit, metres, within which a destination counts as
             visited.
         max_questions: Largest number of questions for one choice, with visited blocks excluded;
@@ -117,7 +117,7 @@ class BlockExplorer:
         return answers_at_once(self.reasoner)
 
     def next_destination(self, view: ExplorationView) -> Destination | None:
-        """A block that was not visited, or a frontier beside all blocks; None if there is none."""
+        """A block not visited yet; if none is left, the nearest frontier; None if there is none."""
         destination = self._unvisited(view)
         if destination is None and self.config.forget_visits:
             # The robot is still at the last position.
@@ -126,7 +126,7 @@ class BlockExplorer:
         return self._last_frontier(view) if destination is None else destination
 
     def _unvisited(self, view: ExplorationView) -> Destination | None:
-        """Ask about all blocks, then about those that a robot closer to obstacles can enter."""
+        """Ask about the blocks that can be entered at each clearance, the largest first."""
         offered: tuple[Block, ...] = ()
         for clearance_m in self.clearances_m:
             reach = ReachableArea.of(view.grid, view.robot, self.mapping, clearance_m)
@@ -185,7 +185,7 @@ class BlockExplorer:
         return None
 
     def _visits(self, view: ExplorationView) -> Sequence[tuple[float, float]]:
-        """All that counts as visited, metres."""
+        """Positions ``(x, y)`` that count as visited, ``map`` frame, metres."""
         forgotten: _Forgotten = view.notes.get(_KEY, _Forgotten())
         ended = view.visits[forgotten.visits :]
         match self.config.visited:
@@ -230,5 +230,5 @@ def _legs_m(reach: ReachableArea, between: Sequence[Block]) -> Float64[np.ndarra
 
 
 def _squares(blocks: tuple[Block, ...]) -> set[tuple[float, float, int]]:
-    """Corners of the blocks, and the length of their boundaries to the unknown."""
+    """Lower left corners of the blocks, metres, and lengths of their frontiers, cells."""
     return {(block.x_min, block.y_min, block.frontier_cells) for block in blocks}

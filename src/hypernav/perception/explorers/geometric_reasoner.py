@@ -21,7 +21,7 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.perception.explorers.tour_kernels import soonest_tour, unseen_after
 
 _NEVER_SEEN_M2 = 1e-3
-"""What is left when all was seen: of tours that show nothing more, the shortest is the best."""
+"""Area that always counts as unseen, m²: of tours that show equally much, the shortest is best."""
 _TOUR_STOPS = 10
 """Largest number of blocks on a tour."""
 _TRAVEL_SCALE_M = 3.0
@@ -29,7 +29,7 @@ _TRAVEL_SCALE_M = 3.0
 _TURN_COST_M = 0.8
 """Cost of the first turn towards a block, metres of path per radian, where order is "greedy".
 
-A tour counts metres only: what changes with every turn on the spot would change the tour, too.
+A tour counts metres only; else every turn on the spot could change it.
 """
 
 
@@ -39,8 +39,8 @@ class GeometricConfig(RoomConfig):
     Attributes:
         gain: What a block is worth: the length of its "boundary" to the unknown, or the area of
             unknown floor that its "view" would show.
-        order: Whether the block of the greatest value comes next, "greedy", or the first one of a
-            "tour" over the most valuable ones.
+        order: Which block comes next: the one of the greatest value, "greedy", or the first one of
+            a "tour" over the most valuable ones.
         min_frontier_cells: Length of unexplored boundary, cells, below which a block holds nothing
             new; with 0, a block without any may be visited as well, after all others.
     """
@@ -54,12 +54,12 @@ class GeometricConfig(RoomConfig):
 class GeometricReasoner:
     """Prefers blocks that are near and would show much of the unknown; does not use the goal.
 
-    The value of a block is ``gain * exp(-cost / travel scale)``, where the cost is
-    the path there and a turn to begin with: the trade of information gain against travel cost of
+    The value of a block is ``gain * exp(-cost / travel scale)``, where the cost is the path there,
+    and if "greedy" the first turn: the trade of information gain against travel cost of
     González-Baños and Latombe, "Navigation Strategies for Exploring Indoor Environments", 2002.
 
-    A tour shows what the blocks promise as soon as possible: it is the shortest one if every metre
-    counts as much as is still unseen then (the travelling deliveryman problem, posed for search by
+    A tour shows the gains of its blocks as soon as possible: it is the shortest one if every metre
+    is weighted by what is unseen then (the travelling deliveryman problem, posed for search by
     Kulich, Přeučil and Miranda Bront, "On Multi-Robot Search for a Stationary Object", 2017).
     What two blocks would show both counts once.
 

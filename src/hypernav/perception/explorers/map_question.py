@@ -81,13 +81,13 @@ class VlmReasonerConfig(RoomConfig):
             they fail, by a second short question. "reasoned": a short reasoning and a last line
             "Answer: N", which are read in the same way. "constrained": the numbers are the only
             possible answers.
-        prompt: Text of the question; ``{goal}``, ``{numbers}`` (that may be answered), ``{legend}``
-            (of the image) and ``{facts}`` (about the blocks) are filled in. None: our words for the
-            mode.
+        prompt: Text of the question; ``{goal}``, ``{numbers}`` (of the blocks shown; if "reasoned",
+            of those that may be answered), ``{legend}`` (of the image) and ``{facts}`` (about the
+            blocks) are filled in. None: our words for the mode.
         summary_prompt: Text of the second question; ``{answer}`` and ``{numbers}`` are filled in.
-        facts: Whether a reasoned question says for each block how far it is, in which direction,
-            what share of the unexplored boundary it holds, whether the robot was there and which
-            things a detector has named there beside the goal.
+        facts: Whether ``{facts}`` says for each block how far it is, in which direction, what share
+            of the unexplored boundary it holds, whether the robot was there and which things a
+            detector has named there beside the goal; else it gives the numbers only.
         list_excluded: Whether blocks that are ruled out are shown like all others and named in
             "don't answer number [x, …]" (paper), instead of being hatched and left out.
         min_frontier_cells: Length of unexplored boundary, cells, below which a block holds nothing
@@ -152,7 +152,7 @@ def map_question(
     Args:
         config: Form of the question.
         overview: Map and blocks.
-        goal: Target of the search.
+        goal: Goal of the search.
         excluded: Numbers of the blocks that must not be answered.
         hint: Additional text about an answer that could not be used.
     """
@@ -232,10 +232,10 @@ def chosen_number(question: Question, answer: Answer, numbers: list[int]) -> int
 def summarised(text: str, numbers: list[int]) -> int | None:
     """The one block that a free answer chooses, by rules; None if they find none or several.
 
-    In this order: a last line "Answer: N"; an answer that is nothing but a number; a number that is
-    declared to be the answer (the last such); the only possible number that is mentioned at all.
-    Numbers that are named in order not to be chosen do not count, nor do those with a unit behind
-    them.
+    In this order: the last line "Answer: N"; an answer that is nothing but a number; the only
+    possible number that one form of words declares to be the answer; the only possible number that
+    is mentioned at all. For the last two, numbers named in order not to be chosen do not count, and
+    for the last, those with a unit behind them.
     """
     said = without_thinking(text)
     lines = _LAST_LINE.findall(said)

@@ -8,7 +8,7 @@ from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import fresh_frontiers
 
 _VISITED_RADIUS_M = 0.5
-"""Distance from a visited position within which frontiers are passed over."""
+"""Distance from a destination reached or given up within which frontiers are passed over."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class NearestFrontierExplorer:
     clearances_m: tuple[float, ...]
 
     def next_destination(self, view: ExplorationView) -> Destination | None:
-        """The nearest frontier by travel distance; None if all is explored."""
+        """The nearest frontier by travel distance; None if no unvisited one can be reached."""
         fresh = fresh_frontiers(
             view.grid,
             view.robot,

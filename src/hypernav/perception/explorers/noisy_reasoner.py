@@ -1,4 +1,4 @@
-"""Stand-ins for a model of known quality: the truly best block at a set rate, or just any block."""
+"""Stand-ins for a model of known quality: the truly best block at a set rate, or a random one."""
 
 import math
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ _EQUAL_M = 0.5
 class RandomReasoner:
     """Names any of the blocks that a model would be offered, all with the same probability.
 
-    It uses neither map nor goal, and says what a search is worth without any global perception.
+    It uses neither map nor goal: a baseline of the search without global perception.
 
     Attributes:
         log: Log of all choices, for the trace.
@@ -41,7 +41,7 @@ class RandomReasoner:
         """One of the offered blocks; None if none is offered.
 
         Raises:
-            TruthMissingError: Nobody told the truth about this episode.
+            TruthMissingError: The truth about this episode was not set.
         """
         offered = offered_blocks(self.config, overview, excluded)
         rng = self.truth.rng
@@ -71,10 +71,10 @@ class RandomReasoner:
 class NoisyReasoner(RandomReasoner):
     """Names the truly best of the offered blocks with a set probability, else another of them.
 
-    It says how good a model must be: with probability 1 it is as good as any model can be, so what
-    is still lost then is lost by the method. The best block is on the shortest path to the goal by
-    way of a block; of several on that path the one that leads farthest. All others are as likely as
-    each other, which is worse than a model that errs: that would rather name the second best.
+    It shows how good a model must be: with probability 1 it is as good as any model can be, so the
+    losses that remain are the method's. The best block is the one by way of which the path to the
+    goal is shortest; of equally short ones, that with the shortest rest. All others are equally
+    likely, which is worse than a model that errs: that would rather name the second best.
     Ours; the paper has no such thing.
     """
 

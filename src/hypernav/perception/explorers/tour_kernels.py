@@ -1,4 +1,4 @@
-"""The order in which to visit positions so that something is seen soon, compiled."""
+"""The order of visits that shows the unknown soonest, compiled."""
 
 import numpy as np
 from numba import njit
@@ -6,14 +6,14 @@ from numba import njit
 
 @njit(cache=True, nogil=True)
 def unseen_after(areas, shows):
-    """What is still unseen after every set of stops; bit k of a set is stop k.
+    """What is still unseen after every set of stops; bit k of a set's number is stop k.
 
     Args:
-        areas: float64 (areas,), sizes of parts of the unknown.
+        areas: float64 (areas,), sizes of parts of the unknown, in any unit, such as m².
         shows: bool (stops, areas), whether a stop shows a part.
 
     Returns:
-        float64 (2**stops,): sum of the areas that some stop shows, but none of a set.
+        float64 (2**stops,): by set, sum of the areas that some stop shows, but none of the set.
     """
     stops = len(shows)
     sets = 1 << stops
@@ -37,16 +37,16 @@ def unseen_after(areas, shows):
 def soonest_tour(first, legs, unseen):
     """The open tour that sees things soonest, exactly.
 
-    Every metre costs what is unseen while it is driven, so that the sum is the mean length of the
-    path until a thing that is anywhere in there with the same chance is seen.
+    Every metre costs what is unseen while it is driven, so that the sum is proportional to the mean
+    path until a thing is seen that is equally likely anywhere in the unseen areas.
 
     Args:
-        first: float64 (stops,), lengths of the paths from the robot.
-        legs: float64 (stops, stops), lengths of the paths between stops.
+        first: float64 (stops,), lengths of the paths from the robot, metres.
+        legs: float64 (stops, stops), lengths of the paths between stops, metres.
         unseen: float64 (2**stops,), what is still unseen after every set of stops.
 
     Returns:
-        int64 (stops,): the stops in their order.
+        int64 (stops,): numbers of the stops in the order of the tour.
     """
     stops = first.size
     sets = 1 << stops

@@ -18,7 +18,7 @@ from hypernav.perception.explorers.map_question import (
 )
 
 _QUESTIONS = 2
-"""Number of questions, where answers give no number, before the fallback chooses."""
+"""Number of questions without a usable answer after which the fallback chooses."""
 
 
 @dataclass(eq=False)
@@ -71,7 +71,7 @@ class VlmReasoner:
     def _read(
         self, question: Question, answer: Answer, numbers: list[int], excluded: frozenset[int]
     ) -> BlockChoice | None:
-        """The choice in an answer, if there is one; asks for a summary where rules fail."""
+        """The choice in an answer; asks for a summary where rules find none; None without any."""
         number = chosen_number(question, answer, numbers)
         remarks = [] if number is not None else [answer.detail or "no rule finds one number"]
         self._record(question, answer, number, excluded, remarks)

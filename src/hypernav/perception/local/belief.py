@@ -18,31 +18,31 @@ from hypernav.perception.shape.kinds import KindShape
 
 _SCORES = (0.0, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 0.95, 1.0)
 _WEIGHTS = (-0.8, -0.4, 0.0, 0.2, 1.2, 1.8, 2.3, 2.7, 5.0)
-"""Shift of the log-odds by one look at a score: logarithms of the ratio of how often YOLOX-nano
-gives it to things that are the goal and to things that it takes for it, in further views of both,
-measured in training buildings (docs/results.md). Only what is certain counts more than measured."""
-_MISSED = -0.8
-_RIVAL_SHARE = 0.5
-_SHAPE_SHARE = 0.5
+"""Shifts of the log-odds by one image, by score: logarithms of how often YOLOX-nano gives the score
+to the goal, divided by how often to what it mistakes for it, in further views of both in training
+buildings (docs/results.md). Only a score near 1 counts more than was measured."""
+_MISSED = -0.8  # shift by an image that should show a candidate, but gave no sighting of it
+_RIVAL_SHARE = 0.5  # share of the shift that counts for a detection of another thing there
+_SHAPE_SHARE = 0.5  # share of the shift that counts for the form in one image
 _BELIEVED = 3.0
-"""Log-odds from which a candidate that was looked at from another side is taken for the goal."""
+"""Log-odds from which a candidate is taken for the goal, after a second look if it needs one."""
 _SURE = 4.2
-"""Log-odds from which it needs no look from another side."""
-_LEAST_LOOKS = 2
+"""Log-odds from which it needs no second look, if its form is not doubtful either."""
+_LEAST_LOOKS = 2  # number of positions of images, below which it needs a second look anyway
 _LAST_CHANCE = -1.0
 """Log-odds that are enough when nothing else is left."""
 _NEW_EVIDENCE = 1.5
 """Rise of the log-odds that brings a refuted candidate back."""
 _WORTH_M = 10.0
-"""Way that a candidate of even odds is worth."""
+"""Length of path that a candidate of even odds is worth."""
 _LEAST = -1.3
-"""Log-odds below which a candidate is not gone to, however near: images may still raise them."""
+"""Log-odds below which a candidate is not gone to, however near; later images may raise them."""
 _FAITH_M = 2.0
-"""Way by which another one must be better before the robot changes its mind."""
+"""Length of path by which another candidate must be better to become the target."""
 _SAME_SHARE = 0.5
-"""Share of an area's cells in a rejected one from which on both are the same object's."""
+"""Share of an area's cells in a rejected area above which both belong to one object."""
 _SAME_OBJECT = 0.3
-"""Share of the cells of one area in the other from which on both are the same candidate's."""
+"""Share of the cells of one area in another from which both belong to one candidate."""
 _MOST_CANDIDATES = 30
 _NEAR_M = 6.0
 """Distance beyond which no image can be expected to show a candidate."""
@@ -50,13 +50,13 @@ _NEAR_M = 6.0
 
 @dataclass(frozen=True, eq=False)
 class Sighting:
-    """A detection of the goal, the area on the floor plan that it gave, and what it says.
+    """A detection of the goal with its goal area; `Sightings` in core holds the other things.
 
     Attributes:
         detection: The detection.
         area: Its goal area.
-        shape: Shift of the log-odds by its form.
-        measure: What the image shows of its form, for all images together.
+        shape: Shift of the log-odds by its form in this image.
+        measure: Measurement of its form, to be combined with those of other images; None without.
     """
 
     detection: Detection
@@ -66,17 +66,17 @@ class Sighting:
 
     @property
     def weight(self) -> float:
-        """Shift of the log-odds; a form that fits is no proof, since many things have it."""
+        """Shift of the log-odds by score and form; a form that fits counts for nothing."""
         return weight_of(float(self.detection.score)) + _SHAPE_SHARE * min(self.shape, 0.0)
 
 
 def weight_of(score: float) -> float:
-    """Shift of the log-odds by a detection with a score."""
+    """Shift of the log-odds by a detection with this score, 0 to 1."""
     return float(np.interp(score, _SCORES, _WEIGHTS))
 
 
 def is_convincing(evidence: GoalEvidence, config: LocalConfig) -> bool:
-    """Whether enough speaks for the target that it may be said to be the goal."""
+    """Whether the evidence suffices to call the target the goal; always so with "latest"."""
     target = evidence.target
     if target is None or config.target == "latest":
         return target is not None
@@ -84,7 +84,7 @@ def is_convincing(evidence: GoalEvidence, config: LocalConfig) -> bool:
 
 
 def needs_second_look(evidence: GoalEvidence, config: LocalConfig) -> bool:
-    """Whether the target is too uncertain to be believed from one side."""
+    """Whether the target must be looked at from another side before it is taken for the goal."""
     target = evidence.target
     if target is None or target.confirmed or config.target == "latest":
         return False
@@ -93,7 +93,7 @@ def needs_second_look(evidence: GoalEvidence, config: LocalConfig) -> bool:
 
 
 def confirmed(evidence: GoalEvidence) -> GoalEvidence:
-    """The evidence after the target was looked at once more."""
+    """The evidence after the second look at the target."""
     target = evidence.target
     return evidence if target is None else evidence.with_target(replace(target, confirmed=True))
 
@@ -120,12 +120,12 @@ def with_position_barred(evidence: GoalEvidence, observation: Observation) -> Go
 def rejected(
     evidence: GoalEvidence, config: LocalConfig, *, for_good: bool = False
 ) -> GoalEvidence:
-    """The evidence after the target was refuted: it comes back only with new evidence.
+    """The evidence after the target was refuted; new evidence brings a candidate back.
 
     Args:
         evidence: The evidence.
-        config: Whether there are candidates, and how long the paper's rejection lasts.
-        for_good: Whether no later image can bring it back.
+        config: Rule for the target, and how long a rejection lasts with "latest".
+        for_good: Whether no later image can bring a candidate back.
     """
     target = evidence.target
     if target is None:
@@ -163,7 +163,7 @@ def reconsidered(evidence: GoalEvidence) -> GoalEvidence | None:
 
 
 def before_a_look(evidence: GoalEvidence) -> GoalEvidence:
-    """The evidence when one more image is taken; some rejections end by that."""
+    """The evidence before one more image: rejections for a number of images last one less."""
     rejections = tuple(
         replace(one, looks_left=one.looks_left - 1)
         for one in evidence.rejections
@@ -173,19 +173,19 @@ def before_a_look(evidence: GoalEvidence) -> GoalEvidence:
 
 
 def is_rejected(evidence: GoalEvidence, area: GoalArea) -> bool:
-    """Whether an area lies where nothing is taken for the goal at present."""
+    """Whether more than half of an area lies in one that is rejected or refuted at present."""
     return any(one.covers(area) > _SAME_SHARE for one in evidence.rejected_areas)
 
 
 def with_latest(
     evidence: GoalEvidence, config: LocalConfig, sightings: list[Sighting], observation: Observation
 ) -> GoalEvidence:
-    """The evidence after an image, whose sighting is the target whatever was before (paper).
+    """The evidence after an image; a sighting in it becomes the target in any case (paper).
 
     Args:
         evidence: The evidence before the image.
         config: Choice among several sightings.
-        sightings: Sightings of the image, the most certain first.
+        sightings: Sightings of the goal in the image, in the detector's order.
         observation: The image.
     """
     if not sightings:
@@ -208,12 +208,12 @@ def with_sightings(
     observation: Observation,
     kind: KindShape | None = None,
 ) -> GoalEvidence:
-    """The evidence for every candidate after an image, and the best of them chosen.
+    """The evidence for every candidate after an image, with the best of them as the target.
 
     Args:
         evidence: The evidence before the image.
-        sightings: Sightings of the image, the most certain first.
-        others: What the image shows beside the goal.
+        sightings: Sightings of the goal in the image, in the detector's order.
+        others: Detections of other things in the image.
         observation: The image.
         kind: What things of the goal's kind are like; None if nothing is known of them.
     """
@@ -222,11 +222,11 @@ def with_sightings(
     for one in sightings:
         number = _number_of(one.area, known.values(), evidence.chosen)
         if number in weights:
-            continue  # a weaker box of the same thing says nothing new, and more of what is beside
+            continue  # a further box of this candidate adds nothing, and may hold what is beside it
         if number is None:
             number, count = count, count + 1
             known[number] = Target(one.area, observation, one.detection.box.area, number=number)
-        elif one.weight > 0.0:  # what speaks against it may be something beside it
+        elif one.weight > 0.0:  # a doubtful detection may be of something beside the candidate
             known[number] = known[number].seen_again(
                 one.area, one.detection, observation, join=True
             )
@@ -258,7 +258,7 @@ def _measured(one: Target, measure: Measure, kind: KindShape) -> Target:
 
 
 def _number_of(area: GoalArea, known: Iterable[Target], chosen: int | None) -> int | None:
-    """The number of the candidate that an area is of: the one that is gone to before others."""
+    """The number of the candidate that an area belongs to, the target first; None if to none."""
     same = [one for one in known if _is_same(area, one.area)]
     if not same:
         return None
@@ -266,12 +266,12 @@ def _number_of(area: GoalArea, known: Iterable[Target], chosen: int | None) -> i
 
 
 def _is_same(a: GoalArea, b: GoalArea) -> bool:
-    """Whether two areas are one object's: a thing beside it touches it only."""
+    """Whether two areas belong to one object: those of neighbours hardly overlap."""
     return max(a.covers(b), b.covers(a)) >= _SAME_OBJECT
 
 
 def _is_missed(one: Target, observation: Observation) -> bool:
-    """Whether an image should show a candidate."""
+    """Whether an image without a sighting of a candidate should show it."""
     area = one.area
     if observation.robot.distance_to(*area.centre) > _NEAR_M:
         return False
@@ -279,7 +279,7 @@ def _is_missed(one: Target, observation: Observation) -> bool:
 
 
 def _rivalry(one: Target, others: list[Detection], observation: Observation) -> float:
-    """What the likeliest other name of the same pixels takes away."""
+    """Log-odds that the surest detection of another thing in the same pixels takes away."""
     seen = one.area.seen_points
     strongest = max(
         (float(o.score) for o in others if seems_to_hold(o.box, seen, observation)), default=0.0
@@ -288,7 +288,7 @@ def _rivalry(one: Target, others: list[Detection], observation: Observation) -> 
 
 
 def _best(evidence: GoalEvidence, robot: Pose2) -> int | None:
-    """The number of the candidate that is worth its way; the present one in doubt."""
+    """The number of the candidate most worth its path, the target preferred; None if none is."""
 
     def worth_m(one: Target) -> float:
         faith_m = _FAITH_M if one.number == evidence.chosen else 0.0

@@ -39,15 +39,15 @@ class LocalConfig(RoomConfig):
         largest_cluster_only: Whether to keep only the connected cells that most points fall into.
         entry_reach_m: Distance from the seen cells, metres, within which the robot may enter the
             goal area, but not behind a wall; 0 (paper) sends it to the dilated cells. A quarter
-            less where the pixels were guessed from a box, since they spill over the goal's edge.
-        target: Rule for what is gone to. "latest": every new detection moves the goal area
-            (paper). "candidates": everything that may be the goal is remembered with what speaks
-            for and against it, from all sides, and what is worth its way is gone to; a doubtful one
-            is looked at from another side before the robot believes in it.
-        pick: Choice among several detections: the detector's "first", or the one "nearest" to the
-            robot.
-        rejected_for_looks: Number of images for which what was rejected is not taken for the goal
-            again, if there are no candidates; None sets no end.
+            less where the detector gave no mask, since guessed pixels spill over the goal's edge.
+        target: Rule for the target, the candidate that is gone to. "latest": the newest detection
+            of the goal (paper). "candidates": everything that may be the goal is remembered with
+            the evidence for and against it, and the one most worth its path is the target; a
+            doubtful one is looked at from another side before it is taken for the goal.
+        pick: Choice among several detections where target is "latest": the detector's "first", or
+            the one "nearest" to the robot.
+        rejected_for_looks: Number of images for which a rejected target is not taken for the goal
+            again, where target is "latest"; None sets no end.
     """
 
     published_segmenter: str = ""

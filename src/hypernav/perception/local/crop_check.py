@@ -1,4 +1,4 @@
-"""A closer look at a detection: whether its crop shows the goal, and how certain that is."""
+"""The question about a detection's crop: whether it shows the goal."""
 
 import numpy as np
 
@@ -25,7 +25,7 @@ _CONFUSIONS: tuple[tuple[str, ...], ...] = (
 
 
 def confusions(goal: Goal) -> tuple[str, ...]:
-    """Things that are easily taken for a goal, or the goal for them."""
+    """Names of things that are easily confused with a goal."""
     return tuple(
         other
         for group in _CONFUSIONS
@@ -36,7 +36,7 @@ def confusions(goal: Goal) -> tuple[str, ...]:
 
 
 def crop_question(crop: Image, goal: Goal) -> Question:
-    """Question whether a crop shows the goal, with what it is easily taken for as alternatives."""
+    """Question whether a crop (RGB) shows the goal; things confused with it are alternatives."""
     wanted = goal.with_article
     others = "".join(f", {Goal(other).with_article}" for other in confusions(goal))
     text = (

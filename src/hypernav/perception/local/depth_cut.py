@@ -19,8 +19,8 @@ _SMALLEST_SHARE = 0.02
 _LEAST_INSIDE = 0.5
 """`_Parts.inside` from which on a part may be one of the object's other parts."""
 _LEAST_FIT = 0.02
-"""Factor on the fit of a part that extends beyond the box on all sides."""
-_NEAREST_M = 0.3
+"""Least factor on the fit of a part, that of one that extends far beyond the box."""
+_NEAREST_M = 0.3  # depth below which nearer parts fit no better
 _WORK_SIZE_PX = 120
 """Length that the longer side of the box is reduced to before the colour cut."""
 _MARGIN = 0.15
@@ -31,8 +31,8 @@ _MAX_FLOOR_SHARE = 0.6
 """Share of the box on the floor above which the object lies on it, as a rug does, and the floor is
 kept."""
 _MAX_EMPTY_SHARE = 0.5
-"""Share of the box without depth above which the object lies beyond the range of depth, and what
-has depth stands before it."""
+"""Share of the box without depth above which the object is taken to lie beyond the range of depth,
+behind whatever has depth there."""
 
 
 class DepthCutConfig(RoomConfig):
@@ -64,7 +64,7 @@ class DepthCutSegmenter:
     config: DepthCutConfig = field(default_factory=DepthCutConfig)
 
     def segment(self, observation: Observation, box: Box) -> Bool[np.ndarray, "height width"]:
-        """The object's pixels; all False if the box lies outside the image."""
+        """The object's pixels, in the depth image's size; all False if the box is outside it."""
         height, width = observation.depth.shape
         mask = np.zeros((height, width), dtype=bool)
         box = box.clipped(width, height)
@@ -152,12 +152,12 @@ class DepthCutSegmenter:
         box: Bool[np.ndarray, "h w"],
         solid: Bool[np.ndarray, "h w"],
     ) -> Bool[np.ndarray, "h w"]:
-        """The pixels in the box of the part that fits it best, and of other parts as far away.
+        """The pixels in the box of the part that fits it best, and of other parts at its depth.
 
         Args:
             depth: Depth, metres.
             box: Pixels in the box; those around it tell which parts end there.
-            solid: Pixels with depth that are no floor.
+            solid: Pixels with depth that are not floor.
         """
         parts = _Parts.of(_divided(depth, solid, self.config.depth_gap_m), depth, box)
         if not parts.inside.any():
@@ -173,14 +173,14 @@ class DepthCutSegmenter:
 
 @dataclass(frozen=True, eq=False)
 class _Parts:
-    """The parts of a depth image beside a box; part 0 is what belongs to none.
+    """The parts of a depth image and how they fit a box; part 0 holds what belongs to none.
 
     Attributes:
         labels: Number of every pixel's part.
         depth: Mean depth of every part, metres.
-        inside: How much of every part lies in the box: 1 if all does, 0 if not more than of a part
-            that covers the whole image, or none.
-        fit: How well every part fits the box.
+        inside: How much of every part lies in the box: 1 if all of it does, 0 if no larger share
+            than of the whole crop does, or nothing.
+        fit: How well every part fits the box; -1 if it is too small to be the object.
     """
 
     labels: Int32[np.ndarray, "h w"]
@@ -214,10 +214,10 @@ class _Parts:
 def _divided(
     depth: Float32[np.ndarray, "h w"], solid: Bool[np.ndarray, "h w"], gap_m: float
 ) -> Int32[np.ndarray, "h w"]:
-    """Number of every pixel's part; 0 where nothing solid is.
+    """Number of every pixel's part; 0 where a pixel is not solid.
 
-    Neighbouring pixels belong to one part if their depths differ by less than the gap. Between any
-    two pixels stands one for the link of both, so that OpenCV finds the parts.
+    Neighbouring pixels belong to one part if their depths differ by less than the gap. Between
+    neighbours a pixel is inserted that says whether they are linked, so that OpenCV finds parts.
     """
     height, width = depth.shape
     links = np.zeros((2 * height - 1, 2 * width - 1), dtype=np.uint8)
@@ -233,7 +233,7 @@ def _divided(
 def _span(
     labels: Int32[np.ndarray, "h w"], box: Bool[np.ndarray, "h w"], count: int
 ) -> Float64[np.ndarray, " parts"]:
-    """Share of the box that the smallest rectangle around every part covers, inside the box."""
+    """Share of the box that the rectangle around every part's pixels in the box covers."""
     rows, columns = np.nonzero(box)
     numbers = labels[box]
     span = np.ones(count)

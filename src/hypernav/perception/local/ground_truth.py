@@ -17,12 +17,12 @@ MIN_AREA_SHARE = 0.0005
 640×480."""
 _STRIDE = 8
 _LEAST_PIXELS = 2
-"""Every 8th pixel in both directions is looked at to name things, and so many must show one."""
+"""To name things every 8th pixel in both directions is read, and two of them must show one."""
 
 
 @dataclass(frozen=True, eq=False)
 class GroundTruthDetector:
-    """Sees exactly what is visible and labelled, and nothing else.
+    """Sees exactly what is visible, labelled and not too small.
 
     Its detections carry their masks, so no segmenter is asked.
 
@@ -53,11 +53,11 @@ class GroundTruthDetector:
     def name_things(
         self, observation: Observation, *, besides: Collection[int]
     ) -> dict[int, SeenThing]:
-        """Visible instances within the range of depth, by their numbers.
+        """Visible instances that have depth, by their numbers, with positions in the ``map`` frame.
 
         Args:
             observation: Present frame.
-            besides: Numbers of those that are left out.
+            besides: Numbers of the instances to leave out.
 
         Raises:
             LabelsMissingError: The world supplies no labels.
@@ -95,7 +95,7 @@ def true_labels(observation: Observation) -> LabelledPixels:
 
 
 def visible_objects(truth: LabelledPixels, min_area_share: float = MIN_AREA_SHARE) -> list[int]:
-    """Labelled instances that cover at least this share of the image, largest first."""
+    """Numbers of labelled instances with at least this share of the image, largest first."""
     pixels = np.bincount(truth.ids.ravel() + 1)[1:]  # -1 where there is no instance
     enough = np.flatnonzero(pixels >= min_area_share * truth.ids.size)
     visible = [int(number) for number in enough if int(number) in truth.labels]

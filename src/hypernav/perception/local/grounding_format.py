@@ -1,8 +1,8 @@
 """Reading boxes out of the text of a vision-language model. Never raises, whatever the text.
 
-Read are: JSON, bare, fenced or amid prose; lists, single objects and objects around lists; JSON
-that was cut off or that has single quotes and trailing commas; lists of numbers without keys; and
-Qwen2-VL's ``<|box_start|>(x1,y1),(x2,y2)<|box_end|>``.
+It reads JSON, bare, fenced or amid prose: lists, single objects and objects around lists, also if
+cut off or with single quotes and trailing commas; lists of numbers without keys; and Qwen2-VL's
+``<|box_start|>(x1,y1),(x2,y2)<|box_end|>``.
 """
 
 import json
@@ -20,7 +20,7 @@ from hypernav.models.chat.vlm_families import VlmFamily
 _MOST_CHARACTERS = 20_000
 _MOST_ATTEMPTS = 400
 _MOST_ITEMS = 200
-_OVERSHOOT = 0.03
+_OVERSHOOT = 0.03  # share of the image by which a box may reach beyond it; it is clipped
 
 _BOX_KEYS = ("bbox_2d", "box_2d", "bbox", "box", "bounding_box", "boundingbox", "bounding box")
 _LABEL_KEYS = ("label", "name", "object", "category", "class", "description")
@@ -59,8 +59,8 @@ class Grounding:
     """The boxes of an answer.
 
     Attributes:
-        boxes: Usable boxes, in the model's order; without a label, or with a score of 1, where the
-            model gave none.
+        boxes: Usable boxes in pixels of the image, in the model's order; label empty and score 1
+            where the model gave none.
         rejected: Number of the other boxes, by reason.
     """
 
@@ -192,7 +192,7 @@ def _json_values(text: str) -> list[Any]:
 
 
 def _mended(text: str, begin: int) -> tuple[Any, int]:
-    """A broken object read with its quotes and commas put right, and where to read on."""
+    """A broken object, read with quotes and commas corrected, and the offset to read on from."""
     match = _FLAT_OBJECT.match(text, begin)
     if match is not None:
         mended = re.sub(r",\s*([}\]])", r"\1", match[0].replace("'", '"'))
@@ -248,5 +248,5 @@ def _is_container(value: Any) -> bool:
 
 
 def _looks_like_numbers(value: list[Any]) -> bool:
-    """A bare box, perhaps a broken one; "[2]" in prose is none."""
+    """Whether a list may be a bare box, perhaps a broken one; "[2]" in prose is none."""
     return len(value) >= 3 and not any(isinstance(one, dict | list) for one in value)

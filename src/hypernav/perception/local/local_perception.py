@@ -1,4 +1,4 @@
-"""Local perception: the goal in the image and its area on the floor plan."""
+"""Local perception: the goal in the image and its goal area on the map."""
 
 import math
 from collections.abc import Sequence
@@ -34,18 +34,18 @@ from hypernav.perception.shape.kinds import KindShape, kind_shape
 
 _NO_DEPTH = "too few points with depth"
 _REJECTED = "rejected before"
-_BESIDE_REJECTED_DEG = 10.0
+_BESIDE_REJECTED_DEG = 10.0  # a goal out of range this near to a rejected area is ignored
 _STRONG = 0.3
-"""Score from which one detection alone is worth remembering, or following out of range."""
+"""Least score of another thing to be remembered, and of a goal out of range to be followed."""
 _NEARER = 0.75
 """Share of the entry reach that is left where the goal's outline was guessed from a box."""
 _CERTAIN = 0.99
-"""Score from which a detector has no doubts that a form could speak to."""
+"""Score from which the detector is so certain that the form of the thing is not measured."""
 
 
 @dataclass(frozen=True, eq=False)
 class LocalPerception:
-    """Detects, segments, refines and projects. What it finds out is kept by the memory.
+    """Detects, segments, refines and projects the goal. The memory keeps what it finds.
 
     Attributes:
         detector: Detector that finds boxes of the goal.
@@ -53,8 +53,7 @@ class LocalPerception:
         config: Refinement, projection and evidence.
         camera: Camera, whose range of depth counts.
         cell_size_m: Side of a map cell, metres.
-        names_things: Whether whatever the detector can name is remembered, not only what it reports
-            beside the goal.
+        names_things: Whether all that the detector can name is remembered, not only its detections.
     """
 
     detector: Detector
@@ -68,16 +67,17 @@ class LocalPerception:
     def look(
         self, observation: Observation, goal: Goal, floor: Floor, *, asks: bool = True
     ) -> list[DetectionRecord]:
-        """Search one image, and let the memory of the floor know.
+        """Search one image for the goal, and update the memory of the floor.
 
         Args:
             observation: Present frame.
-            goal: Target of the search.
+            goal: Goal of the search.
             floor: Memory of the floor that the robot is on.
-            asks: Whether the detector may be asked about the image; else only time passes.
+            asks: Whether the detector is asked; else the image only counts as one more taken.
 
         Returns:
-            Every detection of the image, and whether it gave a goal area or the reason why not.
+            A record of every detection of the goal; with candidates, one "rejected before" is not
+            accepted, yet counts as evidence.
         """
         search, config = floor.search, self.config
         search.evidence = before_a_look(search.evidence)
@@ -148,7 +148,7 @@ class LocalPerception:
         observation: Observation,
         kind: KindShape | None,
     ) -> Form | None:
-        """The form of a doubtful detection; None where nothing is known of the goal's kind."""
+        """The form of an uncertain detection; None if it is certain or the kind is not known."""
         if kind is None or self.config.target == "latest" or detection.score >= _CERTAIN:
             return None
         return measured_form(observation, mask, detection.box)
@@ -179,7 +179,7 @@ class LocalPerception:
     def _far_position(
         self, detection: Detection, observation: Observation, rejected: Sequence[GoalArea]
     ) -> tuple[float, float] | None:
-        """The position in the middle of a box at the end of the range; None behind a rejection."""
+        """Nearest ``(x, y)`` on the map of a goal out of range; None beside a rejected area."""
         robot, camera, box = observation.robot, observation.camera, detection.box
         column = (box.x_min + box.x_max) / 2.0
         bearing = camera.bearing_of(column)

@@ -35,7 +35,7 @@ class DetectorQuality(RoomConfig):
         confused_alike: Probability that an object that resembles the goal is taken for it; drawn
             once for an episode, and missed as often as the goal in the images after that.
         confused_other: The same for an object that doesn't resemble the goal.
-        false_alarms: Mean number of boxes in an image where nothing is.
+        false_alarms: Mean number of boxes per image at random positions.
         right_score: Mean score of the goal.
         wrong_score: Mean score of everything else.
         score_sd: Standard deviation of both, before they are cut to 0.05 to 1.
@@ -109,7 +109,7 @@ _CUSTOM = "custom"
 
 
 class NoisyDetector:
-    """Detects the goal as well as told, from the labels of a simulated world.
+    """Detects the goal from the labels of a simulated world, with set error rates.
 
     It gives boxes only, as most detectors do, so a segmenter finds the pixels. Misses, false alarms
     and scores are independent from image to image, which is kinder than a real detector is: its
@@ -129,7 +129,7 @@ class NoisyDetector:
 
         Args:
             level: Name of the quality: "perfect", "good", "fair", "poor" or "custom".
-            truth: Generator of the episode.
+            truth: Source of the episode's random generator.
             config: Error rates of "custom".
 
         Raises:
@@ -148,11 +148,11 @@ class NoisyDetector:
         """Whether an object seems to be the goal, by its number."""
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
-        """What is found of the goal, what is taken for it, and false alarms; best first.
+        """Goals found, other things taken for the goal, and false alarms; best first.
 
         Raises:
             LabelsMissingError: The world supplies no labels.
-            TruthMissingError: Nobody told the generator of this episode.
+            TruthMissingError: This episode's generator was not set.
         """
         rng = self._rng_of_episode()
         pixels = true_labels(observation)

@@ -20,10 +20,10 @@ class PresenceConfig(RoomConfig):
     Attributes:
         enabled: Whether to ask, where there is a chat model.
         prompt: Text of the question; ``{goal}`` is filled in.
-        right_articles: Whether the goal is named without its own article, and with the right one
-            for ``a {goal}``; else as it was said.
-        unsure: Value of an answer that is neither yes nor no. "yes" trusts the detector.
-        min_probability: Probability that "yes" needs, where the model tells probabilities.
+        right_articles: Whether the goal's own article is dropped and ``a {goal}`` gets the right
+            one; else the goal's text is filled in as it is.
+        unsure: What an answer that is neither yes nor no counts as. "yes" trusts the detector.
+        min_probability: Least probability of a "yes", where the model gives probabilities.
     """
 
     enabled: bool = True
@@ -34,7 +34,7 @@ class PresenceConfig(RoomConfig):
 
 
 def presence_question(config: PresenceConfig, image: Image, goal: Goal) -> Question:
-    """Question to a model at the goal."""
+    """Question to a model whether an image (RGB) shows the goal."""
     as_said = config.prompt.replace("{goal}", goal.text.strip())
     text = goal.named_in(config.prompt) if config.right_articles else as_said
     return yes_no_question("verify", text, image)
@@ -53,7 +53,7 @@ class VlmPresenceCheck(YesNoAsker):
     count_name = "unsure_presence_checks"
 
     def is_present(self, observation: Observation, goal: Goal) -> bool:
-        """Ask yes or no.
+        """Whether the model says yes.
 
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.

@@ -9,10 +9,10 @@ from hypernav.core.observation import Observation
 from hypernav.mapping.memory.goal_area import GoalArea, points_under_mask
 from hypernav.perception.local.config import LocalConfig
 
-_MANY_PIXELS = 4000
-_LEAST_LEFT = 0.25
+_MANY_PIXELS = 4000  # above it only every second pixel in both directions is used
+_LEAST_LEFT = 0.25  # share of a mask below which it is too thin to be eroded
 _STRAY_SHARE = 0.05
-"""Share of the points below which a part of a guessed mask is another thing's."""
+"""Share of the points below which a separate part of a guessed mask belongs to another thing."""
 
 
 def eroded(
@@ -21,9 +21,9 @@ def eroded(
     """A mask without its edge (paper: "the mask is eroded").
 
     Args:
-        mask: Mask of the target's pixels.
+        mask: Mask of the goal's pixels.
         config: Size of the kernel, and whether a mask of which little would be left stays as it is:
-            a thin object would vanish, and a little background is the smaller evil.
+            a thin object would vanish, which is worse than some background.
     """
     kernel = np.ones((config.erosion_px, config.erosion_px), np.uint8)
     inner = cv2.erode(mask.astype(np.uint8), kernel).astype(bool)
@@ -43,7 +43,7 @@ def projected(
     """The goal area under a mask; None if too few of its pixels have a depth within the range.
 
     Args:
-        mask: Mask of the target's pixels, refined as far as it shall be.
+        mask: Mask of the goal's pixels, already eroded if it is to be.
         observation: Frame that the mask was made from.
         config: Least number of points, dilation and choice of the cluster.
         camera: Camera, whose range of depth counts.

@@ -26,7 +26,7 @@ _NORMAL = NormalDist()
 _SECTORS = 8
 _PLACE_M = 1.0
 _PLACES_SEEN = 30.0
-"""Places of a building, cubes of 1 m, that a view shows; only sets the scale of their rate."""
+"""Places of a building, cubes of 1 m, that a view shows on average; it scales their error rate."""
 _STRIDE = 4
 
 # Error rates of YOLOX-nano, counted in 1,400 views of 27 generated training buildings and one made
@@ -44,8 +44,8 @@ _FOUND_CUT_OFF = (0.0, 0.18, 0.25, 0.58, 0.57)
 """Shares of views in which a thing of a known kind is found, by bin of size."""
 
 _SAME_THING_FOUND = 0.7
-"""How much of whether a thing is found is the thing, not the view: the correlation at which one
-that is found in one view is found in about 58% of its others, as by YOLOX."""
+"""Correlation between views of whether one thing is found: at this value a thing that is found in
+one view is found in about 58% of its others, as by YOLOX."""
 
 _SAME_NAME_SAID = 0.45
 """The same for wrong names: at a rate of 0.06, what is said in one view is said in 23% of the
@@ -103,7 +103,7 @@ _TAKEN_FROM_BUILDING: dict[str, float] = {
     "sink": 0.007,
     "bed": 0.004,
 }
-"""Boxes a view in which walls, floors and ceilings are taken for a kind."""
+"""Mean number of boxes per view in which walls, floors and ceilings are taken for a kind."""
 
 _TAKEN_FROM_BUILDING_ANY_OTHER = 0.0003
 _RIGHT_SCORE, _RIGHT_SCORE_SD = 0.67, 0.19
@@ -143,7 +143,7 @@ class SystematicDetector:
         self._share = LEVELS[level]
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
-        """What is found of the goal and what is taken for it, best first.
+        """Goals found and things or places taken for the goal, best first.
 
         Raises:
             LabelsMissingError: The world supplies no labels.
@@ -163,7 +163,7 @@ class SystematicDetector:
     def _chance(
         self, label: ObjectLabel, goal: Goal, box: Box, observation: Observation
     ) -> tuple[float, float]:
-        """Probability over all things and views that this one is reported, and its persistence."""
+        """Probability that such a thing is reported, and the correlation between its views."""
         if label.satisfies(goal):
             size, is_cut = _size_bin(box, observation), _is_cut_off(box, observation)
             found = (_FOUND_CUT_OFF if is_cut else _FOUND_WHOLE)[size]
@@ -178,7 +178,7 @@ class SystematicDetector:
     def _taken_places(
         self, truth: LabelledPixels, observation: Observation, goal: Goal
     ) -> list[Detection]:
-        """Places of the building that are taken for the goal, always the same ones."""
+        """Detections of places of the building, always the same ones, taken for the goal."""
         named = [rate for kind, rate in _TAKEN_FROM_BUILDING.items() if same_name(kind, goal.thing)]
         rate = self._share * max(named, default=_TAKEN_FROM_BUILDING_ANY_OTHER)
         depth, ids = observation.depth[::_STRIDE, ::_STRIDE], truth.ids[::_STRIDE, ::_STRIDE]
@@ -204,7 +204,7 @@ class SystematicDetector:
 
 
 def _view_of(true: Detection, observation: Observation) -> tuple[int, int, bool]:
-    """Side from which a thing is seen, size of its box, and whether the image cuts it off.
+    """Side from which a thing is seen, bin of its box's size, and whether the image cuts it off.
 
     The side is the sector of the direction from the thing to the camera.
     """

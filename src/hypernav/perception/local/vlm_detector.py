@@ -26,9 +26,9 @@ _PROMPT = (
     "answer []."
 )
 _UNSURE = 0.5
-"""Score of a crop about which the answer is neither yes nor no."""
+"""Score of a box if the answer about its crop is neither yes nor no."""
 CROP_MARGIN = 0.3
-"""Width of what a crop shows around its box, as a share of the box's sides."""
+"""Width of the margin that a crop shows around its box, as a share of the box's sides."""
 _MAX_BOXES = 10
 """Largest number of boxes of an answer; further ones are dropped."""
 _MIN_SIDE_PX = 4.0
@@ -44,8 +44,8 @@ class VlmDetectorConfig(RoomConfig):
         prompt: Text of the question. ``{goal}``, ``{key}`` (of a box) and ``{example}`` are filled
             in.
         right_articles: Whether the goal is named without its own article.
-        score_crops: Number of boxes of an image, the largest first, whose crops are looked at once
-            more: the probability of "yes" is the box's score. 0 takes boxes as they are.
+        score_crops: Number of boxes of an image, the largest first, whose crops are asked about
+            once more: the probability of "yes" is the box's score. 0 takes boxes as they are.
         min_score: Score below which a box is dropped.
         constrained: Whether to enforce the JSON form where the server can. The models were trained
             on free answers and these are read tolerantly, so it is rarely needed.
@@ -97,7 +97,7 @@ def grounding_question(
 
 
 class VlmDetector:
-    """Asks for boxes of the goal. Every answer is read and counted; none raises an error."""
+    """Asks for boxes of the goal. What can't be used of an answer is counted, never an error."""
 
     def __init__(
         self, chat: ChatModel, log: ExchangeLog, config: VlmDetectorConfig | None = None
@@ -132,7 +132,7 @@ class VlmDetector:
         return self._family
 
     def check_model(self) -> VlmFamily:
-        """Refuse a model whose coordinates are not known, as `family` does."""
+        """The family of the model; raises the errors of `family` where it is not known."""
         return self.family
 
     def take_report(self) -> dict[str, Any]:
@@ -142,7 +142,7 @@ class VlmDetector:
         return report
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
-        """All candidates, in the model's order.
+        """Boxes of the goal in the image, pixels, in the model's order, not by score.
 
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.
@@ -166,7 +166,7 @@ class VlmDetector:
     def _looked_at(
         self, found: list[Detection], observation: Observation, goal: Goal
     ) -> list[Detection]:
-        """The detections with the scores of their crops; those with too low a score are dropped."""
+        """The detections with the scores of their crops, without those whose score is too low."""
         by_size = sorted(range(len(found)), key=lambda k: -found[k].box.area)
         for k in by_size[: self._config.score_crops]:
             crop = crop_of(observation.rgb, found[k].box, CROP_MARGIN)
@@ -206,6 +206,6 @@ def labels_agree(label: str, goal: Goal) -> bool:
 
 
 def _says_nothing(text: str) -> bool:
-    """Whether an answer plainly says that there is none."""
+    """Whether an answer plainly says that the image shows no goal."""
     bare = text.strip().strip("`").removeprefix("json").strip()
     return bare in {"[]", "{}", "null", "None"} or bare.replace(" ", "") == '{"objects":[]}'

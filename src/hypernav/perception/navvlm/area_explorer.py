@@ -1,4 +1,4 @@
-"""Exploration of the area that a model points to, or of frontiers where it points nowhere.
+"""Exploration of the area that a model points to, or of frontiers where it points to none.
 
 Source: the released code of NavVLM (a demonstration of one scene that differs from its paper).
 """
@@ -33,22 +33,22 @@ _WIDTH = 640.0
 """Width of the image that sizes in pixels are given for."""
 _CENTRES = {Direction.LEFT: 0.25, Direction.RIGHT: 0.75, Direction.STRAIGHT: 0.5}
 """Middles of the labelled squares, as shares of the width (NavVLM's code); at half the height."""
-_JOINED_CELLS = 3
+_JOINED_CELLS = 3  # side of the kernel that joins cells to pieces
 _KEY = "navvlm"
 """Key of this explorer's notes."""
 _SQUARE_PX = 200
 """Side of the labelled square in an image of 640 columns (NavVLM's code)."""
 _ARRIVAL_M = 0.8
-"""Distance within which an area counts as reached (NavVLM's code)."""
+"""Distance within which an area counts as reached, metres (NavVLM's code)."""
 _KEEP_STEPS = 10
-"""Number of steps that an area is gone to (NavVLM's code)."""
+"""Largest number of steps towards one area (NavVLM's code)."""
 _TURNS = 12
 """Largest number of turns to the right, with a question after each, before the nearest frontier is
 gone to (NavVLM's code)."""
 _LEAST_CELLS = 6
 """Number of map cells that the square must cover in one piece (NavVLM's code)."""
 _GAP_M = 1.0
-"""Largest distance from an area to floor that the robot can reach; ours."""
+"""Largest distance from an area to floor that the robot can reach, metres; ours."""
 _MAP_PX = 480
 """Side of the map's image, pixels; ours."""
 
@@ -58,7 +58,7 @@ class AreaConfig(RoomConfig):
 
     Attributes:
         visited_radius_m: Distance from an area that was reached or given up, metres, within which
-            another counts as none; ours: the original may go to and fro.
+            another is passed over; ours: the original may go to and fro.
         clear_rows: Whether a row of the map that holds anything outside the largest piece is
             dropped altogether: a mistake of the original.
     """
@@ -82,14 +82,14 @@ class _Notes:
 
 @dataclass(frozen=True, eq=False)
 class AreaExplorer:
-    """Asks which way leads to the goal, and goes to what the image shows there.
+    """Asks which direction leads to the goal, and goes to the area that the image shows there.
 
-    Where nothing leads there it turns and asks again; when it has turned around, it goes to the
-    nearest frontier. Map, planner and stop are those of all agents (ours: the original drives by
+    Where none does, it turns to the right and asks again; after 12 turns it goes to the nearest
+    frontier. Map, planner and stop are those of all agents (ours: the original drives by
     fast marching, and asks a model at every step whether to stop).
 
     Attributes:
-        guide: Guide that says directions.
+        guide: Guide that names a direction.
         log: Log of all choices, for the trace.
         embodiment: Turn of the robot, range of its camera.
         mapping: Cells of the map.
@@ -105,7 +105,7 @@ class AreaExplorer:
     config: AreaConfig = field(default_factory=AreaConfig)
 
     def next_destination(self, view: ExplorationView) -> Destination | None:
-        """The area that the guide points to, a turn, or the nearest frontier; None at the end.
+        """The area that the guide points to, a turn, or the nearest frontier; None without any.
 
         Raises:
             ModelUnavailableError: The guide's model did not answer.
@@ -148,7 +148,7 @@ class AreaExplorer:
         return {direction: _square(seen, direction)[1] for direction in _CENTRES}
 
     def _area(self, view: ExplorationView, direction: Direction) -> tuple[float, float] | None:
-        """Reachable position nearest to what the square shows; None if there is none to go to."""
+        """Reachable position ``(x, y)`` nearest to the area in the square; None without any."""
         grid, robot = view.grid, view.robot
         cells = self._cells_in(view.observation, direction, grid)
         if not len(cells):
@@ -170,7 +170,7 @@ class AreaExplorer:
         return position
 
     def _is_known(self, position: tuple[float, float], view: ExplorationView) -> bool:
-        """Whether the robot is there, or has been."""
+        """Whether the robot is at a position, or a destination near it was reached or given up."""
         radius_m = self.config.visited_radius_m
         here = view.robot.distance_to(*position) < _ARRIVAL_M
         return here or any(math.dist(position, visit) < radius_m for visit in view.visits)
@@ -178,10 +178,10 @@ class AreaExplorer:
     def _cells_in(
         self, seen: Observation, direction: Direction, grid: OccupancyGrid
     ) -> Int64[np.ndarray, "n 2"]:
-        """Cells under the square, of which the largest connected piece is kept.
+        """``[row, column]`` of the map cells under the square, of the largest piece only.
 
-        The original clusters by density; a piece is what stays connected when cells are dilated by
-        one (ours).
+        The original clusters by density; ours is a piece that is connected when cells are dilated
+        by one.
         """
         rows, columns = _square(seen, direction)
         camera = self.embodiment.camera
@@ -224,7 +224,7 @@ def _past(
     trajectory: Sequence[tuple[float, float]],
     size: int,
 ) -> UInt8[np.ndarray, "_ _ 3"]:
-    """The view before, beside the map with the path."""
+    """The camera image of the choice before, beside the map with the trajectory; RGB."""
     drawn = draw_question_map(grid, (), robot, trajectory, size=size)
     width = round(before.shape[1] * size / before.shape[0])
     return np.hstack([cv2.resize(before, (width, size), interpolation=cv2.INTER_AREA), drawn])

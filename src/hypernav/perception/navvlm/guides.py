@@ -1,4 +1,4 @@
-"""The direction question of NavVLM: to a chat model, or to what is really in view."""
+"""The direction question of NavVLM, answered by a chat model or by true labels."""
 
 from dataclasses import dataclass, field
 
@@ -27,11 +27,11 @@ _PAST = (
 )
 _ABSENT = ("explore", "not visible", "no sign", "cannot see", "can't see", "not see", "absent")
 _LEAST_CHANCE = 0.4
-"""Chance of the goal in a room like the one in a direction at which that direction leads there;
+"""Chance of the goal in the kind of room in a direction, from which on that direction is chosen;
 ours."""
 _LEAST_LEAD = 2.0
-"""How many times as likely as in the least likely direction the goal must be elsewhere to lead
-there below that chance; ours."""
+"""Ratio of the chances in the likeliest and least likely direction, from which on the likeliest is
+chosen also below that chance; ours."""
 
 
 class ChatGuideConfig(RoomConfig):
@@ -59,7 +59,7 @@ class ChatGuide:
     config: ChatGuideConfig = field(default_factory=ChatGuideConfig)
 
     def direct(self, view: GuideView, goal: Goal) -> GuideChoice:
-        """The direction that the answer names; to explore more if it names none.
+        """The direction that the answer names; "explore" if it names none.
 
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.
@@ -83,8 +83,8 @@ class ChatGuide:
 def direction_in(said: str) -> Direction:
     """The direction in an answer, by the words in it, in NavVLM's order.
 
-    Absence and exploration come first, then left, right, straight: "left or right" is left. What
-    names nothing is to explore more.
+    Absence and exploration come first, then left, right, straight: "left or right" is left. An
+    answer that names none means to explore.
     """
     text = said.lower()
     if any(words in text for words in _ABSENT):
@@ -97,7 +97,7 @@ def direction_in(said: str) -> Direction:
 
 @dataclass(frozen=True, eq=False)
 class TruthGuide:
-    """Says the direction in which a room is in view that likely holds the goal.
+    """Names the direction in which a room that likely holds the goal is in view.
 
     A stand-in for a model, by the true labels and a table of rooms. Ours; nothing like it was
     published.
@@ -114,7 +114,7 @@ class TruthGuide:
     stands_in_for = "a vision-language model (--vlm)"
 
     def direct(self, view: GuideView, goal: Goal) -> GuideChoice:
-        """The likeliest direction, if it is likely enough.
+        """The likeliest direction; "explore" if it is not likely enough.
 
         Raises:
             LabelsMissingError: The world supplies no labels.

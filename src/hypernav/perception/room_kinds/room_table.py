@@ -11,9 +11,9 @@ from hypernav.core.files.yaml_text import parse_yaml
 from hypernav.core.labels import canonical, normalise
 
 _CHANCES = {"always": 0.85, "often": 0.5, "sometimes": 0.2, "rarely": 0.05}
-"""Chances that a room of a kind holds one of what it names; ours."""
+"""Chances that a room of a kind holds a thing that the kind lists; ours."""
 _NEVER = 0.01
-"""The same of things that only other kinds name: nothing is impossible."""
+"""The same for a thing that only other kinds list: nothing is impossible."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,10 +31,10 @@ class RoomTable:
     numbers: dict[str, int]
 
     def of_thing(self, name: str) -> str | None:
-        """The name in the table that a name ends with: "L-shaped sofa" is a sofa.
+        """The name in the table that a thing's name ends with: "sofa" for "L-shaped sofa".
 
         Returns:
-            The longest such name; None if the table knows none, so that the thing tells nothing.
+            The longest such name; None if the table knows none.
         """
         return next((one for one in _endings(name) if one in self.chances), None)
 

@@ -19,32 +19,32 @@ _AGAINST, _PER_FACTOR = 1.0, 4.0
 _MOST_AGAINST = 4.0
 """Log-odds of one contradiction: the base, the growth with the logarithm of how far it is beyond
 its range, and the most. All are ours."""
-_FITS = 0.5
+_FITS = 0.5  # log-odds for each of height and extent that is seen whole and fits
 _MARGIN_M = 0.06
-"""Errors of depth and of masks."""
-_OFF_FLOOR_M = 0.35
+"""Error of lengths that depth and masks may cause, metres."""
+_OFF_FLOOR_M = 0.35  # height of the lower end above which a thing doesn't stand on the floor
 _LEAST_SEEN = 0.3
-"""Share of the least length that one side of a thing shows: it may be seen from its short side."""
-_LOW_CEILING_M = 1.6
-_GOES_ON = 0.6
-_FLOOR_M = 0.1
+"""Share of a kind's least length that must show: a thing may be seen from its short side."""
+_LOW_CEILING_M = 1.6  # height of the top below which a thing doesn't hang from the ceiling
+_GOES_ON = 0.6  # `Form.goes_on` from which a flat thing is a part of a larger plane
+_FLOOR_M = 0.1  # height of the top below which such a plane is the floor
 _SIDES_DEG = 50.0
-"""Angle between directions of which one shows most of a thing's longer side."""
+"""Least angle between two views of which one shows most of a thing's longer side."""
 _MEASURED_SHARE = 0.9
-"""Share of a thing's width that is measured, since masks lack edges."""
+"""Share of a thing's width that is measured at least, since masks lack edges."""
 _NARROW, _NARROW_PER_FACTOR, _MOST_NARROW = 2.0, 8.0, 6.0
 """Log-odds against a thing that is too narrow: the base, the growth with the logarithm of the
 missing factor, and the most. All are ours."""
 _NO_TOP, _NO_TOP_YET = 2.5, 1.5
-"""Log-odds against a thing whose level surface doesn't show: where it would, and where another side
-may yet show it, as of a sofa seen from behind."""
+"""Log-odds against a thing without a level surface in view: where one would show, and where another
+side may yet show it, as of a sofa seen from behind."""
 _LEAST_LEVEL, _MOST_IMAGES = 0.06, 0.8
-"""Share of a thing in the image that its level surface takes at least, and the share of the images
-that may show less of it."""
+"""Least share of a thing's pixels that its level surface takes, and the quantile over all images at
+which the share is read."""
 _NEAR_M = 3.5
-"""Distance up to which a level surface takes enough pixels."""
+"""Distance up to which a level surface takes enough pixels, metres."""
 _BELOW_EYE_M = 0.25
-"""Height of the camera above a thing from which no part of the thing hides its level surface."""
+"""Height above a thing, metres, from which the camera sees its level surface from any side."""
 _LEAST_M = 0.05
 
 
@@ -54,7 +54,7 @@ class ShapeEvidence:
 
     Attributes:
         log_odds: Shift; below 0 speaks against the name.
-        reasons: Why, in words, the contradictions only.
+        reasons: The contradictions, in words; empty if the form fits.
     """
 
     log_odds: float
@@ -133,11 +133,11 @@ class FormEvidence:
 
 
 def measure_of(form: Form, centre: tuple[float, float], observation: Observation) -> Measure:
-    """What an image contributes.
+    """What an image contributes to the knowledge of a candidate's form.
 
     Args:
         form: Form of the thing in this image.
-        centre: Middle of the thing on the map ``(x, y)``, metres.
+        centre: Middle of the thing ``(x, y)``, ``map`` frame, metres.
         observation: The image.
     """
     robot, eye_m = observation.robot, float(observation.camera_to_map.translation[2])
@@ -154,8 +154,8 @@ def measure_of(form: Form, centre: tuple[float, float], observation: Observation
 def form_evidence(measures: Sequence[Measure], kind: KindShape) -> FormEvidence:
     """Compare what several images show with what is known of a kind.
 
-    The face of a kind that is one, such as a screen, tells its width alone: a mask may bleed into
-    what is beside, but hardly one that is flat. A flat side of any other may be its end.
+    For a kind that is an upright face, such as a screen, one view of the face gives the width: a
+    mask that is flat hardly holds what is beside. A flat side of another kind may be its end.
     """
     whole = [one for one in measures if one.width_m is not None]
     near = [one for one in measures if one.level_share is not None]
@@ -172,7 +172,7 @@ def form_evidence(measures: Sequence[Measure], kind: KindShape) -> FormEvidence:
 
 
 def _narrowness(whole: Sequence[Measure], kind: KindShape) -> float:
-    """What speaks against a thing as narrow as all images show it that show it whole."""
+    """Log-odds against a thing by its greatest width in images that show it whole; at least 0."""
     widest_m = max((one.width_m or 0.0 for one in whole), default=math.inf)
     least_m = _MEASURED_SHARE * kind.long_m[0]
     if widest_m >= least_m:
@@ -188,6 +188,6 @@ def _lacks_a_top(near: Sequence[Measure]) -> bool:
 
 
 def _are_around(measures: Sequence[Measure]) -> bool:
-    """Whether images are from sides that are far enough apart."""
+    """Whether two of the images, one of them the first, are from sides far enough apart."""
     turns = [abs(math.remainder(one.towards - measures[0].towards, math.tau)) for one in measures]
     return max(turns, default=0.0) >= math.radians(_SIDES_DEG)

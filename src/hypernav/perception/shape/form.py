@@ -15,31 +15,31 @@ _TRIM = (3.0, 97.0)
 """Percentiles that stand for the ends: masks bleed over edges."""
 _BESIDE_PX = 3
 _AROUND_PX = 40
-"""Most pixels beside a thing that are looked at."""
+"""Largest distance from a thing, pixels, up to which its surroundings are examined."""
 _EDGE_SHARE = 0.03
 """A box that ends so near the image's edge, as a share of the image, is cut off there."""
-_NEARER_M = 0.12
-_HIDDEN_SHARE = 0.3
+_NEARER_M = 0.12  # difference in depth from which something beside a thing may hide it
+_HIDDEN_SHARE = 0.3  # share of an end's outline with something nearer, from which it is hidden
 _SHORT_OF_BOX = 0.1
 """Share of the box that a mask may fall short of it."""
 _MOST_POINTS = 4000
-_PLANE_M = 0.03
-_ON_PLANE = 0.8
+_PLANE_M = 0.03  # distance within which a point lies in a plane
+_ON_PLANE = 0.8  # share of its points in a plane from which a thing is flat
 _LEVEL = 0.85
 _UPRIGHT = 0.2
-"""Cosines between a normal and the vertical."""
+"""Cosines of the angle between normal and vertical: least of a level, most of an upright face."""
 
 
 @dataclass(frozen=True)
 class Form:
-    """What is seen of a thing; heights are above the floor, metres.
+    """Size and form of what an image shows of a thing; heights are above the floor, metres.
 
     Attributes:
         bottom_m: Height of its lowest part in view.
         top_m: Height of its highest part in view.
-        long_m: Horizontal extent in view: along a flat upright face, else across the line of
-            sight.
-        is_bottom_seen: Whether it ends there; else the image's edge or something nearer hides more.
+        long_m: Horizontal extent in view, metres: along a flat upright face, else across the line
+            of sight.
+        is_bottom_seen: Whether its lower end is in view, not cut off by the image or hidden.
         is_top_seen: The same for the top.
         is_long_seen: The same for its left and right sides.
         level_share: Share of its surface in view that is level.
@@ -64,14 +64,14 @@ def measured_form(
 ) -> Form | None:
     """The form of what a mask shows; None where too few of its pixels have depth.
 
-    Masks that are cut out by depth often lack legs and edges, and hold some of what is behind. So
-    an end counts as seen only where the mask reaches the detector's box, and the extent of what is
-    not flat is measured across the line of sight.
+    Masks cut by depth often lack legs and edges, and hold some of what is behind. So an end counts
+    as seen only where the mask reaches the detector's box, and the extent of a thing that is not
+    flat is measured across the line of sight.
 
     Args:
         observation: A frame whose map has its floor at height 0.
         mask: Pixels of the thing.
-        box: Box that the detector gave it.
+        box: Box of the detection, pixels.
     """
     part = _Part.around(mask, observation)
     rows, columns = np.nonzero(part.mask & is_measured(part.depth))
@@ -121,7 +121,7 @@ class _Part:
 
     @staticmethod
     def around(mask: Bool[np.ndarray, "height width"], observation: Observation) -> "_Part":
-        """The part that has all of a mask, and what is looked at around it."""
+        """The part with the whole mask and a margin around it."""
         left, top, width, height = cv2.boundingRect(mask.view(np.uint8))
         row, column = max(top - _AROUND_PX, 0), max(left - _AROUND_PX, 0)
         rows = slice(row, top + height + _AROUND_PX)
@@ -131,12 +131,12 @@ class _Part:
 
     @property
     def margins(self) -> tuple[int, int, int, int]:
-        """Pixels of the whole frame beyond its upper, right, lower and left edge."""
+        """Pixels of the frame beyond the part's upper, right, lower and left edge."""
         (height, width), (rows, columns) = self.observation.depth.shape, self.mask.shape
         return (self.row, width - self.column - columns, height - self.row - rows, self.column)
 
     def points(self, rows: np.ndarray, columns: np.ndarray) -> Float64[np.ndarray, "n 3"]:
-        """Points of pixels of the part in the map frame, metres."""
+        """Points of pixels of the part, given by row and column, ``map`` frame, metres."""
         depth, camera = self.depth[rows, columns], self.observation.camera
         return self.observation.camera_to_map.apply(
             camera.unproject_pixels(rows + self.row, columns + self.column, depth)
@@ -175,7 +175,7 @@ def _ends(part: _Part, turns: int) -> bool:
 
 
 def _level_share(part: _Part) -> float:
-    """Share of a thing's pixels whose surface is level and looks up."""
+    """Share of a thing's pixels whose surface is level, seen from above or below."""
     rows, columns = np.nonzero(part.mask)
     step = max(int((len(rows) / _MOST_POINTS) ** 0.5), 1) * 2
     window = np.ix_(

@@ -1,10 +1,10 @@
 """Sizes and places of some 200 kinds of things (``kinds.txt``), from common dimensions.
 
-Ranges are wide, since they refute: they span what shops sell and what homes, offices and shops
-hold, from children's to oversized pieces. COCO's indoor classes, HM3D's six goals, usual names of
-OVON and all that the generated buildings hold are in it. Supports of plants, the width of chairs
-and some faces were mended after a look at detections in training buildings
-(`benchmarks/shape_evidence.py`).
+Ranges are wide, since what lies outside is refuted: they span what shops sell and what homes,
+offices and shops hold, from children's to oversized pieces. The table holds COCO's indoor classes,
+HM3D's six goals, usual names of OVON and all things of the generated buildings. Supports of
+plants, widths of chairs and some faces were corrected after a look at detections in training
+buildings (`benchmarks/shape_evidence.py`).
 """
 
 from dataclasses import dataclass
@@ -25,10 +25,10 @@ class KindShape:
         support: Where it is: stands on the "floor", lies "flat" on it, stands "on" something or on
             the floor, hangs on a "wall" or stands before it, hangs from the "ceiling"; empty if it
             may be anywhere.
-        height_m: Least and greatest own height, metres.
+        height_m: Least and greatest height, metres, without what it stands on or hangs from.
         long_m: Least and greatest of its longer horizontal extent, metres.
-        face: "level" if it has a level top, "upright" if it is a face that others may
-            continue, as of built-in units.
+        face: "level" if it has a level top, "upright" if it shows a flat upright face, which its
+            neighbours may continue, as of built-in units.
     """
 
     support: Support

@@ -33,8 +33,8 @@ class ArrowExplorer(ABC):
         arrow_reasoner: Reasoner that chooses among the moves.
         embodiment: Camera, step and turn of the robot.
         mapping: Cells of the map.
-        clearances_m: Distances of the ends of moves from obstacles, metres; the first counts.
-        config: What arrows are like.
+        clearances_m: Distances of the ends of moves from obstacles, metres; only the first is used.
+        config: Configuration of the arrows and of the question.
         style: Style of the arrows.
         wants_named_things: Whether the reasoner is told of the things that were seen; see
             `hypernav.core.components.abilities.wants_named_things`.
@@ -109,9 +109,9 @@ class VlmnavExplorer(ArrowExplorer):
 class DynavlmStyleExplorer(ArrowExplorer):
     """Exploration in DyNaVLM's style: points of free space, and a memory of things.
 
-    Never a reproduction: neither code nor thresholds nor prompts of DyNaVLM were published where we
-    could read them. Things come from the detector that all agents share, so the model is asked once
-    a move, not twice.
+    Not a reproduction: we could find neither code nor thresholds nor prompts of DyNaVLM published.
+    Things come from the detector that all agents share, so the model is asked once a move, not
+    twice.
 
     Source: digests of "DyNaVLM", arXiv 2506.15096, 2025.
     """

@@ -1,4 +1,4 @@
-"""Choice of arrows: by a vision-language model that looks at them, or by free floor alone."""
+"""Choice of arrows: by a vision-language model that is shown them, or by free floor alone."""
 
 import json
 import re
@@ -57,7 +57,7 @@ class ChatArrowReasoner:
         return report
 
     def choose(self, view: ArrowView, goal: Goal) -> ArrowChoice:
-        """The arrows that the model names, the best first; none if it names none.
+        """The arrows that the model names (0 turns around), the best first; none if it names none.
 
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience, and this
@@ -118,7 +118,7 @@ def arrow_question(view: ArrowView, goal: Goal, config: ArrowsConfig) -> Questio
 
 
 def named_numbers(said: str, view: ArrowView) -> tuple[int, ...]:
-    """The numbers in the last JSON object of an answer that may be answered, the best first."""
+    """The allowed numbers in the last JSON object of an answer, the best first."""
     objects = _OBJECT.findall(said)
     if not objects:
         return ()
@@ -136,10 +136,10 @@ def named_numbers(said: str, view: ArrowView) -> tuple[int, ...]:
 
 @dataclass(frozen=True, eq=False)
 class GeometricArrowReasoner:
-    """Prefers unexplored arrows, and of them the one whose floor is free farthest.
+    """Prefers unexplored arrows, and of them the one along which the floor is free farthest.
 
-    Where all arrows are explored it turns around if it may, and else takes any, the freer the
-    likelier. It looks at neither image nor goal: a stand-in for the model of the arrow methods.
+    Where all arrows are explored it turns around if it may, else it draws one, with probabilities
+    proportional to the free range. It uses neither image nor goal: a stand-in for a model.
 
     Attributes:
         log: Log of all choices, for the trace.

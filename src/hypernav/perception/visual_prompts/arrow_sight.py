@@ -26,20 +26,20 @@ _SPARE_STEPS = 2
 _TURN_REST = 3
 """Number of choices after a turn around before the next may be offered (VLMnav's code)."""
 _ARRIVAL_M = 0.25
-"""Distance from the end of a move within which it is done, metres; ours: in the original a move
+"""Distance from its end within which a move counts as done, metres; ours: in the original a move
 ends exactly where it was drawn."""
-_STEP_M = 0.05
-_FARTHEST_M = 20.0
+_STEP_M = 0.05  # step along the floor when a mark is slid into the image
+_FARTHEST_M = 20.0  # distance up to which it is slid
 _MARGIN = 0.04
 """Distance of a mark from the edges of the image, as a share of its sides (VLMnav's code)."""
 
 
 @dataclass
 class _Notes:
-    """What explorers by arrows note in the search for one goal.
+    """What arrow explorers note in the search for one goal.
 
     Attributes:
-        explored: Where the robot has looked along the floor.
+        explored: Strips of floor that count as explored.
         rested: Number of choices since the robot turned around.
         asked: Number of questions so far.
     """
@@ -50,7 +50,7 @@ class _Notes:
 
 
 class ArrowSight:
-    """One image, where its floor is free, and the moves in it; made for one choice."""
+    """The free directions of one image and the moves marked in it; made for one choice."""
 
     def __init__(
         self,
@@ -59,12 +59,12 @@ class ArrowSight:
         config: ArrowsConfig,
         style: ArrowStyle,
     ) -> None:
-        """Look at what an explorer is shown.
+        """Begin a choice.
 
         Args:
-            view: What it is shown, and its notes.
+            view: View of the explorer, with its notes.
             embodiment: Camera, step and turn of the robot.
-            config: Marks, and the step of an answer that names nothing.
+            config: Rule for the marks, and length of the step where an answer names nothing.
             style: Style of the arrows.
         """
         self.observation = view.observation
@@ -82,7 +82,7 @@ class ArrowSight:
         return self._notes.rested >= _TURN_REST
 
     def look(self) -> FreeDirections:
-        """Where the floor of the latest image is free; it counts as explored from now on."""
+        """Where the floor of this image is free; it counts as explored from now on."""
         free_m = free_ranges(self.observation, self._headings, self._embodiment.camera)
         is_explored = self._notes.explored.look(self.observation.robot, self._headings, free_m)
         fov = self.observation.camera.hfov
@@ -91,7 +91,7 @@ class ArrowSight:
     def marked(self, moves: Sequence[Move], directions: FreeDirections) -> tuple[Arrow, ...]:
         """The moves whose ends can be marked in the image, numbered from 1.
 
-        Of moves whose marks would lie on each other the first is kept (ours).
+        Of moves whose marks would overlap the first is kept (ours).
         """
         arrows: list[Arrow] = []
         apart = 2.0 * self._style.radius_px(self.observation.camera.height)
@@ -163,7 +163,7 @@ class ArrowSight:
         return self._move_to(arrow.end, reason, steps + turns, self._insight(arrow))
 
     def around(self, reason: str) -> Destination:
-        """The destination that turns the robot around."""
+        """The destination that turns the robot by half a circle on the spot."""
         self._notes.rested = 0
         robot = self.observation.robot
         turns = self._embodiment.motion.turns_of_a_circle
@@ -205,13 +205,13 @@ def _ahead(robot: Pose2, heading: float, length_m: float) -> tuple[float, float]
 def mark_of(
     observation: Observation, heading: float, length_m: float, *, slide: bool
 ) -> tuple[float, float] | None:
-    """Image coordinates of the end of a move over the floor; None if it can't be marked.
+    """Pixel ``(u, v)`` of the end of a move over the floor; None if it can't be marked.
 
     Args:
         observation: Frame whose image is marked.
-        heading: Direction of the move from the robot's heading, radians.
+        heading: Direction of the move from the robot's heading, radians, positive to the left.
         length_m: Length of the move, metres.
-        slide: Whether the mark of an end below the image is slid into it.
+        slide: Whether the mark of an end outside the image is slid along its direction into it.
     """
     farthest = _FARTHEST_M if slide else length_m
     distances = np.arange(length_m, farthest + _STEP_M / 2.0, _STEP_M)
@@ -229,11 +229,11 @@ def mark_of(
 def floor_pixels(
     observation: Observation, heading: float, distances_m: Float64[np.ndarray, "n"]
 ) -> Float64[np.ndarray, "n 2"]:
-    """Image coordinates of points on the floor, NaN behind the camera.
+    """Pixels ``(u, v)`` of points on the floor; NaN behind the camera.
 
     Args:
         observation: Frame whose camera sees them.
-        heading: Direction from the robot's heading, radians.
+        heading: Direction from the robot's heading, radians, positive to the left.
         distances_m: Distances from the robot, metres.
     """
     robot = observation.robot

@@ -6,7 +6,7 @@ from hypernav.core.config import MOST_SEED, RoomConfig
 
 
 class ArrowsConfig(RoomConfig):
-    """What VLMnav's released code does otherwise than its authors mean to, or than we do.
+    """Where VLMnav's released code differs from its authors' intention, or from ours.
 
     Its other values, and those of ours, are constants beside the code that uses them.
 
@@ -20,11 +20,11 @@ class ArrowsConfig(RoomConfig):
             The original means to, but compares with a stale angle.
         zero_is_last: Whether number 0 means the last mark of PIVOT instead of turning around: a
             mistake of VLMnav's code.
-        count_short: Whether the question says one arrow less than there are where the robot may not
-            turn around: a mistake of VLMnav's code.
+        count_short: Whether the question names one arrow less than there are where the robot may
+            not turn around: a mistake of VLMnav's code.
         outage_is_no_answer: Whether a model that isn't available counts as an answer without a
-            number, which is a step ahead, as in VLMnav's code; else the episode ends as such. Other
-            questions, such as the one whether to stop, are not meant.
+            number, which is a step ahead, as in VLMnav's code; else the episode ends with that
+            outcome. It holds for choices of arrows only, not for the stop check.
         max_tokens: Limit on the length of an answer, tokens (VLMnav's code).
         seed: Seed of PIVOT's marks and of the choice among explored arrows without a model; equal
             searches make equal choices (ours).

@@ -1,4 +1,4 @@
-"""How far the floor is free in each direction, by depth alone, and where the robot has looked.
+"""How far the floor is free in each direction, by depth alone, and what was explored.
 
 Source: Goetting, Singh and Loquercio, "End-to-End Navigation with Vision-Language Models" (VLMnav),
 2024, and its released code.
@@ -19,26 +19,26 @@ from hypernav.perception.visual_prompts.proposals import MOST_MOVE_M
 _FLOOR_M = (-0.24, 0.16)
 """Heights above the robot's floor between which a point is floor, metres (VLMnav's code)."""
 _HEADINGS = 60
-"""Number of directions that are looked at (VLMnav's code)."""
+"""Number of directions that are examined (VLMnav's code)."""
 _SPREAD = 1.5
 """Angle between the outermost of them, in fields of view (VLMnav's code); those that the camera
 doesn't see are not free."""
 _BLOCKED_PX = 5
-"""Number of pixels up to which a line over the floor is blocked at once (VLMnav's code)."""
+"""Length in the image, pixels, up to which a line counts as blocked (VLMnav's code)."""
 _CELL_M = 0.05
-"""Side of a cell; ours: the original draws 100 pixels a metre."""
+"""Side of a cell, metres; ours: the original draws 100 pixels a metre."""
 _SIDE_M = 50.0
 _PROBES = 8
 _SEEN_PROBES = 3
-"""Number of the eight cells around a point that must be explored for the point to be explored."""
+"""Number of the eight positions around a point that must be explored for it to be explored."""
 _WIDTH_M = 0.6
-"""Width of the strip of floor that a look explores (VLMnav's code)."""
+"""Width of the strip of floor that one image explores, metres (VLMnav's code)."""
 _REACH = 0.8
 """Length of the strip, as a share of the free range (VLMnav's code)."""
 
 
 def all_headings(camera: CameraConfig) -> Float64[np.ndarray, "n"]:
-    """The directions that are looked at, radians from the robot's heading, from right to left."""
+    """The examined directions, radians from the robot's heading, from right to left."""
     half = _SPREAD * math.radians(camera.hfov_deg) / 2.0
     return np.linspace(-half, half, _HEADINGS)
 
@@ -77,13 +77,13 @@ def free_ranges(
 
 
 class RayMemory:
-    """Strips of floor that were looked along, on 50 m by 50 m around the first look.
+    """Strips of floor that images explored, in a square of 50 m around the first robot position.
 
     Beyond that nothing counts as explored.
     """
 
     def __init__(self) -> None:
-        """Begin without any."""
+        """Begin without any strip."""
         side = round(_SIDE_M / _CELL_M)
         self._explored = np.zeros((side, side), dtype=np.uint8)
         self._corner: Float64[np.ndarray, 2] | None = None
@@ -91,15 +91,15 @@ class RayMemory:
     def look(
         self, robot: Pose2, headings: Float64[np.ndarray, "n"], free_m: Float64[np.ndarray, "n"]
     ) -> Bool[np.ndarray, " n"]:
-        """Paint what the robot sees now, and tell which directions lead to explored floor.
+        """Add the strips of the present image, then tell which directions lead to explored floor.
 
         Args:
-            robot: Pose of the robot.
-            headings: Directions from its heading, radians.
+            robot: Pose of the robot, ``map`` frame.
+            headings: Directions from its heading, radians, positive to the left.
             free_m: Free ranges in these directions, metres.
 
         Returns:
-            Whether each direction is explored at four fifths of its range.
+            Whether each direction is explored at four fifths of its range, by this image or others.
         """
         if self._corner is None:
             self._corner = np.array(robot.xy) - _SIDE_M / 2.0

@@ -12,22 +12,22 @@ from hypernav.mapping.integrate_kernels import is_measured
 def walk_lines(depth, lens, rotation, height, headings, band, farthest, limits, least):
     """How far the floor is free along some headings.
 
-    Along each heading the image line of the floor is walked away from the robot, pixel by pixel, up
-    to where at most half of four pixels in a row show floor.
+    Along each heading the line over the floor is followed in the image, pixel by pixel away from
+    the robot, until at most two of four successive pixels show floor.
 
     Args:
         depth: float32 (rows, columns), metres.
-        lens: Focal lengths and principal point, pixels.
+        lens: ``(fx, fy, cx, cy)``, focal lengths and principal point, pixels.
         rotation: float64 (3, 3), camera to base.
         height: Height of the camera above the floor, metres.
-        headings: float64 (n), radians from the robot's heading, positive to the left.
-        band: Lowest and highest floor, metres.
+        headings: float64 (n,), radians from the robot's heading, positive to the left.
+        band: Least and greatest height of floor above the base, metres.
         farthest: Length of the lines on the floor, metres.
         limits: Smallest and largest measured depth, exclusive, metres.
-        least: Number of pixels up to which a line counts as blocked at once.
+        least: Length in the image, pixels, up to which a line counts as blocked.
 
     Returns:
-        float64 (n), metres; 0 where the way is blocked or out of the image.
+        float64 (n,), metres; 0 where the way is blocked or out of the image.
     """
     fx, fy, cx, cy = lens
     rows, columns = depth.shape

@@ -1,6 +1,6 @@
-"""A memory of things and what stands near what (as DyNaVLM is described to keep one).
+"""A graph of things and which are near each other, as DyNaVLM is described to keep one.
 
-DyNaVLM's own thresholds and prompts were not published where we could read them: all here is ours.
+We could not find DyNaVLM's thresholds and prompts published: all here is ours.
 """
 
 import math
@@ -16,18 +16,18 @@ from hypernav.core.labels import normalise, same_name
 from hypernav.perception.room_kinds.room_table import room_table
 
 _SAME_WITHIN_M = 1.0
-"""Distance within which two things of one name are the same."""
+"""Distance within which two things of one name are the same, metres."""
 _NEAR_M = 2.0
-"""Distance below which two things are near each other."""
+"""Distance below which two things are near each other, metres."""
 _MOST_FACTS = 10
-"""Number of things that are told of."""
+"""Largest number of things that a prompt names."""
 
 
 class ObjectGraph:
     """Things as nodes, and edges between those that are near each other."""
 
     def __init__(self, things: Iterable[SeenThing] = ()) -> None:
-        """Make it.
+        """Build the graph.
 
         Args:
             things: Things in the order in which they were seen, with repetitions.
@@ -52,15 +52,15 @@ class ObjectGraph:
                 self._near[other].add(number)
 
     def retrieve(self, goal: Goal, robot: Pose2) -> tuple[str, ...]:
-        """What a prompt says of the things nearest in meaning to the goal.
+        """Facts for a prompt about the at most ten things nearest in meaning to the goal.
 
-        Of equal ones those nearest to the robot come first. A thing is told of as "bed, 3.2 m, 40°
-        to the left, near nightstand".
+        Of equal ones those nearest to the robot come first. A fact reads "bed, 3.2 m, 40° to the
+        left, near nightstand".
         """
         return tuple(self._fact(number, robot) for number in self._closest_in_meaning(goal, robot))
 
     def shown(self, goal: Goal, robot: Pose2) -> ThingGraph:
-        """The whole graph for people, who see which things `retrieve` tells of."""
+        """The whole graph, for people, with the things that `retrieve` names marked."""
         told = set(self._closest_in_meaning(goal, robot))
         return ThingGraph(
             things=[
@@ -71,7 +71,7 @@ class ObjectGraph:
         )
 
     def _closest_in_meaning(self, goal: Goal, robot: Pose2) -> list[int]:
-        """Numbers of the things that are told of, the closest in meaning first."""
+        """Numbers of the things that a prompt names, the closest in meaning first."""
         order = sorted(
             range(len(self._things)),
             key=lambda k: (

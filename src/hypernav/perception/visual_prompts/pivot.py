@@ -1,4 +1,4 @@
-"""Exploration by marks that are drawn at random, and better ones around the best (PIVOT).
+"""Exploration by marks drawn at random, then by marks drawn around the best of them (PIVOT).
 
 Source: Nasiriany et al., "PIVOT: Iterative Visual Prompting Elicits Actionable Knowledge for VLMs",
 2024, as VLMnav's released code runs it for navigation.
@@ -25,11 +25,11 @@ _KEY = "pivot"
 """Key of this explorer's notes."""
 _LINES = 1080.0
 _TRIES = 50
-"""Samples for each mark that is wanted, before there are fewer; ours."""
+"""Largest number of samples per wanted mark, after which there are fewer marks; ours."""
 
 
 _ROUNDS = ((8, 4), (6, 3), (4, 2))
-"""Number of marks that are drawn in each round, and that are asked for (VLMnav's code)."""
+"""Number of marks drawn in each round, and number of best ones asked for (VLMnav's code)."""
 _CALLS = 3
 """Number of times that each round is asked; the answers are united (VLMnav's code)."""
 _INNER = 0.9
@@ -42,7 +42,7 @@ class GaussianProposer:
     """Draws marks from a normal distribution over the image, and fits it to the best of them."""
 
     def __init__(self, camera: PinholeCamera, rng: np.random.Generator) -> None:
-        """Begin at the middle of the image, with a quarter of its sides as deviations.
+        """Begin with the middle of the image as mean, and a quarter of its sides as deviations.
 
         Args:
             camera: Size of the image.
@@ -56,7 +56,7 @@ class GaussianProposer:
         self.deviation = self._size / 4.0
 
     def draw(self, number: int) -> Float64[np.ndarray, "n 2"]:
-        """At most so many marks ``(u, v)`` that keep away from the edges and from each other."""
+        """At most so many marks ``(u, v)``, pixels, apart from the edges and from each other."""
         marks: list[Float64[np.ndarray, 2]] = []
         for _ in range(number * _TRIES):
             if len(marks) == number:
@@ -68,7 +68,7 @@ class GaussianProposer:
         return np.array(marks).reshape(-1, 2)
 
     def fit(self, best: Float64[np.ndarray, "n 2"]) -> None:
-        """Fit the distribution to the best marks; without any it stays as it is."""
+        """Fit the distribution to the best marks ``(u, v)``, pixels; without any it stays."""
         if len(best):
             self.mean = best.mean(axis=0)
             self.deviation = best.std(axis=0)
@@ -84,7 +84,7 @@ class PivotExplorer:
     Attributes:
         arrow_reasoner: Reasoner that chooses marks.
         embodiment: Camera, step and turn of the robot.
-        config: What arrows are like.
+        config: Seed of the marks, and configuration of the question.
     """
 
     arrow_reasoner: ArrowReasoner
@@ -92,7 +92,7 @@ class PivotExplorer:
     config: ArrowsConfig = field(default_factory=ArrowsConfig)
 
     def next_destination(self, view: ExplorationView) -> Destination:
-        """The end of the next move, always of the same length: depth is not asked.
+        """The end of the next move, whose length is always the same: depth is not used for it.
 
         Raises:
             ModelUnavailableError: The reasoner's model did not answer.

@@ -17,7 +17,7 @@ class FreeDirections:
     Attributes:
         headings: Directions from the robot's heading, radians, from right to left.
         free_m: How far the floor is free there, metres.
-        is_explored: Whether the robot has looked there before.
+        is_explored: Whether the floor there counts as explored; see `RayMemory.look`.
         fov: Horizontal field of view of the camera, radians.
     """
 
@@ -27,14 +27,14 @@ class FreeDirections:
     fov: float
 
     def at(self, heading: float) -> tuple[float, bool]:
-        """Free range and whether it is explored in the nearest direction that was looked at."""
+        """Free range, metres, and whether it is explored, in the nearest of the directions."""
         nearest = int(np.abs(self.headings - heading).argmin())
         return float(self.free_m[nearest]), bool(self.is_explored[nearest])
 
 
 @dataclass(frozen=True)
 class Move:
-    """A move straight ahead: direction from the robot's heading, radians, and length, metres."""
+    """A straight move: angle from the robot's heading, radians, left positive; length, metres."""
 
     heading: float
     length_m: float
@@ -45,11 +45,11 @@ IsOpen = Callable[[float, float], bool]
 
 
 MOST_MOVE_M = 1.7
-"""Largest length of a move, and of the floor that a look explores (VLMnav's code)."""
+"""Largest length of a move and of the strip that an image explores, metres (VLMnav's code)."""
 _SHARE = 0.66
 """Length of a move as a share of the free range (VLMnav's code)."""
 _LEAST_M = 0.75
-"""Length up to which a move is not worth it (VLMnav's code)."""
+"""Length up to which a move is not offered, metres (VLMnav's code)."""
 _SPACING, _EXPLORED_SPACING = 0.9, 4.0
 """Angle between unexplored directions, and between an explored one and all that were chosen before,
 in units of (field of view in degrees / 360) radians (VLMnav's code)."""
@@ -69,7 +69,7 @@ def biased_moves(
         space_explored: Whether explored directions keep their angle among themselves as well.
 
     Returns:
-        Moves from left to right, in the order of their numbers.
+        Moves from left to right. Where none is free: `DEFAULT_MOVES`, or none if it may turn.
     """
     headings = directions.headings
     lengths = _SHARE * directions.free_m
@@ -99,7 +99,7 @@ def _outward(
     free_m: Float64[np.ndarray, "n"],
     angle: float,
 ) -> list[int]:
-    """The longest candidate, and from there to both sides whatever keeps an angle."""
+    """The freest candidate, and from there to both sides those at least an angle apart."""
     longest = int(candidates[free_m[candidates].argmax()])
     chosen = [longest]
     for side in (candidates[candidates > longest], candidates[candidates < longest][::-1]):
@@ -119,11 +119,11 @@ _MOST_POINTS = 8
 
 
 def spatial_moves(directions: FreeDirections, robot: Pose2, is_open: IsOpen) -> list[Move]:
-    """Moves to points of free, reachable floor in view, far from each other (DyNaVLM's style).
+    """At most eight moves to free, reachable floor in view, far apart (DyNaVLM's style).
 
     Args:
         directions: What the image shows of the floor.
-        robot: Pose of the robot.
+        robot: Pose of the robot, ``map`` frame.
         is_open: Function that tells where the robot can be.
     """
     half = math.degrees(directions.fov) / 2.0

@@ -1,4 +1,4 @@
-"""The question whether the robot is at the goal, for methods that ask it instead of detecting."""
+"""The question whether the robot is at the goal, for methods without a detector of it."""
 
 from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
@@ -21,7 +21,7 @@ _PROMPT = (
 )
 _MORE_YES_THAN_NO = 0.5
 _NEAR_M = 1.0
-"""Distance up to which the stand-in, which no model is, says yes; ours."""
+"""Distance up to which `TruthStopCheck` says yes, metres; ours."""
 
 
 class StopCheckConfig(RoomConfig):
@@ -56,7 +56,7 @@ class ChatStopCheck(YesNoAsker):
     count_name = "unsure_stop_checks"
 
     def is_here(self, observation: Observation, goal: Goal) -> bool:
-        """Ask yes or no; anything else is a no.
+        """Whether the model says yes; an answer that is neither yes nor no counts as no.
 
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.
@@ -81,7 +81,7 @@ class TruthStopCheck:
     warning = "stops by the truth in view, in place of a vision-language model (--vlm)"
 
     def is_here(self, observation: Observation, goal: Goal) -> bool:
-        """Whether labelled pixels of the goal are near.
+        """Whether labelled pixels of the goal are within 1 m along the floor.
 
         Raises:
             LabelsMissingError: The world supplies no labels.

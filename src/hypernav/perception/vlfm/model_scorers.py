@@ -1,4 +1,4 @@
-"""Scores of views by models: the probability of a chat model's yes, or likeness to a text."""
+"""Scores of views by models: the probability of a chat model's yes, or similarity to a text."""
 
 from dataclasses import dataclass, field
 
@@ -16,7 +16,7 @@ _PROMPT = (
     "likely close by? Answer yes or no."
 )
 _UNSURE = 0.5
-"""Score of an answer that is neither yes nor no."""
+"""Score of a view if the answer is neither yes nor no."""
 
 
 class ChatScorerConfig(RoomConfig):
@@ -58,7 +58,7 @@ class SimilarityScorerConfig(RoomConfig):
     """The sentence that images are compared with, and the model's use.
 
     Attributes:
-        prompt: Sentence; ``{goal}`` is filled in. It says what VLFM's says, in our words.
+        prompt: Sentence; ``{goal}`` is filled in. In substance VLFM's, in our words.
         similarity: Device, dtype and head of the model. VLFM takes the cosine of BLIP-2's
             contrastive head.
     """
@@ -68,7 +68,7 @@ class SimilarityScorerConfig(RoomConfig):
 
 
 class SimilarityScorer:
-    """Compares every image with one sentence."""
+    """Scores a view by the similarity of its image and one sentence about the goal."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""A stand-in for a model that scores images: what is really in view, and a table of rooms."""
+"""A stand-in for a model that scores images, by true labels and a table of rooms."""
 
 import zlib
 from dataclasses import dataclass, field
@@ -15,9 +15,9 @@ from hypernav.core.observation import Observation
 from hypernav.perception.room_kinds.room_table import RoomTable, room_table
 
 _STRIDE = 8
-"""Every 8th pixel in both directions is looked at."""
+"""Every 8th pixel in both directions is read."""
 _LEAST_PIXELS = 2
-"""Number of these that must show a thing."""
+"""Number of these pixels from which a thing counts as in view."""
 
 
 class TruthScorerConfig(RoomConfig):
@@ -37,8 +37,8 @@ class TruthScorer:
 
     The labels of the things in view tell the room; where they name none, the things themselves do,
     by the table of what stands where (`hypernav.perception.room_kinds.room_table`).
-    Where the goal itself is in view the score is 1. It says what a value map is worth if images are
-    scored well; with noise, how well they must be. Ours; nothing like it was published.
+    Where the goal itself is in view the score is 1. It shows what a value map is worth if images
+    are scored well; with noise, how well they must be. Ours; nothing like it was published.
 
     Attributes:
         config: Quality of the stand-in.
@@ -80,7 +80,7 @@ def chance_in_view(
 
     Args:
         observation: Present frame.
-        goal: Target of the search.
+        goal: Goal of the search.
         columns: Columns of the image that count; all by default.
 
     Returns:
@@ -119,7 +119,7 @@ def _average(goal: Goal) -> float:
 def _rooms_in_view(
     table: RoomTable, shown: dict[ObjectLabel, int]
 ) -> Float64[np.ndarray, " kinds"] | None:
-    """Probability of each kind of room, by the things in view and their pixels; None if untold."""
+    """Probability of each kind of room, by the things in view; None if these tell nothing."""
     rooms = np.zeros(len(table.kinds))
     for label, pixels in shown.items():
         number = table.numbers.get(canonical(label.room)) if label.room else None

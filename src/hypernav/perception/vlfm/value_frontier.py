@@ -1,4 +1,4 @@
-"""Exploration of the frontier around which what was seen fits the goal best (VLFM).
+"""Exploration of the frontier around which the views fit the goal best (VLFM).
 
 Source: Yokoyama et al., "VLFM: Vision-Language Frontier Maps for Zero-Shot Semantic Navigation",
 2024, and its released code.
@@ -40,7 +40,7 @@ class ValueFrontierConfig(RoomConfig):
 
     Attributes:
         visited_radius_m: Distance from a destination that was reached or given up, metres, within
-            which frontiers are passed over; ours: the original goes on for ever.
+            which frontiers are passed over; ours: the original may go there for ever.
     """
 
     visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
@@ -79,7 +79,7 @@ class ValueFrontierExplorer:
         self._notes(view).values.integrate(view.observation, score)
 
     def next_destination(self, view: ExplorationView) -> Destination | None:
-        """The frontier of the step before, as long as its value holds; else the best one."""
+        """The frontier of the step before while its value holds, else the best; None if none."""
         notes = self._notes(view)
         fresh = fresh_frontiers(
             without_pockets(view.grid, _LEAST_POCKET_M2),
@@ -137,11 +137,11 @@ class ValueFrontierExplorer:
 
 @dataclass
 class _Notes:
-    """What the explorer notes: how well views fitted this goal, and its latest choice.
+    """What the explorer notes in the search for one goal.
 
     Attributes:
         values: The value map.
-        latest: Position ``(x, y)`` of the frontier chosen last, metres, and its value.
+        latest: Destination ``(x, y)``, ``map`` frame, metres, of the latest choice, and its value.
     """
 
     values: ValueMap
@@ -149,7 +149,7 @@ class _Notes:
 
 
 def without_pockets(grid: OccupancyGrid, least_m2: float) -> OccupancyGrid:
-    """A copy of the map in which small unknown areas amid the known ones are free."""
+    """A cropped copy of the map; connected unknown areas smaller than `least_m2` (m²) are free."""
     grid = grid.cropped()
     unknown = (grid.cells == Cell.UNKNOWN).view(np.uint8)
     _, parts = cv2.connectedComponents(unknown, connectivity=4)
