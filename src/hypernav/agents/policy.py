@@ -84,7 +84,7 @@ class PolicyConfig(RoomConfig):
             policies that were trained by imitation alone).
         seed: Seed of the draws; equal searches draw equal actions (ours).
         goals: Safetensors file for ZSON with one vector for each goal, under the goal's words:
-            CLIP's (RN50) text embedding of these words.
+            CLIP's (RN50) text embedding of these bare words.
     """
 
     choice: Literal["sample", "mode"] = "sample"

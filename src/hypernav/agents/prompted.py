@@ -98,7 +98,7 @@ class PromptedAgent:
 
     @property
     def warning(self) -> str:
-        """What stands in for the stop question, to be shown before a search; empty if nothing."""
+        """Warning of what replaces the stop question, shown before a search; empty if nothing."""
         return warning_of(self._stop)
 
     def reset(self, goal: Goal) -> None:

@@ -88,7 +88,7 @@ class SearchAgent:
 
     @property
     def memory(self) -> Memory:
-        """What the agent knows of the building."""
+        """What the agent knows of the building, present search included."""
         return self._running[1]
 
     @property
@@ -100,7 +100,7 @@ class SearchAgent:
 
     @property
     def grid(self) -> OccupancyGrid:
-        """The map drawn so far, of the floor that the robot is on."""
+        """The map so far of the floor that the robot is on."""
         return self.memory.floor.map.grid
 
     @property

@@ -85,7 +85,7 @@ def _at_frontier(reach: ReachableArea, window: tuple[slice, slice]) -> tuple[int
 
 @lru_cache(maxsize=1024)
 def _middle_of_largest(frontier: bytes, columns: int) -> tuple[int, int]:
-    """Row and column of the cell amid the largest frontier; cached, since most squares stay.
+    """Row and column of the frontier cell in the middle; cached, since squares seldom change.
 
     Args:
         frontier: Cells of a square, row by row: 1 at a frontier, at least one, 0 elsewhere.

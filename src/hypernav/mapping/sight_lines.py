@@ -64,7 +64,7 @@ def lines_are_clear(
         grid: The map; what is unknown hides nothing.
         starts: Start of every line, ``(x, y)``, ``map`` frame, metres.
         ends: End of every line, ``(x, y)``, metres.
-        through: Positions ``(x, y)``, metres, whose cells hide nothing, as the object's own.
+        through: Positions ``(x, y)``, metres, whose cells hide nothing: those of the object.
     """
     lengths = np.linalg.norm(ends - starts, axis=1)
     samples = math.ceil(1.5 * float(lengths.max(initial=0.0)) / grid.resolution_m) + 1

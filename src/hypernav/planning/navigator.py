@@ -146,7 +146,7 @@ class Navigator:
         """The options; paths through a position from which they led nowhere before come last.
 
         The way out of a dead end may begin by going back. If the same path were then taken again,
-        the robot would go to and fro for ever.
+        the robot would go to and fro forever.
         """
         tried = list[tuple[Costmap, PlannedPath | None]]()
         for costmap, path in options:

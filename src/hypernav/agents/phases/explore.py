@@ -185,7 +185,7 @@ def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
 
 
 def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
-    """The plan without its destination, kept as a visit if it is no sighting and no heading."""
+    """The plan without its destination, kept as a visit unless it is a sighting or a heading."""
     destination, search = plan.destination, memory.search
     if destination is None:
         return plan

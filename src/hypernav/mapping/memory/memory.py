@@ -36,7 +36,7 @@ class Looked:
 
     Attributes:
         spot: The position ``(x, y)``, ``map`` frame, metres.
-        bearings: Whether it has looked in each direction, counterclockwise from the x axis on.
+        bearings: Whether it has looked in each direction, counter-clockwise from the x axis.
     """
 
     spot: tuple[float, float]

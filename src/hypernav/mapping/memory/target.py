@@ -48,8 +48,8 @@ class Measure:
         width_m: Its horizontal extent, metres: of a flat upright face along it, else across the
             line of sight. None where the image doesn't show it whole.
         is_face: Whether it is a flat upright face, whose extent shows from any side.
-        level_share: Share of its surface in view that is level, 0 to 1; None where it is too far
-            away to tell.
+        level_share: Share of its surface that is level and faces up, 0 to 1; None where it is too
+            far away to tell.
         is_below_eye: Whether its top is so far below the camera that a level one would show.
     """
 
@@ -73,7 +73,7 @@ class Target:
         form: Shift of the log-odds by all measurements together.
         is_form_doubtful: Whether its form would speak against it if it were the same from another
             side.
-        needed: Log-odds that it needs to be gone to; more than it has if it was refuted.
+        needed: Log-odds from which the robot goes to it; more than it has if it was refuted.
         is_last_chance: Whether the robot goes to it because nothing else is left.
         confirmed: Whether a second look, from another side, was taken.
         barred: Positions ``(x, y)``, metres, that turned out to be cut off from it.

@@ -43,7 +43,7 @@ def fuse_view(values, confidences, corner, size, eye, lens, reach, weights, valu
         size: Side of a cell, metres.
         eye: Position ``(x, y)`` of the camera, metres, and cosine and sine of its heading.
         lens: Focal length and column of the principal point, pixels.
-        reach: float32 (width,), metres, as of `reach_of_columns`.
+        reach: float32 (width,), metres; see `reach_of_columns`.
         weights: float32 (width,), confidence of a view in each image column, 0 to 1.
         value: Value of the view.
         threshold: Confidence below which a view counts only where the cell's confidence so far is
