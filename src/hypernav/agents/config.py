@@ -9,74 +9,74 @@ from hypernav.core.embodiment import MotionConfig
 
 
 class SearchConfig(RoomConfig):
-    """Conditions for looking, stopping and changing the destination.
+    """Configuration of looking, of stopping and of changing the destination.
 
     Values not marked with "paper" are ours, distances included: the paper is silent on them.
     What each of the paper's sentences became: docs/method.md.
-    Numbers of steps are meant for steps of 0.5 m and turns of 30 degrees; a robot with shorter ones
-    gets as many more.
+    All numbers of steps but `max_steps` are meant for steps of 0.5 m and turns of 30 degrees; a
+    robot with shorter ones gets more of them (`paced`).
 
     Attributes:
         stop_distance_m: Distance from the robot to an entry point of the goal area, metres, at
             which it checks the presence of the goal and stops.
         approach_gap_m: Distance from a path's end to an entry point of the goal area, metres, up to
             which the path leads there: something may stand before it.
-        local_first: Whether a goal in sight is gone to whenever a path leads towards it, however
-            large the gap at its end (paper: local perception has priority over global), and given
-            up for now if the gap is still larger there, or patience at an end; else such a gap is
-            gone to only where nothing is left to explore.
+        local_first: Whether the robot goes to a candidate whenever a path leads towards it, however
+            large the gap at its end (paper: local perception has priority over global). The
+            candidate is rejected if the gap is still larger than `approach_gap_m` there, or if
+            patience ends. If False, a path with such a gap is taken only when all is explored.
         patience_steps: Number of steps in which the rest of the path must become shorter, beside
-            those of a detour; else the robot is stuck. Close to the goal area it then stops where
-            it is, since something stands around it; else it explores for a while before it tries
-            again.
+            those of a detour; else the robot is stuck. Close to the goal area it then verifies the
+            goal from where it is, since something stands around it; else it explores for a while
+            before it tries again.
         arrival_distance_m: Distance within which a destination of global perception counts as
             reached, metres.
         endurance_steps: Number of steps after which a destination is given up (paper: endurance
             limit; its value is ours).
-        give_up_when_stuck: Whether the robot notices that it is stuck, and gives destinations up
-            then, however long the path may be, instead of after `endurance_steps`; these hold for
-            goal areas as well.
-        end_when_explored: Whether a search ends when nothing is left to explore; else it forgets
-            what was visited, turns once around and goes on until the step limit (paper).
+        give_up_when_stuck: Whether a destination is given up when the robot is stuck
+            (`patience_steps`), however long the path may be, instead of after `endurance_steps`;
+            either rule holds for goal areas as well.
+        end_when_explored: Whether a search ends when nothing is left to explore; else the robot
+            forgets what it visited, turns once around and goes on until the step limit (paper).
         look_around_at_start: Whether to turn once around before the first step.
-        finish_first_look: Whether to finish this turn also where the goal is in sight already
-            (VLFM).
+        finish_first_look: Whether to finish this circle even if there is a candidate to go to
+            already (VLFM).
         look_again_before_giving_up: Whether, when nothing is left to explore, to forget visited
             positions and bumps, turn once around, and only then give up.
-        claim_when_explored: Whether to say that the goal is here, instead of giving up, when
-            nothing is left to explore; VLFM's code does.
+        claim_when_explored: Whether to stop with the claim that the goal is here, instead of giving
+            up, when nothing is left to explore; VLFM's code does.
         look_across_boundary: Whether to turn, at a destination, to what is still unexplored around
             it.
         least_unseen_m2: Unseen floor that an image must be able to show to be worth turning for, at
-            the start and at a destination, square metres. None turns full circles at the start, and
-            at a destination to the boundary right around it.
+            the start and at a destination, square metres. None turns a full circle at the start,
+            and at a destination towards the boundary of the unknown around it.
         drop_explored: Whether to give a destination up once nothing unknown is left around it.
         reconsider_steps: Number of steps after which an explorer that answers at once is asked
-            again on the way, and the destination changed if it names another; None lets it stand
-            (paper).
-        looks: Steps at which the camera is asked for the goal: "always" (paper), or only
-            "at-destinations", where the robot then turns once around before it asks the map (our
-            reading of an ablation without local perception).
+            again on the way, and the destination changed if it names another; None never asks on
+            the way (paper).
+        looks: Steps whose image is searched for the goal: "always" all of them (paper), or only
+            "at-destinations", where the robot then turns once around before it asks the explorer
+            (our reading of an ablation without local perception).
         verify_view: Image for the presence check: the "current" one or the "best" of the
             approach, which still shows what stands too close or too low.
         face_target: Whether to turn towards the goal area before the presence check.
-        see_before_stop: Whether a robot that faces the goal area and has something in between, such
-            as a wall, goes on to another position at it.
+        see_before_stop: Whether a robot that faces the goal area, but from which something such as
+            a wall hides it, goes on to another entry point.
         enter_in_sight: Whether to enter the goal area where the map shows nothing as high as the
             camera between there and the target, if a path leads there.
         enter_fully: Whether to take one more step, into the goal area, where the robot would end up
             farther than `stop_distance_m` before it because a step is longer than what is left.
         go_nearer: Whether to go straight on after the check, while the way is open, where the
-            detector gave a box and no mask: what is cut out of a box may take in what stands
+            detector gave a box and no mask: the outline guessed from a box may include what stands
             before the goal.
-        open_the_way: Whether to look from near at gaps that are closed by little where no path
-            leads to the goal area of a target that is believed in; to be content with a position up
-            to `approach_gap_m` beside it, with the goal in sight, where it has been blocked for
-            `patience_steps`; and to go back to the nearest view of the goal with the last steps.
-        max_steps: Number of steps that a search has; the last of them lead to the likeliest of what
-            was seen and not believed (with `LocalConfig.target` "candidates").
+        open_the_way: Whether to look from near at gaps that are just too narrow where no path leads
+            to a convincing candidate; to accept a position up to `approach_gap_m` beside its goal
+            area, with the goal in sight, where the way has been blocked for `patience_steps`; and
+            to go back, with the last steps, to the nearest position that it was seen from.
+        max_steps: Number of steps that a search has; the last of them lead to the likeliest
+            candidate, even if it was refuted (with `LocalConfig.target` "candidates").
         pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:
-            to where that range ended, also through the unknown, before all else that is unexplored.
+            to where that range ended, also through the unknown, before anything else is explored.
     """
 
     stop_distance_m: float = Field(default=0.2, ge=0.0, le=10.0)
@@ -107,7 +107,7 @@ class SearchConfig(RoomConfig):
     pursue_far_sightings: bool = True
 
     def paced(self, motion: MotionConfig) -> "SearchConfig":
-        """The configuration for a robot whose actions do more, or less, than the paper's."""
+        """The configuration for a robot whose steps and turns differ from the paper's."""
         return self.model_copy(
             update={
                 "patience_steps": motion.actions_for(self.patience_steps),

@@ -1,4 +1,4 @@
-"""The decision of a step: one phase after another looks at it until one of them decides."""
+"""The decision of a step: phases hand it on from one to another until one of them decides."""
 
 from collections.abc import Callable, Mapping
 
@@ -24,11 +24,11 @@ _PHASES: Mapping[Phase, Callable[[Step, Memory, Plan], tuple[Decision | Phase, P
 }
 
 _DETOUR = 2.0
-"""Factor from a straight line to the path along it, turns included."""
+"""Actions, turns included, that the path to a place takes per step of the straight line there."""
 _TURNS = 1.5
-"""Factor from the steps of a path to its actions, since turns are actions too."""
+"""Actions that a path takes per step of its length, since turns are actions too."""
 _MEASURED_EVERY = 10
-"""Number of steps after which the path to the likeliest candidate is planned again."""
+"""Number of steps between two plans of the path to the likeliest candidate."""
 
 
 def decide(step: Step, memory: Memory, plan: Plan) -> tuple[Decision, Plan]:
@@ -40,7 +40,7 @@ def decide(step: Step, memory: Memory, plan: Plan) -> tuple[Decision, Plan]:
 
 
 def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
-    """The phase that looks at the step first: the approach if there is a target to go to now."""
+    """The phase that gets the step first: the approach if there is a candidate to go to now."""
     config, approaching = step.config, plan.approaching
     must_finish_look = config.look_around_at_start and config.finish_first_look
     if must_finish_look and step.number < step.motion.turns_of_a_circle:
@@ -73,7 +73,7 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
 
 
 def _must_choose(step: Step, memory: Memory) -> bool:
-    """Whether the remaining steps just suffice to go to the likeliest candidate."""
+    """Whether the steps that are left only just suffice to go to the likeliest candidate."""
     evidence, config, motion = memory.search.evidence, step.config, step.motion
     best = likeliest(evidence)
     if best is None or (evidence.target is not None and evidence.target.is_last_chance):

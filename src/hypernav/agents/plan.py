@@ -15,7 +15,7 @@ from hypernav.planning.route import Route
 Position = tuple[float, float]
 
 _STEP_M = 0.1
-"""Smallest shortening of the path that counts as progress."""
+"""Smallest shortening of the path that counts as progress, metres."""
 _DETOUR_STEPS_PER_M = 4
 """Number of steps and turns granted per metre of a detour."""
 
@@ -33,7 +33,7 @@ class Endurance:
 
     Attributes:
         limit: Number of steps for each destination.
-        steps: Number of steps so far.
+        steps: Number of steps towards the present destination so far.
     """
 
     limit: int
@@ -62,10 +62,10 @@ class Progress:
     Attributes:
         patience_steps: Number of steps that may bring the robot no nearer, on top of those of a
             detour and of a planned sequence of actions.
-        shortest_m: Length of the shortest path that was left so far, metres.
-        longest_m: Length of the longest since then, metres.
-        steps: Number of steps since then.
-        planned: Largest number of planned actions since then.
+        shortest_m: Shortest length of the rest of the path so far, metres.
+        longest_m: Longest length of it since `shortest_m` last fell, metres.
+        steps: Number of steps since `shortest_m` last fell.
+        planned: Largest number of planned actions since `shortest_m` last fell.
     """
 
     patience_steps: int
@@ -108,13 +108,13 @@ class Exploring:
         patience: Patience with the destination.
         destination: Present destination; None if there is none.
         route: Path to it.
-        age: Number of steps with it.
-        unasked: Number of steps since the explorer was asked.
-        expired: Destination whose steps are over, until the explorer has been asked again.
-        left: Destinations that were left for another since the last one that ended.
-        pursued: Positions to which far sightings of the goal were followed.
-        offered: Blocks of the map question of this step.
-        insight: What the explorer looked at in this step.
+        age: Number of steps and turns made for it.
+        unasked: Steps since the explorer was asked, counted if it may be asked again on the way.
+        expired: Destination dropped after its ``most_steps``; None once the explorer answered.
+        left: Positions ``(x, y)``, metres, of destinations changed for others on the way.
+        pursued: Positions ``(x, y)``, metres, of far sightings whose pursuit has ended.
+        offered: Blocks offered to the explorer's reasoner in this step, for the trace.
+        insight: What the explorer looked at in this step, for the trace.
     """
 
     patience: Progress | Endurance
@@ -131,7 +131,7 @@ class Exploring:
     def towards(
         self, destination: Destination, config: SearchConfig, *, left: tuple[Position, ...]
     ) -> "Exploring":
-        """The plan with a destination of the explorer; the same as before keeps its patience."""
+        """The plan with the explorer's destination; patience goes on if it is the expired one."""
         again = self.expired
         arrival_m = destination.arrival_m or config.arrival_distance_m
         is_same = again is not None and math.dist(again.xy, destination.xy) <= arrival_m
@@ -154,8 +154,8 @@ class Opening:
 
     Attributes:
         gap: The gap.
-        route: Path to where it is looked at from.
-        steps: Number of steps so far.
+        route: Path to the position from which the robot looks at it.
+        steps: Number of steps spent on it so far.
     """
 
     gap: Gap
@@ -169,22 +169,22 @@ class Approaching:
 
     Attributes:
         candidate: Number of the candidate that it leads to; None if it leads to none.
-        patience: Patience with the target.
-        route: Path to the goal area.
-        inside: Path of the last step, into the goal area.
-        rest_steps: Number of steps for which the robot explores, because it was stuck.
-        as_near_as_possible: Whether the end of the nearest path must suffice, because the goal
-            comes first or because everything else is explored.
-        steps_run_out: Whether the steps that are left just lead to the goal: the nearest position
-            that it was seen from will do.
-        second_look: Position from which to look at the target from another side; None if no second
-            look is under way.
-        second_look_steps: Number of its steps.
+        patience: Patience with this candidate.
+        route: Path to the goal area, or to the position of the second look.
+        inside: Path from right before the goal area into it (`SearchConfig.enter_fully`).
+        rest_steps: Number of steps left for which the robot explores, because it was stuck.
+        as_near_as_possible: Whether a path that ends before the goal area suffices: candidates come
+            first (`SearchConfig.local_first`), all is explored, or the steps run out.
+        steps_run_out: Whether the steps that are left only just lead to the candidate; then the
+            nearest position that it was seen from suffices, too.
+        second_look: Position ``(x, y)``, metres, from which to look at the candidate from another
+            side; None if no second look is under way.
+        second_look_steps: Number of steps spent on the second look so far.
         opening: Gap that is looked at because no path leads to the goal; None if there is none.
-        closed: Positions of the gaps that were looked at, and are closed.
+        closed: Positions ``(x, y)``, metres, of gaps that were looked at and found closed.
         blocked_steps: Number of steps in which no path led into the goal area.
-        sure_step: Number of the step in which the check at the goal area said yes, or of the latest
-            move nearer after it; None if it has not.
+        sure_step: Number of the latest step in which the presence check at the goal area held; None
+            if it does not hold.
     """
 
     patience: Progress | Endurance
@@ -202,7 +202,7 @@ class Approaching:
     sure_step: int | None = None
 
     def may_clear(self, config: SearchConfig) -> bool:
-        """Whether what blocks the way has not stood there for long: it may be a person."""
+        """Whether the way is blocked, but not for long yet: it may be by a person."""
         return 0 < self.blocked_steps <= config.patience_steps
 
 
@@ -213,10 +213,10 @@ class Plan:
     Attributes:
         exploring: Where to look for the goal.
         approaching: How to get to it.
-        turns_left: Number of turns that are left of a turn around.
-        full_turn: Whether it is a full circle, whatever it shows.
-        looked_around_at: Position of the latest turn around; None if there was none.
-        ends: Positions at which nothing was left to explore.
+        turns_left: Number of turns that are left of the look around.
+        full_turn: Whether that look makes all its turns, even those that show nothing unseen.
+        looked_around_at: Position ``(x, y)``, metres, of the latest look around; None before.
+        ends: Positions ``(x, y)``, metres, at which nothing was left to explore.
         ordered: Pose and action of the step before; None before the first.
     """
 
@@ -234,7 +234,7 @@ class Plan:
 
         Args:
             config: Conditions of the search.
-            turns: Number of turns to begin with.
+            turns: Number of turns of the look around at the start.
         """
         patience = patience_of(config)
         approaching = Approaching(patience, as_near_as_possible=config.local_first)
@@ -243,7 +243,7 @@ class Plan:
 
     @property
     def destination(self) -> Destination | None:
-        """Present destination of exploration."""
+        """Present destination of exploration; None if there is none."""
         return self.exploring.destination
 
     def explore(self, **changes: object) -> "Plan":
@@ -259,5 +259,5 @@ class Plan:
         return self.approach(patience=patience_of(config))
 
     def without_exploration(self) -> "Plan":
-        """The plan of a robot that goes to the goal: local perception wins (paper)."""
+        """The plan without destination and look around: local perception wins (paper)."""
         return replace(self.explore(destination=None), turns_left=0)

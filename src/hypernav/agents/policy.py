@@ -1,4 +1,4 @@
-"""Agents that a trained policy drives: PIRLNav and ZSON, with weights of your own."""
+"""Agents that a trained policy drives: PIRLNav and ZSON, with weights that the user provides."""
 
 import math
 import zlib
@@ -46,7 +46,7 @@ def check_robot(name: str, embodiment: Embodiment, cameras: tuple[Camera, ...]) 
     """Refuse a robot that a policy was not trained on, and say what differs.
 
     Raises:
-        ConfigError: Camera, step or turn are others.
+        ConfigError: Its camera, step or turn differs from those of the training.
     """
     motion = embodiment.motion.model_dump()
     wrong = [
@@ -83,8 +83,8 @@ class PolicyConfig(RoomConfig):
             policies that were trained by reward do; "mode" takes the likeliest (PIRLNav's, of its
             policies that were trained by imitation alone).
         seed: Seed of the draws; equal searches draw equal actions (ours).
-        goals: File of goal vectors, safetensors, a vector for each goal by its words, for ZSON:
-            CLIP's (RN50) of the bare words.
+        goals: Safetensors file for ZSON with one vector for each goal, under the goal's words:
+            CLIP's (RN50) text embedding of these bare words.
     """
 
     choice: Literal["sample", "mode"] = "sample"
@@ -94,7 +94,7 @@ class PolicyConfig(RoomConfig):
 
 @runtime_checkable
 class RecurrentPolicy(Protocol):
-    """Scores actions, and remembers what it saw in a state that it hands on."""
+    """Scores actions; what it remembers is a state that it returns with every step."""
 
     @property
     def architecture(self) -> PolicyArchitecture:
@@ -102,7 +102,7 @@ class RecurrentPolicy(Protocol):
         ...
 
     def first_state(self) -> Any:
-        """The state of a search that has not begun."""
+        """The state before the first step of a search."""
         ...
 
     def step(
@@ -137,7 +137,7 @@ class PolicyAgent(ABC):
             config: Choice of an action.
 
         Raises:
-            ConfigError: Camera, step or turn are others.
+            ConfigError: The robot's camera, step or turn differs from those of the training.
         """
         check_robot(network.architecture.name, embodiment, cameras)
         self._network = network
@@ -147,7 +147,7 @@ class PolicyAgent(ABC):
 
     @property
     def embodiment(self) -> Embodiment:
-        """What the robot is that the agent was built for."""
+        """The robot that the agent was built for."""
         return self._embodiment
 
     def reset(self, goal: Goal) -> None:
@@ -179,7 +179,7 @@ class PolicyAgent(ABC):
         """
 
     def act(self, observation: Observation) -> Action:
-        """The action that the policy chooses, never a look up or down, which no robot here can."""
+        """The action that the policy chooses; looking up and down are masked."""
         pose = None
         if self._network.architecture.has_pose:
             self._start = self._start or observation.robot
@@ -262,7 +262,7 @@ class ZsonAgent(PolicyAgent):
             config: Choice of an action; file of the goals' vectors.
 
         Raises:
-            ConfigError: The robot is not one of its training, or no file of vectors is named.
+            ConfigError: The robot differs from that of the training, or no vectors are named.
             MissingExtraError: torch or safetensors is not installed.
             ModelError: A file can't be used.
         """
@@ -289,7 +289,7 @@ class ZsonAgent(PolicyAgent):
 
 
 def pose_input(robot: Pose2, start: Pose2) -> tuple[float, float, float]:
-    """GPS and compass of Habitat, which look from the start: ``(x, -y)``, metres, and the heading.
+    """Habitat's GPS and compass: metres ahead and to the right of the start, heading in radians.
 
     Args:
         robot: Pose of the robot, ``map`` frame.

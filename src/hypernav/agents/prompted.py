@@ -1,7 +1,7 @@
-"""Agents that ask a model about every image and make one long move after the other (native mode).
+"""Agents that ask a model for every move and make it without looking (native mode).
 
-There is no detector, no map and no planner: a model says whether the robot is at the goal, and
-which move to make; the move is then made without looking. Source: Goetting, Singh and Loquercio,
+They have no detector and no planner: a model says whether the robot is at the goal, and which move
+to make; that move is then made without looking at images. Source: Goetting, Singh and Loquercio,
 "End-to-End Navigation with Vision-Language Models", 2024, and its released code.
 """
 
@@ -38,9 +38,9 @@ from hypernav.perception.visual_prompts.stop_checks import (
 )
 
 _PAPER = MotionConfig()
-"""Actions that moves are counted in, whatever the robot's own: 0.5 m and 30 degrees."""
+"""Step and turn that moves are counted in, whatever the robot's own: 0.5 m and 30 degrees."""
 _YES_TO_STOP = 2
-"""Number of times in a row that the robot must be said to be at the goal (VLMnav's code)."""
+"""Number of answers in a row, "the robot is at the goal", on which it stops (VLMnav's code)."""
 
 
 class PromptedConfig(RoomConfig):
@@ -50,7 +50,7 @@ class PromptedConfig(RoomConfig):
         most_moves: Number of moves after which the search is given up (VLMnav's code).
         most_actions: Number of actions of 0.5 m and 30 degrees after which it is given up: the
             budget of all other agents (ours).
-        stop: The question whether it is.
+        stop: Configuration of the question whether the robot is at the goal.
     """
 
     most_moves: int = Field(default=40, ge=1, le=100_000)
@@ -76,7 +76,7 @@ class PromptedAgent:
             explorer: Explorer that chooses the moves from images.
             stop: Check whether the robot is at the goal.
             embodiment: What the robot is.
-            mapping: Cells of the map, which is drawn for people alone.
+            mapping: Cells of the map, which the agent draws and hands to its explorer.
             log: Log of all questions, for the trace.
             config: Budget and stop.
         """
@@ -93,12 +93,12 @@ class PromptedAgent:
 
     @property
     def embodiment(self) -> Embodiment:
-        """What the robot is that the agent was built for."""
+        """The robot that the agent was built for."""
         return self._embodiment
 
     @property
     def warning(self) -> str:
-        """What stands in for the stop question, to be shown before a search; empty if nothing."""
+        """Warning of what replaces the stop question, shown before a search; empty if nothing."""
         return warning_of(self._stop)
 
     def reset(self, goal: Goal) -> None:
@@ -149,7 +149,7 @@ class PromptedAgent:
     def _choose(
         self, observation: Observation, events: list[str]
     ) -> tuple[Action | None, str, Insight | None]:
-        """The first action of the next move or the end of the search, the reason, what was seen."""
+        """First action of the next move or end of the search, the reason, what the explorer saw."""
         config, robot, floor = self._config, observation.robot, self._known
         here = self._stop.is_here(observation, self._goal)
         self._yes_in_a_row = self._yes_in_a_row + 1 if here else 0
@@ -196,7 +196,7 @@ class PromptedAgent:
 
     @property
     def grid(self) -> OccupancyGrid:
-        """The map drawn so far, of the images that moves were chosen from; for people alone."""
+        """The map drawn so far, from the images that moves were chosen from."""
         return self._known.map.grid
 
     @property
@@ -280,7 +280,7 @@ def paper_actions(destination: Destination, robot: Pose2) -> int:
 
 
 def _move(destination: Destination, robot: Pose2) -> tuple[float, float]:
-    """Turn, radians, and way straight ahead, metres."""
+    """Turn, radians, positive to the left, and length of the way straight ahead, metres."""
     length_m = robot.distance_to(*destination.xy)
     if destination.face is None:
         return robot.bearing_to(*destination.xy), length_m

@@ -21,8 +21,8 @@ from hypernav.planning.bump_sensor import bumped_points
 class SearchAgent:
     """Builds a map, looks for the goal, explores while it is out of sight, stops at it.
 
-    What it knows is in the memory, and what it intends in the plan; no component keeps anything
-    between two steps.
+    What it knows is in the memory, and what it intends in the plan. Beside these it keeps the goal,
+    the number of steps and the latest trace, and its components keep counts and caches.
     """
 
     def __init__(self, components: SearchComponents) -> None:
@@ -36,7 +36,7 @@ class SearchAgent:
 
     @property
     def embodiment(self) -> Embodiment:
-        """What the robot is that the agent was built for."""
+        """The robot that the agent was built for."""
         return self.components.embodiment
 
     def reset(self, goal: Goal, memory: Memory | None = None) -> None:
@@ -45,7 +45,7 @@ class SearchAgent:
         Args:
             goal: What to find.
             memory: What is known of the building, in whose ``map`` frame the robot is; None if
-                nothing is. It is the agent's from now on.
+                nothing is. The agent changes it from now on.
         """
         components = self.components
         memory = memory or Memory(components.mapping, components.embodiment)
@@ -55,7 +55,7 @@ class SearchAgent:
         self._trace, self._steps = None, 0
 
     def act(self, observation: Observation) -> Action | None:
-        """Look, decide, and say what to do next; None gives up."""
+        """Integrate the observation and choose an action; None ends the search without a claim."""
         goal, memory = self._running
         floor_before, use = memory.floor, self.components
         clock, events = ModuleClock(), list[str]()
@@ -88,7 +88,7 @@ class SearchAgent:
 
     @property
     def memory(self) -> Memory:
-        """What the agent knows of the building."""
+        """What the agent knows of the building, present search included."""
         return self._running[1]
 
     @property
@@ -100,7 +100,7 @@ class SearchAgent:
 
     @property
     def grid(self) -> OccupancyGrid:
-        """The map drawn so far, of the floor that the robot is on."""
+        """The map so far of the floor that the robot is on."""
         return self.memory.floor.map.grid
 
     @property
@@ -110,7 +110,7 @@ class SearchAgent:
         return self._goal, self._memory
 
     def _first_turns(self, floor: Floor) -> int:
-        """Number of turns to begin with on a floor: none where the robot has been before."""
+        """Number of turns to begin with on a floor: 0 where the robot has been before."""
         looks = self.components.config.look_around_at_start and not floor.trajectory
         return self.embodiment.motion.turns_of_a_circle if looks else 0
 

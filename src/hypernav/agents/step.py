@@ -1,4 +1,4 @@
-"""One step of a search as the phases see it: with its components, and what they decide."""
+"""One step of a search: what the phases are given, and what they decide."""
 
 import math
 from dataclasses import dataclass, field
@@ -26,7 +26,7 @@ from hypernav.planning.navigator import Navigator
 
 @dataclass(frozen=True, eq=False)
 class SearchComponents:
-    """The components of a search. None of them keeps anything between two steps.
+    """The components of a search. Between two steps they keep counts and caches at most.
 
     Attributes:
         mapping: Configuration of the maps.
@@ -60,23 +60,23 @@ class SearchComponents:
 
     @cached_property
     def gaze(self) -> Gaze | None:
-        """Choice of the turns that show something; None where full circles are turned."""
+        """Choice of the turns that show unseen floor; None where full circles are turned."""
         least_m2 = self.config.least_unseen_m2
         return None if least_m2 is None else Gaze(self.embodiment, least_m2)
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """Everything about the present step but memory and plan, and where phases note what happened.
+    """Everything about the present step except memory and plan; phases add events to it.
 
     Attributes:
         number: Number of the step in the search, from 0.
         goal: Target of the search.
-        observation: Frame of this step, with heights counted from the floor.
-        grid: Map of the floor, with this frame in it.
+        observation: Frame of this step, with heights counted from the robot's floor.
+        grid: Map of that floor, with this frame integrated.
         use: Components and configuration of the search.
         clock: Clock of the modules.
-        events: Events worth finding again, for the trace.
+        events: Names of what happened in this step, for the trace.
     """
 
     number: int
@@ -94,7 +94,7 @@ class Step:
 
     @property
     def config(self) -> SearchConfig:
-        """Conditions of the search, for steps of this robot."""
+        """Configuration of the search, for this robot's steps and turns."""
         return self.use.paced
 
     @property
@@ -103,7 +103,7 @@ class Step:
         return self.use.embodiment.motion
 
     def view(self, memory: Memory) -> ExplorationView:
-        """What explorers may know."""
+        """What explorers are told."""
         floor = memory.floor
         return ExplorationView(
             goal=self.goal,
@@ -125,7 +125,7 @@ class Decision:
         action: Action to take; None ends the search without a claim.
         mode: Mode of the agent, for the trace.
         reason: Reason in one short sentence for people.
-        path: Rest of the path, from the robot on, ``(x, y)``, metres.
+        path: Rest of the path, from the robot on, ``(x, y)``, ``map`` frame, metres.
         ending: End of the search, if this is its last step.
     """
 
@@ -137,7 +137,7 @@ class Decision:
 
 
 class Phase(Enum):
-    """The phases of a search, for handing a step on from one to another."""
+    """The phases that a step may be handed on to; LOOK_AROUND hands it on to EXPLORE."""
 
     LOOK_AROUND = auto()
     EXPLORE = auto()
@@ -148,7 +148,7 @@ class Phase(Enum):
 
 
 def turn_towards(robot: Pose2, point: tuple[float, float], motion: MotionConfig) -> Action | None:
-    """The turn that brings a point ``(x, y)``, metres, ahead; None if it is as good as ahead."""
+    """The turn towards a point ``(x, y)``, metres; None if it is about ahead."""
     bearing = robot.bearing_to(*point)
     if abs(bearing) <= math.radians(motion.turn_angle_deg) / 2 + 1e-6:
         return None

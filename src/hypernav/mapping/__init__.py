@@ -1,1 +1,1 @@
-"""Depth to points to voxels to a top-down map; frontiers, blocks, exports."""
+"""The top-down map from depth images, what is derived from it, and the robot's memory."""

@@ -1,4 +1,4 @@
-"""Division of the explored map into numbered squares."""
+"""Division of the explored map into blocks: numbered squares."""
 
 from functools import lru_cache
 
@@ -14,14 +14,14 @@ from hypernav.mapping.reachable_area import ReachableArea
 
 
 def blocks_of(reach: ReachableArea, config: MappingConfig) -> tuple[Block, ...]:
-    """The numbered squares of a reachable area.
+    """The blocks of a reachable area.
 
     The squares are aligned to the ``map`` frame and stay where they are as the map grows. Numbers
-    run as one reads the drawn map: from the top left to the bottom right.
+    follow the order of reading the drawn map: from the top left to the bottom right.
 
     Args:
         reach: The map and what the robot can reach on it.
-        config: Size of the squares, and the free floor that a block needs.
+        config: Size of the squares, and the reachable floor that a block needs.
     """
     row_squares, rows = _squares(reach.grid, config.block_size_m, axis=0)
     column_squares, columns = _squares(reach.grid, config.block_size_m, axis=1)
@@ -59,7 +59,7 @@ def blocks_of(reach: ReachableArea, config: MappingConfig) -> tuple[Block, ...]:
 def _squares(
     grid: OccupancyGrid, side_m: float, axis: int
 ) -> tuple[Int64[np.ndarray, "squares"], list[int]]:
-    """Numbers of the squares that hold the middles of rows or columns of cells, and their edges."""
+    """Numbers of the squares along an axis, and the cells at their edges, the last included."""
     cells = np.arange(grid.cells.shape[axis])
     middles = grid.origin[1 - axis] + (cells + 0.5) * grid.resolution_m
     squares, first = np.unique(np.floor(middles / side_m).astype(np.int64), return_index=True)
@@ -71,13 +71,13 @@ def _counts(
     rows: list[int],
     columns: list[int],
 ) -> Int64[np.ndarray, "_ _"]:
-    """Number of cells of a mask in every square."""
+    """Number of a mask's cells in every square, ``[row, column]``."""
     sums = cv2.integral(mask.view(np.uint8))[np.ix_(rows, columns)].astype(np.int64)
     return np.diff(np.diff(sums, axis=0), axis=1)
 
 
 def _at_frontier(reach: ReachableArea, window: tuple[slice, slice]) -> tuple[int, int]:
-    """The reachable cell before the middle of the largest frontier in a window, 8-connected."""
+    """The reachable cell nearest to the middle of the largest frontier in a window."""
     frontier = np.ascontiguousarray(reach.frontier[window]).view(np.uint8)
     row, column = _middle_of_largest(frontier.tobytes(), frontier.shape[1])
     return reach.look_out(row + window[0].start, column + window[1].start)
@@ -85,7 +85,7 @@ def _at_frontier(reach: ReachableArea, window: tuple[slice, slice]) -> tuple[int
 
 @lru_cache(maxsize=1024)
 def _middle_of_largest(frontier: bytes, columns: int) -> tuple[int, int]:
-    """Row and column of a frontier's cell; most squares are the same from one step to the next.
+    """Row and column of the frontier cell in the middle; cached, since squares seldom change.
 
     Args:
         frontier: Cells of a square, row by row: 1 at a frontier, at least one, 0 elsewhere.

@@ -14,21 +14,21 @@ MAX_LAYERS = 32
 HIT_WEIGHT = 2
 """Evidence that a frame adds to a voxel that it hits."""
 OCCUPIED_EVIDENCE = 2
-"""Evidence of a voxel from which on its cell is occupied: that of one hit, so that what stands in
-the way is avoided at once."""
+"""Evidence of a voxel from which its cell is occupied: that of one hit, so that the robot avoids
+an obstacle at once."""
 MAX_EVIDENCE = 6
 """Upper bound of a voxel's evidence; it limits the frames that a removed object takes to
 disappear."""
 PASS_MARGIN_M, PASS_MARGIN_RATIO = 0.05, 0.01
-"""Distance of the measured surface behind a voxel that was seen through, and its addition per metre
-of depth, with which depth noise grows."""
+"""Distance by which a measured surface must lie behind a voxel that was seen through, metres, and
+its increase per metre of depth, since depth noise grows with depth."""
 BUMP_PERSISTENCE = 30
-"""Number of frames with a clear view of its floor before a bumped cell counts as free again; a
-robot often bumps into what its camera cannot see."""
+"""Number of frames that must show the floor of a bumped cell before the bump is forgotten; a robot
+often bumps into what its camera cannot see."""
 CHUNK_CELLS = 128
 """Side of the chunks that the map grows by, so that it seldom has to be copied."""
 MAX_SIDE_M = 500.0
-"""Width of the map beyond which a pose is refused as wrong: no building is that large."""
+"""Width of the map, metres, beyond which a pose is refused as wrong: no building is that large."""
 
 
 class HeightBand(NamedTuple):
@@ -44,7 +44,7 @@ class HeightBand(NamedTuple):
 
 
 def memory_of(cells: int, band: HeightBand) -> int:
-    """Memory of so many cells of a map, bytes: one for every voxel, and seven for the cell."""
+    """Memory of this many cells of a map, bytes: one per voxel, and seven per cell."""
     return cells * (band.layers + 7)
 
 
@@ -58,21 +58,21 @@ class MappingConfig(RoomConfig):
     Attributes:
         cell_size_m: Side of a map cell, metres.
         voxel_height_m: Height of a voxel, metres; its sides are those of a cell.
-        floor_noise_m: Height, metres, below which everything is floor, however little the robot
-            drives over. Else the height band begins at the edge that it drives over (rugs and sills
-            are floor).
+        floor_noise_m: Height, metres, below which everything is floor. If the robot drives over
+            higher edges (`BodyConfig.max_step_m`), the height band begins at that height instead:
+            rugs and sills are floor.
         headroom_m: Top of the height band above the robot's height, metres; what is higher
-            (ceilings, lamps, shelves) doesn't hinder it. Just below 0, since that height is rounded
-            up already.
-        min_points: Number of points that a voxel needs in one frame to count as hit, so that single
-            noisy pixels draw nothing.
+            (ceilings, lamps, shelves) doesn't hinder it. Just below 0 by default, since the robot's
+            height is rounded up already.
+        min_points: Number of points in a voxel from which a frame hits it, so that single noisy
+            pixels draw nothing.
         pass_weight: Evidence that a frame takes from a voxel that it sees through. With 0, what one
             frame draws stays (paper: local maps are merged).
         free_footprint: Whether the cells that the robot stands on become free.
         frontier_min_size_m: Length of the shortest frontier, metres; shorter ones are noise, or too
             narrow for a robot.
-        block_size_m: Side of the numbered squares, metres.
-        block_min_area_m2: Reachable floor that a square needs to get a number, square metres.
+        block_size_m: Side of a block, metres.
+        block_min_area_m2: Reachable floor from which a square is a block, square metres.
         block_destination: Position in a block that the robot goes to: the reachable cell beside the
             middle of its largest "frontier", which may lie just outside it, or the one nearest to
             the "middle" of the block (paper: a free location within it).

@@ -25,11 +25,11 @@ def travel_cells(is_open, start_row, start_column, wanted=None):
             for all.
 
     Returns:
-        float32 (rows, columns), infinite where no path leads, and perhaps where none is wanted.
+        float32 (rows, columns), cells; infinite where no path leads, perhaps where none is wanted.
     """
     rows, columns = is_open.shape
     width = columns + 2
-    # A closed rim around the map spares all tests for its edge.
+    # With a closed rim around the map, no step needs a test for its edge.
     walkable = np.zeros(width * (rows + 2), dtype=np.uint8)
     for row in range(rows):
         first = (row + 1) * width + 1
@@ -79,7 +79,7 @@ def travel_cells(is_open, start_row, start_column, wanted=None):
 
 @register_jitable
 def are_nearer(distance, cells, width, level):
-    """Whether all of some cells lie nearer than a whole number of cells."""
+    """Whether the distances of all given cells are below a level, in cells."""
     for i in range(len(cells)):
         if not distance[(cells[i, 0] + 1) * width + cells[i, 1] + 1] < level:
             return False
@@ -88,7 +88,7 @@ def are_nearer(distance, cells, width, level):
 
 @njit(cache=True, nogil=True)
 def nearest_open_cell(is_open, row, column, within):
-    """The open cell nearest to a cell (which may lie outside), and (-1, -1) if none is near.
+    """The open cell nearest to a cell, which may lie outside; (-1, -1) if none is near.
 
     Args:
         is_open: uint8 (rows, columns), not 0 where open.

@@ -21,10 +21,10 @@ class Frontier:
     Source: Yamauchi, "A Frontier-Based Approach for Autonomous Exploration", 1997.
 
     Attributes:
-        points: Middles of the frontier's cells, ``(x, y)``, metres.
+        points: Middles of the frontier's cells, ``(x, y)``, ``map`` frame, metres.
         size_m: Length of the frontier: number of cells times cell size, metres.
         destination: Reachable position ``(x, y)`` from which the robot can look across it, metres.
-        travel_m: Length of the path there, metres.
+        travel_m: Length of the robot's path there, metres.
     """
 
     points: Float64[np.ndarray, "n 2"]
@@ -64,16 +64,16 @@ def fresh_frontiers(
     visits: Sequence[tuple[float, float]] = (),
     visited_radius_m: float = 0.0,
 ) -> list[Frontier]:
-    """The frontiers that were not visited; none if none is left that can be reached.
+    """The reachable frontiers that were not visited yet.
 
     Args:
         grid: The map.
         robot: Pose of the robot.
         config: Length of the shortest frontier.
-        clearances_m: Distances from obstacles that the robot's middle keeps, metres: the first at
-            which a frontier is left counts.
+        clearances_m: Distances from obstacles that the robot's middle keeps, metres: the first with
+            which such a frontier is found counts.
         visits: Positions ``(x, y)`` that were visited, metres.
-        visited_radius_m: Distance from a visit, metres, within which destinations are passed over.
+        visited_radius_m: Distance from a visit, metres, within which a destination is visited.
     """
     for clearance_m in clearances_m:
         fresh = [

@@ -1,4 +1,4 @@
-"""Inflation of the obstacles of a map by the size of the robot, and the way out of it."""
+"""Inflation of a map's obstacles by the size of the robot, and escapes from inflated ones."""
 
 import math
 from dataclasses import dataclass
@@ -11,13 +11,13 @@ from hypernav.core.geometry.bounds import has_cell
 from hypernav.mapping.distance_kernels import nearest_open_cell, travel_cells
 
 _WITHIN_M = 1.0
-"""Largest distance to an open cell."""
+"""Distance in rows and columns, metres, within which an open cell is looked for."""
 _WIDTH_CELLS = 1.5
-"""Cells by which an escape may be longer than the shortest, since the robot's steps are long."""
+"""Cells by which an escape may exceed the shortest one, since the robot's steps are long."""
 
 
 def disc(radius_m: float, cell_size_m: float) -> UInt8[np.ndarray, "side side"]:
-    """Cells whose middles lie within a radius of the middle cell's, as a structuring element."""
+    """Structuring element: 1 for cells whose middles lie within a radius of the middle cell's."""
     radius = radius_m / cell_size_m
     reach = math.floor(radius + 1e-9)
     squared = np.arange(-reach, reach + 1) ** 2
@@ -31,7 +31,7 @@ def inflate(
     *,
     outside: bool = False,
 ) -> UInt8[np.ndarray, "rows columns"]:
-    """All cells within a radius of the given ones, those included: 1, and 0 elsewhere.
+    """Mask of the cells within a radius of the given ones, those included: 1, and 0 elsewhere.
 
     Args:
         cells: Mask of the given cells, not 0.
@@ -52,8 +52,8 @@ class Escape:
     """Path to open floor from a cell where the robot should not be.
 
     Attributes:
-        exit: Open cell ``(row, column)`` that is nearest.
-        cells: Mask of the cells between, and of those around the robot that are no farther away.
+        exit: Nearest open cell ``(row, column)``.
+        cells: Mask of the cells around the robot that are hardly farther away than the exit.
     """
 
     exit: tuple[int, int]
@@ -68,7 +68,7 @@ class Escape:
     ) -> "Escape | None":
         """Look for an escape between the obstacles or, if they leave none, across them.
 
-        An open cell behind a thin wall is not near, unless all are.
+        So an open cell behind a thin wall is taken only if no other one can be reached.
 
         Args:
             occupied: Mask of the obstacles, not inflated.
@@ -105,7 +105,7 @@ class Escape:
         is_free: Bool[np.ndarray, "rows columns"],
         here: tuple[int, int],
     ) -> "Escape | None":
-        """Go to the nearest free cell in a straight line, whatever lies between (paper).
+        """Take the free cell that is nearest in a straight line, whatever lies between (paper).
 
         Args:
             is_open: Mask of the cells where the robot may be: 1, and 0 elsewhere.

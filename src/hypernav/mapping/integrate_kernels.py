@@ -2,18 +2,18 @@
 
 A frame works inside a window of the map, the box around its field of view. First the points are
 counted per voxel. Then every *cell of the window* is projected into the depth image, instead of
-tracing every pixel's ray through the map: the question "does a ray pass here?" has the same
-answer, at a hundredth of the cost, and leaves no gaps between rays.
+tracing every pixel's ray through the map: whether a ray passes the cell has the same answer, at a
+hundredth of the cost and without gaps between rays.
 
 The kernels take plain arrays and plain tuples, because numba's cache on disk breaks when a named
 type in it is renamed:
 
 - ``arrays``, the map, rows along y and columns along x: ``evidence`` uint8 (rows, columns, layers)
   of every voxel of the height band; ``raised`` uint32 bit mask of the layers that have evidence;
-  ``seen`` uint8, 1 where the cell was seen to be free floor or was stood on; ``bumps`` uint8, clear
-  views until a bump is forgotten; ``cells`` uint8, the outcome, values of `Cell`
+  ``seen`` uint8, 1 where the cell was seen to be free floor or the robot stood; ``bumps`` uint8,
+  clear views until a bump is forgotten; ``cells`` uint8, the outcome, values of `Cell`
 - ``window``: row and column in the map, rows, columns
-- ``lens``: fx, fy, cx, cy, then smallest and largest depth, both excluded
+- ``lens``: fx, fy, cx, cy, pixels, then limits of the sensor's range, both exclusive, metres
 - ``pose``: the upper three rows of the matrix from the ``map`` to the optical frame, flat
 - ``sizes``: side of a cell, height of a voxel, bottom of the height band, metres
 - ``weights``: fewest points of a hit, evidence of a hit, evidence of a pass, evidence from which a
@@ -29,9 +29,9 @@ from hypernav.core.geometry import depth as depth_rule
 
 UNKNOWN, FREE, OCCUPIED = 0, 1, 2
 BELIEVED_RANGES = 3.0
-"""Depth, in ranges of the sensor, from which on it is not believed."""
+"""Depth, as a multiple of the sensor's largest depth, from which it is not believed."""
 BELIEVED_M = 65.5
-"""Depth from which on it is no measurement but a code: the largest of 16 bits is 65.535 m."""
+"""Depth, metres, from which it is a code, no measurement: the largest of 16 bits is 65.535 m."""
 
 is_measured = register_jitable(no_cfunc_wrapper=True)(depth_rule.is_measured)
 
@@ -42,13 +42,13 @@ def count_points(depth, nearest, farthest, start, across, down, columns, layers,
 
     Args:
         depth: float32 (height, width), metres; what is not measured is skipped.
-        nearest: Limit of the sensor's range, float32.
-        farthest: Limit of the sensor's range, float32.
-        start: float32 (3), the camera in voxels of the window, as (column, row, layer).
+        nearest: float32, lower limit of the sensor's range, exclusive, metres.
+        farthest: float32, upper limit of the sensor's range, exclusive, metres.
+        start: float32 (3,), the camera in voxels of the window, as (column, row, layer).
         across: float32 (width, 3), change per metre of depth for the pixel's column, in voxels.
         down: float32 (height, 3), change per metre of depth for the pixel's row, in voxels.
-        columns: Width of the window.
-        layers: Voxels in the height band.
+        columns: Number of columns of the window.
+        layers: Number of layers of voxels in the height band.
         counts: uint16, flat (row, column, layer) of the window, zero on entry.
         touched: int32, receives the indices of the counts that are no longer zero.
 
@@ -113,7 +113,7 @@ def state_of(evidence, seen, bumps, row, column, enough):
 
 @register_jitable(no_cfunc_wrapper=True)
 def depth_at(depth, u, v):
-    """Depth of the pixel that holds (u, v); 0 beside the image."""
+    """Depth of the pixel that holds (u, v), metres; 0 outside the image."""
     if u < 0.0 or v < 0.0 or u >= depth.shape[1] or v >= depth.shape[0]:
         return 0.0
     return depth[int(v), int(u)]
@@ -130,8 +130,8 @@ def ends_behind(depth, lens, u, v, behind):
 def passes(depth, lens, u, v, behind):
     """Whether the ray of the pixel that holds (u, v) ends beyond `behind` metres of depth.
 
-    A measurement beyond the sensor's range is too inexact to be drawn; that the ray came so far is
-    sure. Without it, a person who stood before a distant wall would stay on the map for ever.
+    A measurement beyond the sensor's range is too inexact to be drawn, but it is certain that its
+    ray came so far. Otherwise a person who stood before a distant wall would never be cleared.
     """
     d = depth_at(depth, u, v)
     is_far = is_measured(d, lens[5], min(BELIEVED_RANGES * lens[5], BELIEVED_M))
@@ -140,11 +140,11 @@ def passes(depth, lens, u, v, behind):
 
 @register_jitable(no_cfunc_wrapper=True)
 def sees_floor(depth, lens, pose, x, y, heights):
-    """Whether a cell is seen free, as low as the camera can look.
+    """Whether a cell is seen free, at the lowest of the ``heights`` that the image shows.
 
     Far away that is just above the floor. Near the robot, where the floor lies below the image's
-    lower edge, it is the lowest ray of the image: else a tall camera would never see its robot's
-    path out of the blind zone around it.
+    lower edge, it is higher: else a robot with a high camera would never see the floor of the blind
+    zone around it as free.
 
     Returns:
         2 if seen free down to the floor, 1 if as low as the image shows, 0 if not seen free.
@@ -169,8 +169,8 @@ def sees_floor(depth, lens, pose, x, y, heights):
 def sees_through(depth, lens, pose, x, y, h, sizes, margins):
     """Whether all rays around a voxel's middle end well behind it.
 
-    The corners of the voxel's outline are asked as well as its middle: a thin thing that fills only
-    a part of the voxel still blocks it.
+    The corners of the voxel's outline are tested as well as its middle: a thin object that fills
+    only a part of the voxel still blocks it.
     """
     z = pose[8] * x + pose[9] * y + pose[10] * h + pose[11]
     if z <= sizes[0] or z >= lens[5]:
@@ -191,7 +191,7 @@ def sees_through(depth, lens, pose, x, y, h, sizes, margins):
 
 @register_jitable(no_cfunc_wrapper=True)
 def in_sight(width, lens, pose, x, y, low, high):
-    """Whether any of a cell's column, from height `low` to `high`, may lie in the image."""
+    """Whether a part of a cell's column between two heights, metres, may lie in the image."""
     left, right = 0, 0
     for h in (low, high):
         z = pose[8] * x + pose[9] * y + pose[10] * h + pose[11]
@@ -212,7 +212,7 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
     """Free what the frame sees to be free, cell by cell of the window.
 
     A voxel that a ray passes loses evidence, unless it has a point in this very frame (``counts``
-    of `count_points`). ``heights`` are float64, where a cell is looked at for free floor: just
+    of `count_points`). ``heights``, float64 (n,), metres, are those that `sees_floor` tests: just
     above the floor first, then up the height band and, for a camera above it, up to the camera.
     After the ``window`` come x and y of its corner, metres. The ``arrays`` are changed in place.
     """
@@ -254,9 +254,9 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
 
 @register_jitable(no_cfunc_wrapper=True)
 def free_footprint(robot, arrays):
-    """Free the cells that the robot stands on, given exact row, column and radius, in cells.
+    """Free the cells that the robot stands on, given continuous row, column, radius, in cells.
 
-    Without a radius, none are freed.
+    With a radius of 0, none are freed.
     """
     evidence, raised, seen, bumps, cells = arrays
     row, column, radius = robot

@@ -1,4 +1,4 @@
-"""What positions on the map would show of the unknown, and the paths between them."""
+"""The unknown floor that positions on the map would show, and the paths between them."""
 
 import math
 from collections.abc import Sequence
@@ -16,15 +16,15 @@ from hypernav.mapping.view_kernels import unknown_in_view
 _PATCH_CELLS = 4
 """Side of the patches in which the unknown is counted and paths are measured, cells."""
 _RAYS = 180
-"""Rays of a full turn: at 5 m they are not farther apart than a patch of cells of 0.05 m."""
+"""Rays of a full turn: at 5 m they are no farther apart than a patch, with cells of 0.05 m."""
 
 
 def find_prospects(
     reach: ReachableArea, positions: Sequence[tuple[float, float]], range_m: float
 ) -> Prospects:
-    """What a camera would see of the unknown from some positions, turned all around.
+    """The unknown floor that a camera turned all around would see from some positions.
 
-    The gain of a view, in place of the length of a boundary, is that of González-Baños and
+    A view's gain is the area that it shows, not the length of a boundary, after González-Baños and
     Latombe, "Navigation Strategies for Exploring Indoor Environments", 2002.
 
     Args:

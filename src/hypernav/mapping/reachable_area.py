@@ -16,16 +16,16 @@ from hypernav.mapping.inflation import Escape, inflate
 
 @dataclass(frozen=True, eq=False)
 class ReachableArea:
-    """The explored part of the map as the robot can reach it from its position.
+    """The explored part of the map, and what of it the robot can reach from its position.
 
     Attributes:
         grid: Cropped map.
-        travel_m: Length of the path to every cell over free floor, clear of obstacles, metres;
-            infinite where none leads.
+        travel_m: Length of the robot's path to every cell over free floor, clear of obstacles,
+            metres; infinite where none leads.
         reachable: Mask of the reachable cells: 1 where `travel_m` is finite and the cell is free.
         frontier: Mask of the free cells that touch the unknown and can be looked into from a
             reachable cell, in stretches that are long enough.
-        look_within: Number of rows and columns on each side of a frontier cell within which such a
+        look_within: Number of rows and columns on each side of a frontier cell within which that
             reachable cell lies.
     """
 
@@ -43,8 +43,8 @@ class ReachableArea:
 
         Args:
             grid: The map.
-            robot: Pose of the robot. If its cell is closed, the nearest open cell along a path
-                counts.
+            robot: Pose of the robot. If its cell is closed, paths begin at the nearest open cell
+                along a path.
             config: Length of the shortest frontier.
             clearance_m: Distance from obstacles that the robot's middle keeps, metres.
         """
@@ -56,7 +56,7 @@ class ReachableArea:
         is_open = free & (closed == 0)
         here = grid.cell_of(*robot.xy)
         if not config.free_footprint:
-            # It stands on floor all the same: else it would begin on an island of a few specks.
+            # The robot stands on floor that no image showed: paths may begin there all the same.
             is_open |= _around(grid, here, clearance_m) & (closed == 0)
         is_open = is_open.view(np.uint8)
         escape = Escape.find(occupied, is_open, here, size)
@@ -81,14 +81,14 @@ class ReachableArea:
         )
 
     def look_out(self, row: int, column: int) -> tuple[int, int]:
-        """The reachable cell nearest to a frontier cell."""
+        """The reachable cell ``(row, column)`` that is nearest to a frontier cell."""
         return nearest_open_cell(self.reachable, row, column, self.look_within)
 
 
 def _around(
     grid: OccupancyGrid, here: tuple[int, int], radius_m: float
 ) -> Bool[np.ndarray, "rows columns"]:
-    """The cells within a radius of a cell, those on the grid."""
+    """Mask of the grid's cells within a radius of a cell."""
     rows, columns = np.ogrid[: grid.cells.shape[0], : grid.cells.shape[1]]
     squared = (rows - here[0]) ** 2 + (columns - here[1]) ** 2
     return squared <= (radius_m / grid.resolution_m) ** 2
@@ -97,8 +97,8 @@ def _around(
 def _long_stretches(
     cells: Bool[np.ndarray, "rows columns"], least_cells: float
 ) -> Bool[np.ndarray, "rows columns"]:
-    """The cells in connected parts of at least so many cells, 8-connected."""
-    # Statistics of the parts would take ten times as long as the parts.
+    """Mask of the cells in 8-connected parts of at least so many cells."""
+    # OpenCV's statistics of the parts would take ten times as long as the parts.
     _, parts = cv2.connectedComponents(cells.view(np.uint8), connectivity=8)
     part_of = parts[cells].astype(np.intp)
     is_long = np.bincount(part_of) >= least_cells - 1e-9

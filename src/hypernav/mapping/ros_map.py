@@ -25,10 +25,10 @@ _OCCUPANCY = np.array([-1, 0, 100], dtype=np.int8)
 def save_ros_map(grid: OccupancyGrid, folder: Path, name: str = "map") -> Path:
     """Write a map for Nav2's map_server.
 
-    Shades and thresholds are those of map_saver: free 254, occupied 0, unknown 205, which the
-    thresholds 0.65 and 0.196 read back as the same three states (with map_saver's newer free
-    threshold of 0.25, unknown cells would be read as free). The image's first row is the map's
-    highest y. Each file is replaced at once, never left half written.
+    Shades and thresholds are those of map_saver: free 254, occupied 0, unknown 205. The thresholds
+    0.65 and 0.196 read them back as the same three states; with map_saver's newer free threshold of
+    0.25, unknown cells would be read as free. The image's first row is the map's highest y. Each
+    file is replaced as a whole, never left half written.
 
     Source: nav2_map_server, ``map_io.cpp``.
 
@@ -71,7 +71,7 @@ def load_ros_map(path: Path) -> OccupancyGrid:
         path: Path of the YAML file.
 
     Raises:
-        MapError: A file is missing or broken, or the map is turned, which a grid cannot be.
+        MapError: A file is missing, broken or too large, or the map is turned, as no grid can be.
     """
     facts = _read_facts(path)
     try:

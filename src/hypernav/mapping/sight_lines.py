@@ -9,7 +9,7 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.mapping.view_kernels import clear_lines
 
 OPEN_M = 3.0
-"""Length of unknown floor after which 1 / e of all lines of sight met no wall yet, metres; ours."""
+"""Length of unknown floor, metres, after which 1 / e of all lines of sight still go on; ours."""
 
 
 def unseen_by_bearing(
@@ -22,18 +22,18 @@ def unseen_by_bearing(
 ) -> Float64[np.ndarray, " n"]:
     """Unknown floor around a position along lines of sight, which end at obstacles.
 
-    The farther a line goes through the unknown, the likelier something there ends it, and the less
-    it counts.
+    The farther a line has gone through the unknown, the likelier something there has ended it, and
+    the less the floor there counts.
 
     Args:
         grid: The map; beyond it all is unknown.
-        position: Position ``(x, y)`` of the camera, metres.
+        position: Position ``(x, y)`` of the camera, ``map`` frame, metres.
         bearings: Directions in the ``map`` frame, radians, spread evenly around the circle.
         nearest_m: Distance of the nearest floor in the camera's image, metres.
         farthest_m: Range of the camera, metres.
 
     Returns:
-        Area of the unknown floor in the sector around each direction, square metres.
+        Expected area of unknown floor in sight in the sector of each direction, square metres.
     """
     spacing_m = grid.resolution_m
     along = np.arange(spacing_m / 2.0, farthest_m, spacing_m)
@@ -62,9 +62,9 @@ def lines_are_clear(
 
     Args:
         grid: The map; what is unknown hides nothing.
-        starts: Start of every line, ``(x, y)``, metres.
-        ends: End of every line, metres.
-        through: Positions whose cells hide nothing, such as those of the object that is looked at.
+        starts: Start of every line, ``(x, y)``, ``map`` frame, metres.
+        ends: End of every line, ``(x, y)``, metres.
+        through: Positions ``(x, y)``, metres, whose cells hide nothing: those of the object.
     """
     lengths = np.linalg.norm(ends - starts, axis=1)
     samples = math.ceil(1.5 * float(lengths.max(initial=0.0)) / grid.resolution_m) + 1

@@ -1,4 +1,4 @@
-"""The map that the robot draws as it goes."""
+"""The top-down map that is built up from the robot's depth images."""
 
 import math
 from dataclasses import replace
@@ -40,7 +40,7 @@ class _Arrays(NamedTuple):
 
 
 class _Window(NamedTuple):
-    """The cells that a frame can reach: row and column in the map, numbers of rows and columns."""
+    """The cells that a frame can reach: first row and column, numbers of rows and columns."""
 
     row: int
     column: int
@@ -51,12 +51,12 @@ class _Window(NamedTuple):
 class TopDownMap:
     """Unknown, free and occupied cells around the robot, in the ``map`` frame.
 
-    The floor is the plane ``z = 0``. Behind the cells stand voxels: every cell is a column of
-    voxels over the height band, each with its own evidence. Points raise a voxel's evidence; a ray
-    that passes through a voxel lowers it. So a look over a low table does not clear the table, and
-    a table that is carried away disappears.
+    The floor is the plane ``z = 0``. Every cell stands for a column of voxels over the height band,
+    each with its own evidence. Points raise a voxel's evidence; a ray that passes through a voxel
+    lowers it. So a look over a low table does not clear the table, and a table that is carried away
+    disappears.
 
-    The map has no fixed size: it is enlarged by chunks of cells, in all directions, aligned to the
+    The map has no fixed size: it grows by chunks of cells, in all directions, aligned to the
     ``map`` frame.
     """
 
@@ -68,7 +68,7 @@ class TopDownMap:
             embodiment: Size of the robot and range of its camera.
 
         Raises:
-            ConfigError: The map can't keep as many voxels as the robot is high.
+            ConfigError: The height band is empty, or holds more voxels than the map can keep.
         """
         self.config = config
         self.embodiment = embodiment
@@ -101,10 +101,10 @@ class TopDownMap:
 
     @property
     def grid(self) -> OccupancyGrid:
-        """The allocated area of the map: a read-only view, not a copy.
+        """The map's allocated cells: a read-only view, not a copy.
 
-        It changes with the next `integrate`, and it is left behind when the map grows; ask again
-        after every frame.
+        The view changes with the next `integrate`, and no longer does once the map has grown; ask
+        for it again after every frame.
         """
         cells = self._arrays.cells.view()
         cells.flags.writeable = False
@@ -112,13 +112,13 @@ class TopDownMap:
         return OccupancyGrid(cells, size, (self._first_column * size, self._first_row * size))
 
     def eye_level(self, around: Float64[np.ndarray, "n 2"]) -> OccupancyGrid:
-        """What stands at the camera's height or above it: walls and cupboards, but no tables.
+        """A copy of the map that keeps only obstacles as high as the camera: walls, but no tables.
 
-        A copy of the map in which all else that is explored counts as free.
+        All else that is explored counts as free in it.
 
         Args:
-            around: Points ``(x, y)``, metres; beyond the box around them all is left unknown, so
-                that the time taken does not grow with the map.
+            around: Points ``(x, y)``, ``map`` frame, metres; beyond the box around them all is left
+                unknown, so that the time taken does not grow with the map.
         """
         grid = self.grid
         corners = grid.cells_of(np.array([around.min(axis=0), around.max(axis=0)]))
@@ -132,16 +132,16 @@ class TopDownMap:
     def integrate(self, observation: Observation) -> None:
         """Add one frame to the map.
 
-        Depth that is 0, NaN, infinite or at the sensor's limits is ignored, as is what is too near.
-        What is beyond its range is not drawn, but the ray has passed what lies before. A frame
-        doesn't clear the voxels that it hits.
+        Depth that is 0, NaN, infinite, below the sensor's range or at its limits is ignored. Depth
+        beyond the range draws nothing, but its ray clears the voxels that it passed. A frame clears
+        no voxel that holds one of its points.
 
         Args:
             observation: Frame with camera and poses in the ``map`` frame.
 
         Raises:
-            MapError: A pose is not finite, or so far away that the map would grow beyond
-                `MappingConfig.max_side_m`.
+            MapError: A pose is not finite, or so far away that the map would become wider than
+                `MAX_SIDE_M` or take too much memory.
         """
         pose = observation.camera_to_map
         robot = observation.robot
@@ -190,12 +190,12 @@ class TopDownMap:
     def mark_occupied(self, points_xy: Float[np.ndarray, "n 2"]) -> None:
         """Remember positions where the robot bumped into something.
 
-        Such a cell stays occupied whatever the camera says, until the robot stands on it or has had
-        a clear view of it in `MappingConfig.bump_persistence` frames.
+        Such a cell stays occupied whatever the camera shows, until the robot stands on it or
+        `BUMP_PERSISTENCE` frames have shown its floor.
 
         Args:
-            points_xy: Positions ``(x, y)``, ``map`` frame, metres. They may lie outside the map so
-                far.
+            points_xy: Positions ``(x, y)``, ``map`` frame, metres. They may lie outside the present
+                map.
 
         Raises:
             MapError: A point is not finite, or too far away.
@@ -212,7 +212,7 @@ class TopDownMap:
             self._arrays.cells[row, column] = OCCUPIED
 
     def forget_bumps(self) -> None:
-        """Believe the camera again where the robot bumped into something."""
+        """Forget all bumps: such cells get the state that the images alone give them."""
         arrays = self._arrays
         bumped = arrays.bumps > 0
         occupied = (arrays.evidence[bumped] >= OCCUPIED_EVIDENCE).any(axis=1)
@@ -221,7 +221,7 @@ class TopDownMap:
         arrays.bumps[bumped] = 0
 
     def _grow(self, low: Float64[np.ndarray, "2"], high: Float64[np.ndarray, "2"]) -> None:
-        """Make the map hold all points between two corners."""
+        """Make the map hold the box between two corners ``(x, y)``, metres."""
         size = self.config.cell_size_m
         # One cell more on each side: what is explored never touches the edge of the grid.
         first = np.floor(low / size) - 1
@@ -262,7 +262,7 @@ class TopDownMap:
         self._arrays, self._first_row, self._first_column = grown, row, column
 
     def _window(self, low: Float64[np.ndarray, "2"], high: Float64[np.ndarray, "2"]) -> _Window:
-        """The cells between two corners, which the map holds."""
+        """The cells of the box between two corners ``(x, y)``, metres, which the map holds."""
         size = self.config.cell_size_m
         column, row = (int(c) for c in np.floor(low / size))
         last_column, last_row = (int(c) for c in np.floor(high / size))
@@ -274,7 +274,7 @@ class TopDownMap:
         )
 
     def _corner_of(self, window: _Window) -> tuple[float, float]:
-        """Lower left corner, metres."""
+        """Lower left corner ``(x, y)`` of a window, metres."""
         size = self.config.cell_size_m
         return (
             (self._first_column + window.column) * size,
@@ -294,7 +294,7 @@ class TopDownMap:
     ) -> tuple[
         Float32[np.ndarray, "3"], Float32[np.ndarray, "width 3"], Float32[np.ndarray, "height 3"]
     ]:
-        """Camera position, and change per metre of depth for pixel columns and rows, in voxels."""
+        """Camera position and, per pixel column and row, change per metre of depth; in voxels."""
         config = self.config
         camera, pose = observation.camera, observation.camera_to_map
         per_voxel = 1.0 / np.array([config.cell_size_m, config.cell_size_m, config.voxel_height_m])
@@ -320,10 +320,10 @@ def _empty_arrays(rows: int, columns: int, layers: int) -> _Arrays:
 def _reach(
     camera: PinholeCamera, camera_to_map: Transform, max_depth_m: float
 ) -> tuple[Float64[np.ndarray, "2"], Float64[np.ndarray, "2"]]:
-    """Corners of the box, seen from above, around all that a camera can measure, metres."""
+    """Corners ``(x, y)`` of the box on the floor plan around all that a camera measures, metres."""
     u = np.array([0.0, camera.width, 0.0, camera.width])
     v = np.array([0.0, 0.0, camera.height, camera.height])
     points = np.concatenate([np.zeros((1, 3)), camera.unproject(u, v, max_depth_m)])
     flat = camera_to_map.apply(points)[:, :2]
-    # Compiled arithmetic is single precision; a hair's breadth keeps its rounding inside the box.
+    # Compiled arithmetic is single precision; a millimetre keeps its rounding inside the box.
     return flat.min(axis=0) - 1e-3, flat.max(axis=0) + 1e-3

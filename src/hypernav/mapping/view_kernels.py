@@ -1,4 +1,4 @@
-"""What a camera would see of the unknown, compiled."""
+"""Lines of sight over the map's cells, compiled."""
 
 import math
 
@@ -10,22 +10,22 @@ from hypernav.mapping.integrate_kernels import OCCUPIED, UNKNOWN
 
 @njit(cache=True, nogil=True)
 def unknown_in_view(cells, at, reach, rays, open_cells, side):
-    """The unknown that could be seen from some cells, all around.
+    """The unknown cells that a camera turned all around would see from some cells.
 
     Rays end at obstacles and at the end of their reach. The farther they go through the unknown,
-    the likelier something hidden there ends them.
+    the likelier they are taken to meet something hidden there.
 
     Args:
-        cells: uint8 (rows, columns), states of the map's cells; all that a ray can reach.
-        at: int64 (n, 2), rows and columns of the cells that are looked from.
+        cells: uint8 (rows, columns), states of the map's cells; no ray may reach beyond them.
+        at: int64 (n, 2), ``[row, column]`` of the cells that are looked from.
         reach: Length of a ray, cells.
         rays: Number of rays of a full turn.
         open_cells: Length of the unknown after which 1 of e rays still goes on, cells.
         side: Side of the patches that unknown cells are counted in, cells.
 
     Returns:
-        bool (n, patches along y, patches along x): what each of them sees; and float64 (patches
-        along y, patches along x): the largest probability that one of them sees it.
+        bool (n, patches along y, patches along x), what each cell sees; and float64 (patches along
+        y, patches along x), the largest probability with which one of them sees the patch.
     """
     height, width = cells.shape
     shape = ((height + side - 1) // side, (width + side - 1) // side)
@@ -47,7 +47,7 @@ def unknown_in_view(cells, at, reach, rays, open_cells, side):
                 last_row, last_column = row, column
                 row, column = int(y), int(x)
                 state = cells[row, column]
-                # Nor does it slip between two obstacles that touch at a corner.
+                # A ray does not pass between two obstacles that touch at a corner either.
                 if state == OCCUPIED or (
                     cells[last_row, column] == OCCUPIED and cells[row, last_column] == OCCUPIED
                 ):
@@ -69,12 +69,12 @@ def clear_lines(cells, own, origin, size, starts, legs, shares):
         own: bool (rows, columns), cells that hide nothing.
         origin: float64 (2,), lower left corner of the map, ``(x, y)``, metres.
         size: Side of a cell, metres.
-        starts: float64 (n, 2), start of every line, metres.
-        legs: float64 (n, 2), from there to its end, metres.
-        shares: float64 (samples,), parts of the line at which cells are looked at, 0 to 1.
+        starts: float64 (n, 2), start ``(x, y)`` of every line, metres.
+        legs: float64 (n, 2), vector from there to its end, metres.
+        shares: float64 (samples,), positions along a line at which cells are tested, 0 to 1.
 
     Returns:
-        bool (n,).
+        bool (n,), whether each line is clear.
     """
     rows, columns = cells.shape
     clear = np.ones(len(starts), dtype=np.bool_)

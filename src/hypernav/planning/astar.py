@@ -16,10 +16,10 @@ def astar(
     Args:
         costs: Factor on the length of a path through a cell, at least 1; 0 where closed.
         start: Open cell ``(row, column)`` to start from.
-        targets: Mask of the cells to reach, not 0 there.
+        targets: Mask of the cells to reach: not 0 there.
 
     Returns:
-        Cells ``[row, column]`` from start to target, and the cost in cells; an empty path and
+        Cells ``[row, column]`` from start to target, and the cost, in cells of cost 1; no cells and
         infinity if there is no path.
     """
     rows = np.flatnonzero(targets.max(axis=1))
@@ -39,7 +39,7 @@ def costs_to_go(
     robot: tuple[int, int],
     slack: float,
 ) -> Float32[np.ndarray, "rows columns"]:
-    """Costs of the paths to a cell from the robot's surroundings.
+    """Costs of the cheapest paths to a cell from the cells around the robot.
 
     Args:
         costs: Costs of cells, as for `astar`.

@@ -12,14 +12,14 @@ from numba.extending import register_jitable
 
 SQRT2 = math.sqrt(2.0)
 BUCKETS_PER_CELL = 2
-"""Number of buckets per cell of cost; more mean fewer cells visited twice."""
+"""Number of buckets per cell of cost; with more, fewer cells are visited twice."""
 
 
 @register_jitable(no_cfunc_wrapper=True)
 def with_rim(costs, price):
-    """Copy the costs into flat zeros with room for a closed rim around them.
+    """Copy the costs into a flat array of zeros with room for a closed rim around them.
 
-    The rim spares all tests for the map's edge.
+    With the rim, no step needs a test for the map's edge.
 
     Returns:
         The highest cost.
@@ -124,7 +124,7 @@ def expand(costs, start_row, start_column, targets, box, slack):
                 estimate[other] = octile_to_box(other // width - 1, other % width - 1, box)
             spent[other] = cost
             came_from[other] = cell
-            # Rounding may put a cell a hair's breadth before the present list.
+            # Rounding may put a cell just before the present list.
             new = max(int((cost + estimate[other] - least) * BUCKETS_PER_CELL), level)
             old = bucket_of[other]
             if old == new:

@@ -1,4 +1,4 @@
-"""Detection of collisions with what the camera did not show."""
+"""Detection of collisions with obstacles that the map does not show."""
 
 import numpy as np
 from jaxtyping import Float64
@@ -11,9 +11,9 @@ from hypernav.mapping.inflation import inflate
 from hypernav.planning.config import PlanningConfig
 
 _MOVED_SHARE = 0.6
-"""Share of the ordered length below which a step has bumped into something."""
+"""Share of the ordered length below which a step counts as cut short by a collision."""
 _TOUCHES_M = 0.1
-"""Length by which an obstacle that the robot touches may be larger than seen."""
+"""Length, metres, by which an obstacle that the robot touches may be larger than seen."""
 
 
 def bumped_points(
@@ -32,11 +32,11 @@ def bumped_points(
         ordered: Pose before the latest action, and that action; None before the first.
         robot: Pose of the robot.
         grid: The map.
-        config: Whether to notice collisions, and the margin between the robot and obstacles.
+        config: Whether to detect collisions, and the margin between the robot and obstacles.
         embodiment: Length of a step and size of the robot.
 
     Returns:
-        Points around the robot's front, metres; none if it moved as ordered.
+        Points ``(x, y)`` at the robot's front, ``map`` frame, metres; none if it moved as ordered.
     """
     if not config.bump_sensor or ordered is None or ordered[1] is not Action.MOVE_FORWARD:
         return np.zeros((0, 2))

@@ -15,13 +15,13 @@ class PlanningConfig(RoomConfig):
     became: docs/method.md.
 
     Attributes:
-        margin_m: Margin between the robot and obstacles, metres: these are dilated by the robot's
-            radius and this.
+        margin_m: Margin between the robot and obstacles, metres: obstacles are dilated by the
+            robot's radius plus this margin.
         squeeze_m: Reduction of that dilation where no path leads, or nothing is left to explore,
-            metres; 0 does without.
+            metres; 0 never reduces it.
         prefer_known: Whether a path over explored floor that squeezes through a gap, or enters
             the destination elsewhere than at the best positions, is preferred to a path through the
-            unknown of twice its cost; else it is taken only where there is no other.
+            unknown of more than twice its cost; else it is taken only where there is no other.
         comfort_cost: Addition to the cost factor of 1 within 0.2 m beyond the dilation, so that a
             path keeps to the middle of doors where there is room; 0 switches it off.
         unknown_cost: Cost factor of unknown cells; 1 treats them as free ones, 0 forbids them.
@@ -37,13 +37,13 @@ class PlanningConfig(RoomConfig):
             path. None sets no limit (paper).
         waypoints: Waypoints of a path: "corners", between which the robot drives straight, or
             "dense", one in every cell (paper: fine-grained waypoints).
-        replan_every_steps: Number of steps that a path is kept unless it is blocked (paper: 10).
-            None keeps it to its end.
+        replan_every_steps: Number of steps for which a path is kept unless it is blocked (paper:
+            10). None keeps it to its end.
         replan_when_moved: Whether a path is planned anew as well when a detection moves its
             destination; the paper names no such case.
         steering: Manner of following a path. "waypoint": turn if the next waypoint is too far off
             the heading, else go forward (paper). "lattice": search the sequence of turns and steps
-            that leads on best without touching an inflated obstacle, and take its first action.
+            that leads on best without touching an inflated obstacle, and carry it out.
         turn_cost_m: Cost of a turn of 30 degrees to "lattice" steering, as length of path, metres:
             a turn is a step, and a staircase of turns is no shorter than one bend.
         heading_tolerance_deg: Largest angle off the heading at which "waypoint" steering goes
@@ -71,7 +71,7 @@ class PlanningConfig(RoomConfig):
     bump_sensor: bool = True
 
     def clearances_m(self, body: BodyConfig) -> tuple[float, ...]:
-        """Distances from obstacles that the robot's middle keeps, in the order to try, metres."""
+        """Distances from obstacles that the robot's middle keeps, the largest first, metres."""
         clearance_m = body.radius_m + self.margin_m
         if self.squeeze_m <= 0.0:
             return (clearance_m,)

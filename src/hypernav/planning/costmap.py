@@ -1,4 +1,4 @@
-"""The costmap: obstacles inflated, narrow and unknown cells dearer."""
+"""The costmap: obstacles are inflated; cells near them and unknown cells cost more."""
 
 import math
 from collections.abc import Sequence
@@ -13,10 +13,10 @@ from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap_kernels import priced
 
 _MARGIN_M = 1.0
-"""Distance beyond the explored part that a path may lead."""
+"""Distance beyond the explored part up to which a path may lead, metres."""
 _COMFORT_M = 0.2
-"""Distance beyond the dilation within which a path costs more, so that it keeps to the middle of
-doors where there is room."""
+"""Distance beyond the dilation within which a path costs more, metres, so that it keeps to the
+middle of doors where there is room."""
 _ESCAPE_COST = np.float32(3.0)
 """Cost factor of an escape from an inflated obstacle: the robot may scrape along it."""
 SURROUNDINGS_M = 5.0
@@ -29,11 +29,11 @@ class Costmap:
 
     Attributes:
         grid: Cropped map.
-        costs: Factor on the length of a path through a cell; 0 where the robot cannot be.
+        costs: Factor on the length of a path through a cell; 0 where the cell is closed.
         is_open: Mask of the cells where the robot may stay: 1 where the cost is not 0 and the cell
             is no part of the escape.
-        escape: Path from the robot to open floor, whose cells have costs too; None if there is
-            none.
+        escape: Path from the robot to the nearest open cell, whose cells have costs too; None if
+            there is none.
         clearance_m: Distance from obstacles that the robot's middle keeps, metres.
         is_squeezed: Whether that distance is less than it should be.
     """
@@ -71,7 +71,7 @@ class Costmap:
         grid = grid.cropped(_MARGIN_M)
         size = grid.resolution_m
         margin_m = SURROUNDINGS_M + clearance_m + _COMFORT_M
-        # The nearest free cell may be anywhere.
+        # The free cell nearest to the robot may lie anywhere on the map.
         is_whole = config.start_in_obstacle == "nearest"
         window = _window(grid, () if is_whole else around, margin_m)
         occupied = np.zeros(grid.cells.shape, dtype=bool)
@@ -104,7 +104,7 @@ class Costmap:
         return self.is_squeezed or self.escape is None or bool(self.escape.cells.any())
 
     def continuous(self, x: float, y: float) -> tuple[float, float]:
-        """A point in continuous ``(row, column)`` cells."""
+        """A point ``(x, y)``, ``map`` frame, metres, as continuous ``(row, column)``, cells."""
         origin, size = self.grid.origin, self.grid.resolution_m
         return ((y - origin[1]) / size, (x - origin[0]) / size)
 
@@ -112,7 +112,7 @@ class Costmap:
 def _window(
     grid: OccupancyGrid, points: Sequence[tuple[float, float]], margin_m: float
 ) -> tuple[slice, slice]:
-    """Rows and columns of the box around some points, with a margin; all without points."""
+    """Rows and columns of the box around some points, with a margin; all if there are none."""
     if not points:
         return (slice(None), slice(None))
     margin = math.ceil(margin_m / grid.resolution_m)

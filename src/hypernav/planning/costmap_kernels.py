@@ -13,14 +13,14 @@ def priced(unknown, closed, near, unknown_cost, near_factor):
         closed: uint8 (rows, columns), not 0 where the robot cannot be.
         near: uint8 (rows, columns), not 0 near obstacles.
         unknown_cost: float32, cost of an unexplored cell away from obstacles; of others it is 1.
-        near_factor: float32, factor on both near obstacles.
+        near_factor: float32, factor on the cost of either kind near obstacles.
 
     Returns:
         float32 (rows, columns), the costs.
     """
     rows, columns = closed.shape
     costs = np.empty((rows, columns), dtype=np.float32)
-    # Without a table, and without jumps, many cells are worked on at a time.
+    # Without a table and without branches the compiler works on many cells at a time.
     unknown_near = unknown_cost * near_factor
     for row in range(rows):
         for column in range(columns):

@@ -19,17 +19,17 @@ from hypernav.planning.planner import PlannedPath, is_blocked
 from hypernav.planning.route import Route, along_line
 
 _LEAST_GAIN_M = 0.05
-"""Smallest gain for which a sequence of actions is worth taking."""
+"""Smallest reduction of the cost left to go, metres, that makes a sequence worth taking."""
 _HORIZON_M = 3.0
-"""Length of path over which actions are searched: beyond the next door, and bend."""
+"""Length of path over which actions are searched, metres: beyond the next door, and bend."""
 _LOOK_AHEAD_M = 4.0
-"""Length of path to the point that the actions aim at; beyond the horizon."""
+"""Length of path to the point that the actions aim at, metres; beyond the horizon."""
 _SIDEWAYS_M = 1.0
-"""Length by which the path to the aim may grow in between."""
+"""Length, metres, by which paths to the aim may exceed the robot's and still be searched."""
 _SAME_POSITION_M = 0.02
 _SAME_HEADING_RAD = 0.02
 _ANGLE_SLACK = 1e-9
-"""A bearing of exactly the tolerance must not turn into a turn by rounding."""
+"""Slack, radians, so that rounding makes no turn of a bearing of exactly the tolerance."""
 _ACTIONS = (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.TURN_RIGHT)
 
 
@@ -54,7 +54,7 @@ class PathFollower:
             route: The route of the step before.
             robot: Pose of the robot.
             costmap: Costmap around the robot, for ``steering: lattice``. Without it the robot
-                steers to the next waypoint whatever the configuration says.
+                steers by "waypoint", whatever the configuration says.
 
         Returns:
             A turn or a step, and the route from here on. No action if there is no path, if the
@@ -74,7 +74,7 @@ class PathFollower:
         return action, route if arrived == route.arrived else replace(route, arrived=arrived)
 
     def _is_at_end(self, path: PlannedPath, robot: Pose2) -> bool:
-        # A step may end up to half its length away from where it should.
+        # Steps have a fixed length, so the last one may end before the path's end or beyond it.
         return robot.distance_to(*path.end) <= max(self._tolerance, self.motion.forward_m)
 
     @property
@@ -82,7 +82,7 @@ class PathFollower:
         return self.config.waypoint_tolerance_m
 
     def _to_waypoint(self, route: Route, path: PlannedPath, robot: Pose2) -> Action | None:
-        """The paper's follower: turn if the next waypoint is too far off the heading, else go."""
+        """By "waypoint" (paper): turn if the next one is too far off the heading, else go."""
         aim = path.waypoints[min(route.next_waypoint, len(path.waypoints) - 1)]
         if route.next_waypoint >= len(path.waypoints) - 1:
             off = robot.distance_to(*path.end)
@@ -95,7 +95,7 @@ class PathFollower:
         return self._turn_or_go(robot.bearing_to(*aim))
 
     def _turn_or_go(self, bearing: float) -> Action:
-        # Less than half a turn off cannot be made good: the robot would turn to and fro.
+        # A bearing below half a turn's angle grows by turning: the robot would turn to and fro.
         tolerance_deg = max(self.config.heading_tolerance_deg, self.motion.turn_angle_deg / 2.0)
         if abs(bearing) <= math.radians(tolerance_deg) + _ANGLE_SLACK:
             return Action.MOVE_FORWARD
@@ -106,8 +106,8 @@ class PathFollower:
     ) -> tuple[Action | None, Route]:
         """The next action of the best sequence, searched some steps ahead, and the route.
 
-        A sequence is carried out to its end, where less is left to go than before. A new choice
-        after every action could go in circles.
+        A sequence is carried out to its end, where less is left to go than before. A new search
+        after every action could lead in circles.
         """
         if robot.distance_to(*path.end) <= self._tolerance:
             return None, route  # walls are thicker than the tolerance, so none lies between
@@ -122,7 +122,7 @@ class PathFollower:
         return action, replace(route, actions=tuple(rest), expected=self._after(robot, action))
 
     def _goes_as_planned(self, route: Route, robot: Pose2, costmap: Costmap) -> bool:
-        """Whether the robot is where its plan has it, and the plan's next step is still open."""
+        """Whether the robot has the expected pose, and the next step forward is still open."""
         expected = route.expected
         if expected is None or expected.distance_to(*robot.xy) > _SAME_POSITION_M:
             return False
@@ -198,7 +198,7 @@ class PathFollower:
 def _surroundings(
     costmap: Costmap, robot: Pose2
 ) -> tuple[Float32[np.ndarray, "rows columns"], tuple[int, int]]:
-    """Costs of the cells around the robot, and row and column of their corner."""
+    """Costs of the cells around the robot, and their lowest ``(row, column)`` on the costmap."""
     row, column = costmap.grid.cell_of(*robot.xy)
     reach = math.ceil(SURROUNDINGS_M / costmap.grid.resolution_m)
     bottom, left = max(row - reach, 0), max(column - reach, 0)

@@ -1,4 +1,4 @@
-"""Gaps that are closed by little: what a robot looks at from near before it gives a way up."""
+"""Gaps that are just too narrow: a robot looks at them from near before it gives a way up."""
 
 from dataclasses import dataclass
 
@@ -11,11 +11,11 @@ from hypernav.planning.astar import astar
 from hypernav.planning.costmap import Costmap
 
 HOPE_M = 0.04
-"""So much a map may err on each side of a gap that is seen from afar, metres."""
+"""Error of a map that may close a gap seen from afar, on each of its sides, metres."""
 _PRICE = np.float32(10.0)
-"""Cost factor of a cell that may turn out to be closed: the way back, when it does."""
+"""Cost factor of a cell that may turn out to be closed; it stands for the way back then."""
 _SAME_GAP_M = 0.5
-"""Radius around a gap that was looked at within which all is closed."""
+"""Radius, metres, around a gap that was looked at, within which all gaps count as closed."""
 
 
 @dataclass(frozen=True)
@@ -23,8 +23,8 @@ class Gap:
     """A gap that the map shows as just too narrow.
 
     Attributes:
-        position: Where the way through it ends on the map, ``(x, y)``, metres.
-        look_from: The last position before it where the robot fits, metres.
+        position: First position on the way where the robot does not fit, ``(x, y)``, metres.
+        look_from: Last position before it where the robot fits, ``(x, y)``, metres.
     """
 
     position: tuple[float, float]
@@ -41,14 +41,14 @@ def gap_on_the_way(
     """The first gap on the cheapest way to a destination, if gaps may be wider than they look.
 
     Args:
-        tight: Costmap of the robot that squeezes through.
+        tight: Costmap with the smallest clearance that the robot accepts.
         hopeful: Costmap of the same map with obstacles inflated less, by `HOPE_M`.
         start: Position of the robot ``(x, y)``, metres.
         targets: Points ``(x, y)`` of the destination, metres.
-        closed: Gaps that were looked at, and are closed.
+        closed: Positions ``(x, y)``, metres, of gaps that were looked at, and are closed.
 
     Returns:
-        None if there is no such way, or nothing in it is closed.
+        None if there is no such way, if no gap is on it, or if the robot stands in one.
     """
     grid, costs = tight.grid, hopeful.costs.copy()
     doubtful = (tight.costs == 0.0) & (costs > 0.0)

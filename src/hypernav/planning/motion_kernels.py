@@ -1,7 +1,7 @@
 """Straight lines and sequences of actions over a grid of costs, compiled.
 
-A step is long against the width of a door, and headings are few: the steps that fit through a door
-are decided some steps before it. So whole sequences are searched.
+A step is long compared with the width of a door, and headings are few: whether steps fit through
+a door is decided some steps before it. So whole sequences of actions are searched.
 
 A cell's cost is the factor on the length of a path through it; 0 means closed. Positions are in
 continuous cells ``(row, column)``: cell 0 spans 0 to 1, its middle is 0.5.
@@ -14,12 +14,12 @@ from numba import njit
 from numba.extending import register_jitable
 
 SLACK = 1.0
-"""Cost by which a line may exceed the path that it replaces, cells; evens out rounding."""
+"""Cost by which a line may exceed the path that it replaces, cells, to allow for rounding."""
 GO, LEFT, RIGHT = 0, 1, 2
 MOST_NODES = 8000
 """Bound on the nodes of a search for actions; only hopeless searches come near it."""
 DETOUR_COST = 0.2
-"""Cost per cell of a sequence that does not lead as far as it should."""
+"""Weight of the cost of a sequence that does not lead as far as it should."""
 
 
 @njit(cache=True, nogil=True)
@@ -70,16 +70,16 @@ def cost_of_line(costs, row_a, column_a, row_b, column_b):
 
 @njit(cache=True, nogil=True)
 def shortcut(costs, path, start_row, start_column):
-    """Straighten a path: leave out cells where the direct line is open and costs no more.
+    """Straighten a path: drop cells where the direct line is open and costs hardly more.
 
     Args:
         costs: Costs, as for `cost_of_line`.
         path: int64 (n, 2), cells ``[row, column]``.
-        start_row: Exact row of the start, in the path's first cell.
-        start_column: Exact column of the start.
+        start_row: Continuous row of the start, in the path's first cell.
+        start_column: Continuous column of the start.
 
     Returns:
-        Indices of the kept cells in the path, first and last included.
+        int64 (kept,), indices of the kept cells in the path, first and last included.
     """
     n = len(path)
     kept = np.empty(n, dtype=np.int64)
@@ -103,7 +103,7 @@ def shortcut(costs, path, start_row, start_column):
 
 @register_jitable(no_cfunc_wrapper=True)
 def push(keys, nodes, size, key, node):
-    """Put a node into a heap of this size."""
+    """Put a node into a heap that holds ``size`` nodes, the smallest key first, in place."""
     i = size
     while i > 0 and keys[(i - 1) // 2] > key:
         keys[i], nodes[i] = keys[(i - 1) // 2], nodes[(i - 1) // 2]
@@ -113,7 +113,7 @@ def push(keys, nodes, size, key, node):
 
 @register_jitable(no_cfunc_wrapper=True)
 def drop_first(keys, nodes, size):
-    """Take the first node out of a heap of this size."""
+    """Take the first node out of a heap that holds ``size`` nodes, in place."""
     key, node = keys[size - 1], nodes[size - 1]
     i = 0
     while 2 * i + 1 < size - 1:
@@ -136,19 +136,19 @@ def plan_actions(costs, to_go, row, column, sines, cosines, step, turn_cost, arr
 
     Args:
         costs: float32 (rows, columns), 0 where closed.
-        to_go: float32 (rows, columns), cost from there to the end, cells; infinite if unknown.
+        to_go: float32 (rows, columns), cost from each cell to the end, cells; infinite if unknown.
         row: Row of the robot, continuous.
         column: Column of the robot, continuous.
-        sines: float64 (turns), sines of all headings, the present one first, then to the left.
-        cosines: float64 (turns), cosines of the same headings.
+        sines: float64 (turns,), sines of all headings, the present one first, then to the left.
+        cosines: float64 (turns,), cosines of the same headings.
         step: Length of a step, cells.
         turn_cost: Cost of a turn, cells.
         arrive: Cost left to go at which the search ends, cells.
         horizon: Reduction of the cost left to go at which the search ends, cells.
 
     Returns:
-        Actions (`GO`, `LEFT`, `RIGHT`) and the cost left to go after them. If the search does not
-        get as far, the sequence that leaves least to go, its length weighed; it may be empty.
+        int64 (n,) of `GO`, `LEFT` and `RIGHT`, and the cost left to go after them. If the search
+        ends before, those of the least cost to go plus `DETOUR_COST` times their own; maybe none.
     """
     turns = len(sines)
     reach = int(horizon + 4.0 * step)

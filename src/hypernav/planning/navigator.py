@@ -49,12 +49,12 @@ class Navigator:
             route: The route of the step before.
             grid: The map.
             robot: Pose of the robot.
-            destinations: Points of the destination, ``(x, y)``, metres; then those that will do
-                where these are hard to reach.
+            destinations: Points of the destination, ``(x, y)``, ``map`` frame, metres; then those
+                that are accepted where these are hard to reach.
 
         Returns:
-            The action, and the route from here on. No action if there is no path, or if no step
-            brings the robot nearer; `Route.arrived` tells which.
+            The action, and the route from here on. No action if the robot is at the path's end
+            (`Route.arrived`), if there is no path, or if no step brings the robot nearer.
         """
         route = replace(route, age=route.age + 1)
         if self._is_fresh(route, destinations):
@@ -75,7 +75,7 @@ class Navigator:
         return None if path is None else path.length_m
 
     def is_open(self, grid: OccupancyGrid, start: Pose2, end: Pose2) -> bool:
-        """Whether the map shows nothing that the robot would touch on a straight line."""
+        """Whether the map shows nothing that the robot would touch on a line between poses."""
         line, clearance_m = (start.xy, end.xy), self._clearances_m[-1]
         costmap = Costmap.of(
             grid, self._config, start.xy, clearance_m, is_squeezed=True, around=line
@@ -95,7 +95,7 @@ class Navigator:
             grid: The map.
             robot: Pose of the robot.
             points: Points of the destination, ``(x, y)``, metres.
-            closed: Gaps that were looked at before.
+            closed: Positions ``(x, y)``, metres, of gaps that were looked at before.
         """
         tight_m = self._clearances_m[-1]
         tight, hopeful = (
@@ -117,7 +117,7 @@ class Navigator:
     def _overlap(
         self, points: Float64[np.ndarray, "_ 2"], before: Float64[np.ndarray, "_ 2"]
     ) -> bool:
-        """Whether a path to the points of before leads to these, too."""
+        """Whether a path to earlier points of a destination counts as one to the present points."""
         if self._config.replan_when_moved or len(before) == 0:
             return np.array_equal(points, before)
         low, high = points.min(axis=0), points.max(axis=0)
@@ -127,7 +127,7 @@ class Navigator:
     def _plan(
         self, route: Route, grid: OccupancyGrid, robot: Pose2, destinations: Destinations
     ) -> tuple[Action | None, Route]:
-        """Plan anew and begin."""
+        """Plan anew; the first action of the first path along which one leads on."""
         route = replace(route, destinations=destinations, age=0)
         options = self._planner.options(grid, robot.xy, destinations)
         for costmap, path in self._untried_first(route, options):
@@ -143,10 +143,10 @@ class Navigator:
     def _untried_first(
         self, route: Route, options: Iterable[tuple[Costmap, PlannedPath | None]]
     ) -> Iterator[tuple[Costmap, PlannedPath | None]]:
-        """The options; those that pass a position where they led nowhere before come last.
+        """The options; paths through a position from which they led nowhere before come last.
 
-        The way out of a dead end may begin by going back. If the same path were taken again from
-        there, the robot would go to and fro for ever.
+        The way out of a dead end may begin by going back. If the same path were then taken again,
+        the robot would go to and fro forever.
         """
         tried = list[tuple[Costmap, PlannedPath | None]]()
         for costmap, path in options:

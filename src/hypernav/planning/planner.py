@@ -19,7 +19,7 @@ from hypernav.planning.motion_kernels import cost_of_line, shortcut
 _BESIDE_M = 0.1
 """Gap up to which a path ends in the destination, since cells have a size, metres."""
 _REACHED = 2
-"""Mark of the passable cells that a path leads to."""
+"""Mark of the cells that a path leads to, among the passable ones."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class PlannedPath:
         waypoints: Points ``(x, y)`` from the start to the end, metres: corners, or every cell.
         gap_m: Distance from the path's end to the nearest cell of the destination, metres; more
             than 0 where the destination itself cannot be entered.
-        cost: Cost of its cells, in cells of free floor far from obstacles.
+        cost: Cost of the path over its cells, in cells of free floor far from obstacles.
         is_known: Whether all its cells are explored.
     """
 
@@ -41,7 +41,7 @@ class PlannedPath:
 
     @property
     def enters(self) -> bool:
-        """Whether it leads into the destination, but for the size of the cells."""
+        """Whether it leads into the destination, to within the size of the cells."""
         return self.gap_m < _BESIDE_M
 
     @property
@@ -51,7 +51,7 @@ class PlannedPath:
 
     @property
     def end(self) -> tuple[float, float]:
-        """Last waypoint."""
+        """Last waypoint, ``(x, y)``, metres."""
         return self.waypoints[-1]
 
     @property
@@ -108,12 +108,12 @@ class Planner:
         Args:
             grid: The map.
             start: Position of the robot ``(x, y)``, metres.
-            destinations: Points ``(x, y)`` of the destination, metres, then those that will do as
-                well where these are hard to reach; at least one point each.
+            destinations: Points ``(x, y)`` of the destination, metres, then those that are accepted
+                where these are hard to reach; at least one point each.
 
         Yields:
-            A costmap, and the path on it; None if there is none. Most are computed only when they
-            are asked for.
+            A costmap, and the path on it; None if there is none. They are computed when they are
+            asked for, or all at once where `PlanningConfig.prefer_known` must compare them.
         """
 
         @cache
@@ -183,7 +183,7 @@ def _known_first(
 
 
 def is_blocked(points: tuple[tuple[float, float], ...], costmap: Costmap) -> bool:
-    """Whether the map shows an obstacle on a polyline.
+    """Whether a polyline touches a cell that is closed to the robot, or leaves the costmap.
 
     Args:
         points: Corners of the polyline, ``(x, y)``, metres.
@@ -199,7 +199,7 @@ def _enterable_goal(
     targets: Float64[np.ndarray, "n 2"],
     config: PlanningConfig,
 ) -> tuple[UInt8[np.ndarray, "rows columns"], float]:
-    """Mask of the cells to go to (1), and their distance from the destination, metres."""
+    """Mask of the cells to go to: 1 there; and their distance from the destination, metres."""
     enterable = costmap.is_open > 0
     if config.end_in_obstacle == "reachable":
         # Diagonal steps need both neighbours, so what is 8-reachable is 4-connected.

@@ -1,4 +1,4 @@
-"""A path under way: what a robot has planned, and how far it has come."""
+"""A route: the path that a robot follows, and its progress along it."""
 
 import math
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.planning.planner import PlannedPath
 
 _NEAR_M = 0.25
-"""Distance between positions that are the same for a path."""
+"""Distance, metres, up to which two positions on a path count as the same."""
 
 
 @dataclass(frozen=True)
@@ -21,9 +21,9 @@ class DeadEnd:
     """A position from which no sequence of actions leads on along a path.
 
     Attributes:
-        position: The position ``(x, y)``, metres.
+        position: The position ``(x, y)``, ``map`` frame, metres.
         clearance_m: Distance from obstacles that the path keeps, metres.
-        end: End of the path.
+        end: End of the path, ``(x, y)``, metres.
     """
 
     position: tuple[float, float]
@@ -31,7 +31,7 @@ class DeadEnd:
     end: tuple[float, float]
 
     def is_on(self, path: PlannedPath, clearance_m: float) -> bool:
-        """Whether a path leads to the same end by this position."""
+        """Whether a path of the same clearance leads through this position to the same end."""
         is_alike = clearance_m == self.clearance_m and math.dist(path.end, self.end) <= _NEAR_M
         return is_alike and _distance_m(self.position, path.waypoints) <= _NEAR_M
 
@@ -44,12 +44,12 @@ class Route:
         path: The path that is followed; None without one.
         next_waypoint: Index of the first waypoint that the robot has not passed.
         actions: Actions that are left of the sequence under way.
-        expected: Pose at which the rest of the sequence holds.
+        expected: Pose that the robot must have for the rest of the sequence to hold.
         arrived: Whether the latest step gave no action because the robot is at the path's end.
         age: Number of steps since the path was planned.
         clearance_m: Distance from obstacles that the path keeps, metres.
         tolerance_m: Distance within which a waypoint counts as passed, metres.
-        destinations: Points that the path was planned to.
+        destinations: Points ``(x, y)`` that the path was planned to, metres, as for `Navigator`.
         dead_ends: Positions from which paths led nowhere.
     """
 
@@ -65,7 +65,7 @@ class Route:
     dead_ends: frozenset[DeadEnd] = frozenset()
 
     def along(self, path: PlannedPath | None, clearance_m: float, tolerance_m: float) -> "Route":
-        """The route along a new path; a sequence of actions to the same end goes on."""
+        """The route along a new path; the sequence of actions is kept if the end is the same."""
         goes_on = (
             path is not None
             and self.path is not None
@@ -82,10 +82,10 @@ class Route:
         )
 
     def seen_from(self, robot: Pose2) -> "Route":
-        """The route once the waypoints are passed that are near the robot, or behind it.
+        """The route updated for the robot's pose: waypoints near it or behind it count as passed.
 
-        Steps are long, so a waypoint is often stepped over. A passed one stays
-        passed.
+        Steps are long, so the robot often passes a waypoint at a distance. A waypoint that was
+        passed stays passed.
         """
         if self.path is None:
             return self
@@ -99,13 +99,13 @@ class Route:
         return self if passed == self.next_waypoint else replace(self, next_waypoint=passed)
 
     def points_left(self, robot: Pose2) -> tuple[tuple[float, float], ...]:
-        """The robot's position and the waypoints that it has not passed, metres."""
+        """The robot's position and the waypoints that it has not passed, ``(x, y)``, metres."""
         if self.path is None:
             return ()
         return (robot.xy, *self.path.waypoints[self.seen_from(robot).next_waypoint :])
 
     def remaining(self, robot: Pose2) -> list[tuple[float, float]]:
-        """The path that is left, from the robot on, rounded to millimetres; empty without one."""
+        """The `points_left`, metres, waypoints rounded to millimetres; empty without a path."""
         points = self.points_left(robot)
         return [*points[:1], *((round(x, 3), round(y, 3)) for x, y in points[1:])]
 
@@ -114,14 +114,14 @@ class Route:
         return sum(math.dist(*leg) for leg in pairwise(self.points_left(robot)))
 
     def leads_nowhere(self, path: PlannedPath, clearance_m: float) -> bool:
-        """Whether another path passes a position from which it led nowhere before."""
+        """Whether a path leads through a position from which one to its end led nowhere before."""
         return any(one.is_on(path, clearance_m) for one in self.dead_ends)
 
 
 def along_line(
     start: tuple[float, float], end: tuple[float, float], robot: Pose2
 ) -> tuple[float, float]:
-    """Distance of the robot along a line, and to the left of it, metres."""
+    """Distance of the robot from a line's start along it, and to the left of it, metres."""
     length = math.dist(start, end) or 1.0
     dx, dy = (end[0] - start[0]) / length, (end[1] - start[1]) / length
     x, y = robot.x - start[0], robot.y - start[1]

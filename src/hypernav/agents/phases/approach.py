@@ -13,13 +13,13 @@ from hypernav.mapping.memory.target import Target
 from hypernav.perception.local.belief import is_convincing, rejected
 
 _CLOSE_BY_M = 1.5
-"""Length of path below which a stuck robot is at the goal area: something stands around it."""
+"""Length of the rest of the path, metres, below which a stuck robot counts as at the goal area."""
 _WIDER_M = (0.3, 0.7)
-"""Distances from the goal area that must suffice when nothing else is left, if it is in sight."""
+"""Distances from the entry points, metres, that suffice, in sight, if nothing else is left."""
 
 
 def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
-    """Drive to where the goal area may be entered; explore for now where no path leads there."""
+    """Drive to the goal area and hand on to VERIFY there; explore for now where no path leads."""
     target, robot, config = memory.search.evidence.target, step.robot, step.config
     if target is None:
         return Phase.LOOK_AROUND, plan
@@ -67,7 +67,7 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
 def _next_action(
     step: Step, plan: Plan, target: Target, goals: list[Float64[np.ndarray, "_ 2"]]
 ) -> tuple[Action | None, Plan]:
-    """The next action to the goal area, or, from right before it, into it."""
+    """The next action on the path to the goal area, or from its edge into it."""
     navigator, grid, robot = step.use.navigator, step.grid, step.robot
     action, route = navigator.towards(plan.approaching.route, grid, robot, *goals)
     plan = plan.approach(route=route)
@@ -81,7 +81,7 @@ def _next_action(
 
 
 def _opens_the_way(step: Step, memory: Memory, plan: Plan) -> bool:
-    """Whether the target is worth waiting for: it is believed in, or nothing else is left."""
+    """Whether to open a way to the target: it is convincing, or nothing else is left."""
     is_believed = is_convincing(memory.search.evidence, step.use.local.config)
     return step.config.open_the_way and (is_believed or plan.approaching.as_near_as_possible)
 
@@ -89,7 +89,7 @@ def _opens_the_way(step: Step, memory: Memory, plan: Plan) -> bool:
 def _goals(
     step: Step, memory: Memory, plan: Plan, target: Target, *, opens: bool
 ) -> list[Float64[np.ndarray, "_ 2"]]:
-    """Sets of positions to go to, in the order of preference."""
+    """Sets of positions to go to, ``(x, y)``, ``map`` frame, metres, in the order of preference."""
     config, goals = step.config, [target.entry_points]
     if not (config.enter_in_sight or opens):
         return goals

@@ -11,7 +11,7 @@ from hypernav.perception.local.belief import reconsidered
 
 
 def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
-    """Go near a goal in sight; look once more here, and at what was rejected; then end."""
+    """Go near the candidate if there is one; look once more; retry the likeliest refuted; end."""
     thing, search = step.goal.thing, memory.search
     if memory.search.evidence.target is not None and not plan.approaching.as_near_as_possible:
         if step.config.open_the_way and plan.approaching.may_clear(step.config):
@@ -47,7 +47,7 @@ def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]
 
 
 def _goes_on(step: Step, plan: Plan) -> bool:
-    """Whether to look once more: always, or where exploration has not yet ended before."""
+    """Whether to look once more: always, or if exploration has not ended near here before."""
     if not step.config.end_when_explored:
         return True
     near_m = 2.0 * step.config.arrival_distance_m

@@ -18,13 +18,13 @@ from hypernav.mapping.memory.memory import Memory
 
 _CHOICES_PER_STEP = 4
 _AROUND_M = 0.75
-"""Radius around a destination within which all must be explored for it to count as explored."""
+"""Radius, metres, within which all must be explored for a destination to count as explored."""
 _WORTH_A_TURN_M = 0.3
-"""Length below which a boundary to the unknown is noise and worth no turn."""
+"""Length of a boundary to the unknown, metres, below which it is noise and worth no turn."""
 
 
 def look_around(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
-    """The next turn of the circle, if one is left that shows something; else exploration."""
+    """The next turn of the look around; hands on to EXPLORE where none is left or worthwhile."""
     turn = _next_turn(step, memory, plan)
     if turn is None:
         return Phase.EXPLORE, replace(plan, turns_left=0)
@@ -42,7 +42,7 @@ def _next_turn(step: Step, memory: Memory, plan: Plan) -> Action | None:
 
 
 def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
-    """Hold a destination until it is reached, given up or explored; then ask for the next."""
+    """Keep a destination until it is reached, given up or explored; then ask for the next."""
     config, robot = step.config, step.robot
     plan = _pursuing(step, memory, plan)
     turn = _look_across(step, memory, plan)
@@ -102,12 +102,12 @@ def _has_looked(step: Step, plan: Plan) -> bool:
 
 
 def _pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
-    """Head for a goal that was in sight, but too far away to be measured."""
+    """The plan that heads for a goal that was in sight, but too far away to be measured."""
     search, config = memory.search, step.config
     position = search.evidence.far_position
     if not config.pursue_far_sightings or position is None:
         return plan
-    # The robot was there and the goal was still out of range: explore instead of going back.
+    # This sighting was pursued before without success: explore instead of going back.
     near_m = 2.0 * config.arrival_distance_m
     if any(math.dist(position, other) <= near_m for other in plan.exploring.pursued):
         search.evidence = replace(search.evidence, far_position=None)
@@ -138,9 +138,9 @@ def _without_finished(step: Step, memory: Memory, plan: Plan) -> Plan:
 
 
 def _without_expired(plan: Plan) -> Plan:
-    """Ask again where to go after as many steps as the explorer wished.
+    """The plan without a destination whose ``most_steps`` have passed: the explorer is asked again.
 
-    Nothing ends by this: patience goes on if the answer is the same as before.
+    It does not count as visited, and patience goes on if the answer is the same as before.
     """
     destination = plan.destination
     if destination is None or destination.most_steps is None:
@@ -152,7 +152,7 @@ def _without_expired(plan: Plan) -> Plan:
 
 
 def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
-    """Change the destination if the explorer, asked again on the way, names another.
+    """The plan with the destination that the explorer, asked again on the way, names instead.
 
     A destination that was left for another is not taken again on the way: the robot would go to
     and fro.
@@ -185,7 +185,7 @@ def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
 
 
 def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
-    """The plan without its destination, which the memory keeps as a visit."""
+    """The plan without its destination, kept as a visit unless it is a sighting or a heading."""
     destination, search = plan.destination, memory.search
     if destination is None:
         return plan
@@ -203,7 +203,7 @@ def _arrival_m(destination: Destination, step: Step) -> float:
 
 
 def _facing_turn(destination: Destination, step: Step) -> Action | None:
-    """At a destination with a heading, the turn towards it, if it is not as good as ahead."""
+    """At a destination with a heading, the turn towards it; None if the robot faces it already."""
     face, robot = destination.face, step.robot
     if face is None or robot.distance_to(*destination.xy) >= _arrival_m(destination, step):
         return None
@@ -239,7 +239,7 @@ def _look_across(step: Step, memory: Memory, plan: Plan) -> Action | None:
 def unexplored_boundary(
     grid: OccupancyGrid, position: tuple[float, float], radius_m: float
 ) -> Float64[np.ndarray, "n 2"]:
-    """Free cells beside unknown ones around a position; points ``(x, y)``, all in metres."""
+    """Centres ``(x, y)`` of free cells beside unknown ones around a position, all in metres."""
     row, column = grid.cell_of(*position)
     reach = math.ceil(radius_m / grid.resolution_m)
     bottom, left = max(row - reach, 0), max(column - reach, 0)

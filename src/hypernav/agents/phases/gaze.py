@@ -1,4 +1,4 @@
-"""The turn that shows most of what was not seen yet from where the robot stands."""
+"""The turn that shows most unseen floor from where the robot stands."""
 
 import math
 
@@ -17,7 +17,7 @@ _SAME_SPOT_M = 0.1
 
 
 class Gaze:
-    """Chooses turns by the unseen floor that they would show; it has no state of its own.
+    """Chooses turns by the unseen floor that they would show. It has no state of its own.
 
     Floor that is still unknown in a direction in which the robot has looked is hidden from there.
     """
@@ -42,7 +42,7 @@ class Gaze:
         self._bearings = np.arange(_RAYS) * (2.0 * math.pi / _RAYS)
 
     def after_image(self, looked: Looked | None, robot: Pose2) -> Looked:
-        """Where the robot has looked from its position, once an image was taken there."""
+        """Where the robot has looked from its position, its present image included."""
         if looked is None or robot.distance_to(*looked.spot) > _SAME_SPOT_M:
             looked = Looked(robot.xy, np.zeros(_RAYS, dtype=bool))
         return Looked(looked.spot, looked.bearings | self._in_view(robot.yaw))
@@ -50,12 +50,12 @@ class Gaze:
     def worthwhile_turn(
         self, grid: OccupancyGrid, robot: Pose2, looked: Looked | None
     ) -> Action | None:
-        """The first turn to what shows most for its turns; None where nothing is worth one.
+        """The first turn to the heading that shows most per turn; None if none shows enough.
 
         Args:
             grid: The map.
             robot: Pose of the robot.
-            looked: Where it has looked from its position.
+            looked: Where it has looked from its position; None if nowhere yet.
         """
         unseen = unseen_by_bearing(
             grid,

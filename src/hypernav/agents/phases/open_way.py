@@ -15,15 +15,15 @@ _GAPS_PER_STEP = 3
 def open_way(
     step: Step, plan: Plan, points: Float64[np.ndarray, "n 2"]
 ) -> tuple[Decision | None, Plan]:
-    """Go to the next gap that may be wider than it looks, and look at it.
+    """Go to the next gap that may be wider than the map shows, and look at it from near.
 
     Args:
         step: The present step.
         plan: Plan whose approach has no path.
-        points: Points of the goal area and beside it, ``(x, y)``, metres.
+        points: Points of the goal area and beside it, ``(x, y)``, ``map`` frame, metres.
 
     Returns:
-        No decision where all such gaps have been looked at.
+        The decision, None if no gap is left or if three were found closed in this step; the plan.
     """
     navigator, robot, grid = step.use.navigator, step.robot, step.grid
     for _ in range(_GAPS_PER_STEP):

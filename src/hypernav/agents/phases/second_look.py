@@ -1,4 +1,4 @@
-"""A second look at an uncertain target, from another side, before the robot believes in it."""
+"""A second look at an uncertain candidate, from another side, before it counts as the goal."""
 
 import math
 
@@ -18,11 +18,11 @@ from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.perception.local.belief import confirmed, is_convincing, rejected
 
 _OTHER_SIDE_DEG = 60.0
-"""Smallest angle around the target between the first and the second position."""
+"""Smallest angle between the first and the second position, seen from the target, degrees."""
 _NEAREST_M, _FARTHEST_M = 1.5, 3.0
-"""Distances to the target's middle at which all of it fits into the image, and is large in it."""
+"""Distances to the target's middle, metres, at which it fits into the image and is large there."""
 _APART_CELLS = 4
-"""Spacing of the positions that are tried."""
+"""Spacing of the positions that are tried, cells."""
 
 
 def position_on_other_side(
@@ -39,12 +39,12 @@ def position_on_other_side(
         grid: The map.
         robot: Pose of the robot.
         area: Goal area of the target.
-        seen_from: Position ``(x, y)`` of the first look, metres.
+        seen_from: Position ``(x, y)`` of the robot in the first look, ``map`` frame, metres.
         mapping: Configuration of the map.
         clearance_m: Distance from obstacles that the robot's middle keeps, metres.
 
     Returns:
-        ``(x, y)``, metres; None if no such position can be reached.
+        ``(x, y)``, ``map`` frame, metres; None if no such position can be reached.
     """
     reach = ReachableArea.of(grid, robot, mapping, clearance_m)
     cells = np.argwhere(reach.reachable)
@@ -98,7 +98,7 @@ def with_second_look(step: Step, plan: Plan, target: Target) -> Plan:
 
 
 def second_look(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
-    """Drive to the other side, turn to the target, and judge it by the image there."""
+    """Drive to the other side, face the target, then approach or reject it by the images."""
     target, position = memory.search.evidence.target, plan.approaching.second_look
     if target is None or position is None:
         return Phase.LOOK_AROUND, plan

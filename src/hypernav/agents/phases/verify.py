@@ -1,4 +1,4 @@
-"""The check at the goal area, before the robot says that the goal is here."""
+"""The check at the goal area, before the robot stops there."""
 
 from hypernav.agents.phases.second_look import with_second_look
 from hypernav.agents.plan import Plan
@@ -15,11 +15,11 @@ from hypernav.perception.local.belief import (
 )
 
 _AS_NEAR_AS_M = 0.3
-"""Distance from a goal whose outline was guessed at which the robot is near enough, metres."""
+"""Distance, metres, at which the robot is near enough to a goal whose outline was guessed."""
 
 
 def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
-    """Face the goal area and look at it; then stop, go elsewhere, or reject it."""
+    """Face the goal area and check it; then stop, look from elsewhere, or reject it."""
     target, search, config = memory.search.evidence.target, memory.search, step.config
     if target is None:
         return Phase.LOOK_AROUND, plan
@@ -59,7 +59,7 @@ def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pl
 
 
 def _is_still_sure(step: Step, memory: Memory, plan: Plan) -> bool:
-    """Whether the check said yes just now, and nothing has spoken against it since."""
+    """Whether the check held in this step or the last, and the candidate is still convincing."""
     said, evidence = plan.approaching.sure_step, memory.search.evidence
     is_recent = said is not None and step.number - said <= 1
     return is_recent and is_convincing(evidence, step.use.local.config)
@@ -72,7 +72,7 @@ def _stop(step: Step) -> Decision:
 
 
 def _goes_nearer(step: Step, target: Target) -> bool:
-    """Whether to step forward, to a goal whose outline takes in what stands before it."""
+    """Whether to step forward, to a goal whose guessed outline may include what is before it."""
     if not (step.config.go_nearer and target.area.is_guessed):
         return False
     robot = step.robot

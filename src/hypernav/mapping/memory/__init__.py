@@ -1,1 +1,1 @@
-"""What a robot knows of a building: floors, things, and what may be the goal."""
+"""What a robot knows of a building: floors, things seen, and candidates for the goal."""

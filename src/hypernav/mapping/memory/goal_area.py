@@ -22,7 +22,7 @@ def points_under_mask(
     max_depth_m: float,
     stride: int = 1,
 ) -> Float64[np.ndarray, "n 3"]:
-    """The masked pixels as points in the ``map`` frame, metres.
+    """The masked pixels as points ``(x, y, z)`` in the ``map`` frame, metres.
 
     Pixels without a measured depth are skipped. Points above the robot are kept: a goal may hang on
     a wall.
@@ -30,9 +30,9 @@ def points_under_mask(
     Args:
         mask: Mask of the target's pixels.
         observation: Frame that the mask was made from.
-        min_depth_m: Lower limit of the sensor's range, metres.
-        max_depth_m: Upper limit of the sensor's range, metres.
-        stride: Step between the pixels in use, in both directions.
+        min_depth_m: Lower limit of the sensor's range, exclusive, metres.
+        max_depth_m: Upper limit of the sensor's range, exclusive, metres.
+        stride: Step between the pixels in use, in both directions, pixels.
     """
     left, top, width, height = cv2.boundingRect(mask.view(np.uint8))
     row, column = top - top % stride, left - left % stride
@@ -45,19 +45,19 @@ def points_under_mask(
 
 @dataclass(frozen=True, eq=False)
 class GoalArea:
-    """The area of the target on the floor plan.
+    """The area of the target on the floor plan; all positions are in the ``map`` frame.
 
-    Cells are kept as metres, since the map's own cells move when it grows.
+    It has cells of its own, ``[row, column]``, since the map's cells move when the map grows.
 
     Attributes:
         mask: Mask of the dilated cells.
-        views: Number of images whose points of the target fall into a cell.
+        views: Number of images in which points of the target fall into a cell.
         entry: Mask of the cells that the robot may go to.
-        before: Mask of those between the target and a camera that saw it.
-        origin: Lower left corner of the masks, metres.
+        before: Mask of the entry cells that lie between the target and a camera that saw it.
+        origin: Lower left corner ``(x, y)`` of the masks, metres.
         resolution_m: Side of a cell, metres.
-        height_m: Height of the target's middle above the floor, metres.
-        is_guessed: Whether its outline was guessed from a box, which takes in what stands before
+        height_m: Median height of the target's points above the floor, metres.
+        is_guessed: Whether its outline was guessed from a box, and may include what stands before
             the target.
     """
 
@@ -83,13 +83,13 @@ class GoalArea:
         """Project points to cells and dilate them (paper: 5×5 kernel, 3 iterations).
 
         Args:
-            points: Points of the target, ``map`` frame, metres.
+            points: Points ``(x, y, z)`` of the target, ``map`` frame, metres.
             resolution_m: Side of a map cell, metres.
             kernel: Side of the dilation kernel, cells.
             iterations: Number of dilations.
-            largest_cluster_only: Whether to keep only the cluster that most points fall into, so
+            largest_cluster_only: Whether to keep only the dilated cluster with the most points, so
                 that a mask that leaks to the wall behind does not move the goal there.
-            stray_share: Share of the points below which a separate part is another object's.
+            stray_share: Share of the largest part's points below which a part is another object's.
 
         Returns:
             The area, or None without points.
@@ -122,7 +122,7 @@ class GoalArea:
         return GoalArea(mask, views, mask, np.zeros_like(mask), origin, resolution_m, height_m)
 
     def joined(self, other: "GoalArea") -> "GoalArea":
-        """The cells of both areas, from two looks at the same target."""
+        """The union of both areas, from two images of the same target; views are added up."""
         size = self.resolution_m
         corners = [np.round(np.array(a.origin)[::-1] / size).astype(int) for a in (self, other)]
         low = np.minimum(*corners)
@@ -143,14 +143,14 @@ class GoalArea:
         return GoalArea(mask, views, entry, before, origin, size, self.height_m, is_guessed)
 
     def entered_from(self, observation: Observation, reach_m: float) -> "GoalArea":
-        """The same area, to be entered near the seen cells, but not behind a wall.
+        """The same area, entered near the seen cells where an image shows that no wall is between.
 
-        Cells are dilated in all directions, also through a thin wall into the next room. An image
-        that shows the target shows as well what lies on its own side of the walls.
+        Dilation alone leads through a thin wall into the next room, but an image of the target also
+        shows what lies on the same side of the walls. Without such cells the area stays as it is.
 
         Args:
             observation: Frame that shows the target.
-            reach_m: Distance of the robot from the seen cells, metres.
+            reach_m: Largest distance of an entry cell from the seen cells, metres.
         """
         margin = math.ceil(reach_m / self.resolution_m)
         wide = self._widened(margin)
@@ -164,7 +164,7 @@ class GoalArea:
         return replace(wide, entry=entry, before=before)
 
     def _widened(self, margin: int) -> "GoalArea":
-        """The same area in a larger window."""
+        """The same area with masks that are larger by a margin, cells."""
         shift = margin * self.resolution_m
         masks = (self.mask, self.views, self.entry, self.before)
         mask, views, entry, before = (_padded(one, margin) for one in masks)
@@ -188,9 +188,9 @@ class GoalArea:
 
     @cached_property
     def inner_entry_points(self) -> Float64[np.ndarray, "n 2"]:
-        """Those of the entry points in the half nearer to the target, ``(x, y)``, metres.
+        """The entry points in the nearer half of their distances to the target, ``(x, y)``, metres.
 
-        Only cells that many images show count as the target: a single image may include a shadow.
+        Only cells that many images show count as the target: a single one may include a shadow.
         """
         often = 2 * self.views >= self.views.max()
         away_m = _away_from(often)[self.entry]
@@ -208,7 +208,7 @@ class GoalArea:
 
     @cached_property
     def nearest_seen_points(self) -> Float64[np.ndarray, "n 2"]:
-        """For every entry point the nearest of the `seen_points`, metres."""
+        """For every entry point the nearest of the `seen_points`, ``(x, y)``, metres."""
         _, labels = cv2.distanceTransformWithLabels(
             (~self.seen).astype(np.uint8),
             cv2.DIST_L2,
@@ -216,13 +216,13 @@ class GoalArea:
             labelType=cv2.DIST_LABEL_PIXEL,
         )
         number = np.asarray(labels, dtype=np.int64)
-        # Every seen cell has a number of its own, and the cells nearest to it have it, too.
+        # Every seen cell has a label of its own; the cells nearest to it have the same label.
         points = np.zeros((int(number.max()) + 1, 2))
         points[number[self.seen]] = self.seen_points
         return points[number[self.entry]]
 
     def beside(self, gap_m: float) -> tuple[Float64[np.ndarray, "n 2"], Float64[np.ndarray, "n 2"]]:
-        """Points within a gap of the entry points, and for each the nearest of `seen_points`."""
+        """Points ``(x, y)``, metres, within a gap of entry points; their nearest `seen_points`."""
         wide = self._widened(math.ceil(gap_m / self.resolution_m))
         away_m = _away_from(wide.entry) * self.resolution_m
         is_beside = ~wide.entry & ~wide.seen & (away_m <= gap_m)
@@ -231,7 +231,7 @@ class GoalArea:
 
     @cached_property
     def centre(self) -> tuple[float, float]:
-        """Middle of the cells that the target was seen in, metres."""
+        """Mean ``(x, y)`` of the cells that the target was seen in, metres."""
         x, y = self.seen_points.mean(axis=0)
         return (float(x), float(y))
 
@@ -245,7 +245,7 @@ class GoalArea:
         return float(np.linalg.norm(self.seen_points - np.array([x, y]), axis=1).min())
 
     def covers(self, other: "GoalArea") -> float:
-        """The share of another area's seen cells that lie in this area, 0 to 1."""
+        """The share of another area's seen cells that lie in this area's dilated cells, 0 to 1."""
         size = self.resolution_m
         left, bottom = (
             round((b - a) / size) for a, b in zip(self.origin, other.origin, strict=True)
@@ -261,7 +261,7 @@ class GoalArea:
 
     @cached_property
     def outlines(self) -> list[list[tuple[float, float]]]:
-        """Polygons around the dilated cells, metres, for images and the trace."""
+        """Polygons ``(x, y)`` around the dilated cells, metres, for images and the trace."""
         contours, _ = cv2.findContours(
             self.mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_TC89_L1
         )
@@ -287,7 +287,7 @@ def _are_before(
     seen: Float64[np.ndarray, "m 2"],
     camera: Float64[np.ndarray, "2"],
 ) -> Bool[np.ndarray, " n"]:
-    """Which points lie before those that a camera sees: in their directions, and nearer."""
+    """Which points lie before seen ones: in their directions from a camera, and nearer to it."""
     middle = np.arctan2(*(seen.mean(axis=0) - camera)[::-1])
 
     def away(of: Float64[np.ndarray, "_ 2"]) -> Float64[np.ndarray, " _"]:
@@ -301,7 +301,7 @@ def _are_before(
 
 
 def _away_from(mask: Bool[np.ndarray, "rows columns"]) -> Float32[np.ndarray, "rows columns"]:
-    """Distance of every cell from the nearest one of a mask, in cells."""
+    """Distance of every cell from the nearest cell of a mask, cells."""
     return cv2.distanceTransform((~mask).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
 
 

@@ -1,8 +1,8 @@
 """What a robot knows of a building, floor by floor.
 
-A map is a plane: its floor is ``z = 0``. On stairs the robot keeps to the floor that it was on, on
-whose map they are obstacles. When it has walked a little at one height again, and that is far above
-or below its floor, it has come to another one: to one that it knows, or to a new one.
+A map is a plane: its floor is ``z = 0``. While the robot is on stairs, it counts as on the floor
+that it came from, on whose map they are obstacles. Once it has walked `_WALKED_M` at one height far
+above or below that floor, it is on another one: one that it knows at that height, or a new one.
 """
 
 import copy
@@ -22,12 +22,12 @@ from hypernav.mapping.memory.target import GoalEvidence
 from hypernav.mapping.top_down_map import TopDownMap
 
 _ANOTHER_M = 1.0
-"""Least height between two floors; less is a step, a ramp or the drift of odometry."""
+"""Least height between two floors, metres; less is a step, a ramp or odometry's drift."""
 _SAME_M = 0.5
-"""Greatest difference in height at which the robot is back on a floor that it knows."""
+"""Greatest difference in height, metres, at which the robot is on a floor that it knows."""
 _LEVEL_M = 0.1
 _WALKED_M = 0.75
-"""Distance at one height that tells a floor from stairs, whose treads are shorter."""
+"""Distance at one height, metres, that tells a floor from stairs: treads are shorter."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,8 +35,8 @@ class Looked:
     """Where the robot has looked from its present position.
 
     Attributes:
-        spot: The position ``(x, y)``, metres.
-        bearings: Whether it has looked in each direction, around from that of the x axis.
+        spot: The position ``(x, y)``, ``map`` frame, metres.
+        bearings: Whether it has looked in each direction, counter-clockwise from the x axis.
     """
 
     spot: tuple[float, float]
@@ -45,12 +45,12 @@ class Looked:
 
 @dataclass(eq=False)
 class SearchMemory:
-    """What the search for one goal has learned on one floor; another goal begins another.
+    """What the search for one goal has learned on one floor; each goal begins a new one.
 
     Attributes:
-        evidence: What may be the goal, and what is not.
+        evidence: Candidates for the goal, and what speaks for and against them.
         visits: Destinations ``(x, y)`` that were reached or given up, the oldest first, metres.
-        looked: Where the robot has looked from where it is.
+        looked: Where the robot has looked from its position; None before the first look.
         notes: What explorers have noted, by keys of their own: plain values that can be copied.
     """
 
@@ -60,7 +60,7 @@ class SearchMemory:
     notes: dict[str, Any] = field(default_factory=dict)
 
     def forget_exploration(self) -> None:
-        """Explore anew over the same map: what counts as visited may hardly have been seen."""
+        """Forget visits and notes: what counts as visited may hardly have been seen."""
         self.visits.clear()
         self.notes.clear()
 
@@ -71,8 +71,8 @@ class Floor:
 
     Attributes:
         z: Its height in the ``map`` frame, metres.
-        map: What the robot has drawn of it.
-        trajectory: Positions ``(x, y)`` of the robot on it so far, metres.
+        map: Map of it.
+        trajectory: Positions ``(x, y)`` of the robot on it, one per frame, metres.
         sightings: Things that were seen on it, other than the goal.
         search: What the present search has learned on it.
     """
@@ -89,7 +89,7 @@ class Floor:
         self.map.integrate(observation)
 
     def seen_from(self, observation: Observation) -> Observation:
-        """The observation with heights counted from this floor."""
+        """The same observation with heights counted from this floor: its camera is lowered by z."""
         if self.z == 0.0:
             return observation
         pose = observation.camera_to_map
@@ -98,14 +98,14 @@ class Floor:
 
 
 class Memory:
-    """All that a robot knows of a building: given to an agent, and left behind by it.
+    """All that a robot knows of a building: given to an agent, changed by it, and kept after it.
 
     It holds values and arrays, and no component, so that it can be copied.
 
     Attributes:
         floors: Floors in the order in which the robot came to know them; the first is the floor of
             the start, whose height is 0.
-        number: Index of the floor that the robot is on.
+        number: Number of the floor that the robot is on: its index in `floors`.
     """
 
     def __init__(self, mapping: MappingConfig, embodiment: Embodiment) -> None:
@@ -113,7 +113,7 @@ class Memory:
 
         Args:
             mapping: Cells, evidence and height band of the maps.
-            embodiment: Robot, whose camera tells the height of the floor.
+            embodiment: The robot; the height of its camera tells that of the floor.
         """
         self._mapping = mapping
         self._embodiment = embodiment
@@ -134,7 +134,7 @@ class Memory:
         return self.floor.search
 
     def begin_search(self) -> None:
-        """Keep floors, maps and things; what was learned in looking for another goal goes."""
+        """Keep floors, maps and things seen; forget what the search for another goal learned."""
         for floor in self.floors:
             floor.search = SearchMemory()
 
@@ -143,7 +143,7 @@ class Memory:
         return copy.deepcopy(self)
 
     def follow(self, observation: Observation) -> Floor:
-        """The floor that the robot is on now; to be asked with every observation."""
+        """Note the robot's height, in every step; return the floor that the robot is on now."""
         z = float(observation.camera_to_map.translation[2]) - self._embodiment.camera.height_m
         here = observation.robot.xy
         moved_m = 0.0 if self._position is None else math.dist(self._position, here)
@@ -158,7 +158,7 @@ class Memory:
         return self.floor
 
     def _number_at(self, z: float) -> int:
-        """The number of the floor at a height; a new one if none is near it."""
+        """The number of the floor at a height, metres, which is added if none is near it."""
         away_m = [abs(floor.z - z) for floor in self.floors]
         nearest = away_m.index(min(away_m))
         if away_m[nearest] <= _SAME_M:

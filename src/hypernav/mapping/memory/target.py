@@ -1,4 +1,4 @@
-"""What may be the goal, and what speaks for and against it, as values."""
+"""Candidates for the goal, and the evidence for and against them, as values."""
 
 import math
 from dataclasses import dataclass, replace
@@ -14,24 +14,24 @@ from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.sight_lines import lines_are_clear
 
 _BARRED_M = 0.4
-"""Radius around a position that is cut off from the target, within which all others are, too."""
+"""Radius, metres, around a barred position within which all entry points count as barred."""
 _PRIOR = -1.4
-"""Log-odds of a thing before any look at it: what a detector reports weakly is seldom right."""
+"""Log-odds of a candidate before any look: what a detector reports weakly is seldom right."""
 _MOST_BY_LOOKS = 6.0
-"""Most that all looks together shift the log-odds: what a detector takes a thing for from one side
-it often takes it for from others, right or wrong, so its form can still refute it."""
+"""Largest shift of the log-odds by all looks together: a detector often makes the same mistake from
+all sides, so the candidate's form must still be able to refute it."""
 _SAME_POSITION_M = 0.4
 _ANOTHER_SIDE_DEG = 45.0
 _SAME_VIEW = 0.5
-"""Share of an eighth of a circle, or of half the distance, up to which views share their errors."""
+"""Views share their errors below this many eighths of a circle, or halvings of the distance."""
 
 
 @dataclass(frozen=True)
 class Look:
-    """What the images from about one position say of a candidate.
+    """Evidence of the images from about one position for or against a candidate.
 
     Attributes:
-        position: Position ``(x, y)`` of the robot, metres.
+        position: Position ``(x, y)`` of the robot, ``map`` frame, metres.
         weight: Shift of the log-odds that the candidate is the goal.
     """
 
@@ -41,15 +41,15 @@ class Look:
 
 @dataclass(frozen=True)
 class Measure:
-    """What an image shows of a candidate's form.
+    """Measurements of a candidate's form in one image.
 
     Attributes:
-        towards: Direction from the candidate to the camera, radians.
+        towards: Direction from the candidate to the camera, ``map`` frame, radians.
         width_m: Its horizontal extent, metres: of a flat upright face along it, else across the
             line of sight. None where the image doesn't show it whole.
         is_face: Whether it is a flat upright face, whose extent shows from any side.
-        level_share: Share of its surface that is level and looks up; None where it is too far away
-            to be told.
+        level_share: Share of its surface that is level and faces up, 0 to 1; None where it is too
+            far away to tell.
         is_below_eye: Whether its top is so far below the camera that a level one would show.
     """
 
@@ -62,19 +62,19 @@ class Measure:
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """A candidate: an object that may be the goal. One of them at a time is gone to.
+    """A candidate: an object that may be the goal. The robot goes to one of them at a time.
 
     Attributes:
         area: Goal area of the object.
         best_view: Frame that showed the object largest.
         best_pixels: Area of its box in that frame, square pixels.
         looks: Looks at it, each from another position.
-        measures: What the images that show it say of its form.
-        form: Shift of the log-odds by all of these together.
+        measures: Measurements of its form, each from an image that shows it.
+        form: Shift of the log-odds by all measurements together.
         is_form_doubtful: Whether its form would speak against it if it were the same from another
             side.
-        needed: Log-odds from which it is gone to; more than it has if it was refuted.
-        is_last_chance: Whether it is gone to because nothing else is left.
+        needed: Log-odds from which the robot goes to it; more than it has if it was refuted.
+        is_last_chance: Whether the robot goes to it because nothing else is left.
         confirmed: Whether a second look, from another side, was taken.
         barred: Positions ``(x, y)``, metres, that turned out to be cut off from it.
         number: Number of the candidate in its search.
@@ -95,7 +95,7 @@ class Target:
 
     @cached_property
     def entry_points(self) -> Float64[np.ndarray, "n 2"]:
-        """Points where the robot may enter the goal area, ``(x, y)``, metres.
+        """Points where the robot may enter the goal area, ``(x, y)``, ``map`` frame, metres.
 
         Barred positions are left out, unless all are barred.
         """
@@ -104,13 +104,13 @@ class Target:
         return points[is_open] if is_open.any() else points
 
     def entry_points_in_sight(self, eye_level: OccupancyGrid) -> Float64[np.ndarray, "n 2"]:
-        """Those of `entry_points` between which and the target nothing stands; there may be none.
+        """The unbarred entry points with a clear line to the target, ``(x, y)``; there may be none.
 
-        What was seen over a counter is seen from before the counter, too: positions between the
-        target and a camera that saw it count, whatever the map shows there.
+        A target that was seen over a counter is seen from before the counter, too: points between
+        the target and a camera that saw it count, whatever the map shows there.
 
         Args:
-            eye_level: Map of what is as high as the camera.
+            eye_level: Map of what is as high as the camera; see `TopDownMap.eye_level`.
         """
         area = self.area
         points, seen, before = area.entry_points, area.nearest_seen_points, area.entry_before
@@ -122,11 +122,11 @@ class Target:
     def points_beside_in_sight(
         self, eye_level: OccupancyGrid, gap_m: float
     ) -> Float64[np.ndarray, "n 2"]:
-        """Points around the entry points, between which and the target nothing stands.
+        """Points beside the entry points with a clear line to the target, ``(x, y)``, metres.
 
         Args:
-            eye_level: Map of what is as high as the camera.
-            gap_m: Distance from an entry point, metres.
+            eye_level: Map of what is as high as the camera; see `TopDownMap.eye_level`.
+            gap_m: Largest distance from an entry point, metres.
         """
         points, seen = self.area.beside(gap_m)
         is_open = _far_from(points, self.barred)
@@ -135,20 +135,20 @@ class Target:
 
     @property
     def nearest_view(self) -> tuple[float, float]:
-        """Position ``(x, y)``, metres, nearest to the target of those from which it was seen."""
+        """A position, no frame: ``(x, y)``, metres, the nearest from which it was seen."""
         positions = [one.position for one in self.looks if one.weight > 0.0]
         positions.append(self.best_view.robot.xy)
         return min(positions, key=lambda position: self.area.distance_to(*position))
 
     def distance_to(self, x: float, y: float) -> float:
-        """Straight distance to the nearest entry point, metres."""
+        """Straight distance from a position, metres, to the nearest entry point, metres."""
         dx, dy = self.entry_points[:, 0] - x, self.entry_points[:, 1] - y
         return math.sqrt((dx * dx + dy * dy).min())
 
     def barred_at(self, position: tuple[float, float]) -> "Target | None":
-        """The same target, not to be entered around a position ``(x, y)``.
+        """The same target with the entry points around a position ``(x, y)``, metres, barred.
 
-        None if no other entry point is left, or if there is none around this position.
+        None if no other entry point would be left, or if there is none around this position.
         """
         other = _far_from(self.entry_points, (position,))
         if other.all() or not other.any():
@@ -157,13 +157,13 @@ class Target:
 
     @property
     def log_odds(self) -> float:
-        """Logarithm of the odds that it is the goal, by all looks at it and its form."""
+        """Natural logarithm of the odds that it is the goal, by all looks at it and its form."""
         by_looks = min(sum(one.weight for one in self.looks), _MOST_BY_LOOKS)
         return _PRIOR + by_looks + self.form
 
     @property
     def is_refuted(self) -> bool:
-        """Whether it was looked at and not believed, and nothing new speaks for it since."""
+        """Whether it was rejected, and too little new evidence has spoken for it since."""
         return self.log_odds < self.needed
 
     def seen_again(
@@ -186,9 +186,9 @@ class Target:
         )
 
     def with_look(self, position: tuple[float, float], weight: float) -> "Target":
-        """The candidate after one more look, whether it showed it or should have.
+        """The candidate after one more look from a position ``(x, y)``, metres.
 
-        Images from about one position share their errors: the best of them counts alone.
+        Images from about one position share their errors: only their largest weight counts.
         """
         same = [one for one in self.looks if self._is_same_view(one.position, position)]
         if not same:
@@ -213,14 +213,14 @@ class Target:
 
 
 def areas_touch(a: GoalArea, b: GoalArea) -> bool:
-    """Whether two areas touch."""
+    """Whether the dilated cells of one of two areas hold a seen cell of the other."""
     return a.covers(b) > 0.0 or b.covers(a) > 0.0
 
 
 def _far_from(
     points: Float64[np.ndarray, "n 2"], positions: tuple[tuple[float, float], ...]
 ) -> Bool[np.ndarray, " n"]:
-    """Whether points are not right beside one of some positions."""
+    """Which points are farther than `_BARRED_M` from all given positions; all in metres."""
     is_far = np.ones(len(points), dtype=bool)
     for position in positions:
         is_far &= np.linalg.norm(points - np.array(position), axis=1) > _BARRED_M
@@ -229,11 +229,11 @@ def _far_from(
 
 @dataclass(frozen=True, eq=False)
 class Rejection:
-    """A rejected target of the paper's search, which keeps one place alone.
+    """A rejected target of the paper's search, which keeps only one target at a time.
 
     Attributes:
         target: The target.
-        looks_left: Number of images for which it is not taken for the goal.
+        looks_left: Number of further images for which it is not taken for the goal.
     """
 
     target: Target
@@ -242,17 +242,17 @@ class Rejection:
 
 @dataclass(frozen=True, eq=False)
 class GoalEvidence:
-    """What a search knows of the goal on one floor.
+    """What a search knows of the goal on one floor: candidates and rejections.
 
     Attributes:
-        candidates: What may be the goal, however little speaks for it.
-        chosen: Number of the candidate that is gone to; None if there is none.
-        rejections: Places that are not taken for the goal, for now or for good (paper).
-        far_position: Nearest position ``(x, y)``, metres, of a goal that was seen beyond the range
-            of depth; remembered until there is a target, or it is forgotten. None if there is none,
-            or if it lay behind a rejected area.
+        candidates: All objects that may be the goal, however little speaks for them.
+        chosen: Number of the candidate that the robot goes to; None if there is none.
+        rejections: Targets that are not taken for the goal, for now or for good (paper).
+        far_position: Position ``(x, y)``, metres, at the end of the range of depth in the direction
+            of a goal that was seen beyond it; kept until there is a target or its pursuit ends.
+            None if there is none, or if it lay behind a rejected area.
         seen: Numbers of the candidates that the latest image shows.
-        count: Number of candidates so far.
+        count: Number of candidates so far, for the next one's number.
     """
 
     candidates: tuple[Target, ...] = ()
@@ -264,12 +264,12 @@ class GoalEvidence:
 
     @property
     def target(self) -> Target | None:
-        """What is gone to as the goal; None if nothing is."""
+        """The candidate that the robot goes to; None if there is none."""
         return next((one for one in self.candidates if one.number == self.chosen), None)
 
     @property
     def rejected_areas(self) -> tuple[GoalArea, ...]:
-        """Areas that are not taken for the goal."""
+        """Areas of refuted candidates and rejected targets, which are not taken for the goal."""
         refuted = [one for one in self.candidates if one.is_refuted]
         return tuple(one.area for one in (*refuted, *(one.target for one in self.rejections)))
 

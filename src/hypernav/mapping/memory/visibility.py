@@ -1,4 +1,4 @@
-"""Visibility of positions on the map in an image, and what stands in between."""
+"""Visibility of positions and objects on the map in an image, and what hides them."""
 
 import numpy as np
 from jaxtyping import Bool, Float64
@@ -8,17 +8,17 @@ from hypernav.core.geometry.depth import is_measured
 from hypernav.core.observation import Observation
 
 _BESIDE_M = 0.3
-"""Distance within which nothing before the camera is in its image."""
+"""Distance from the robot within which positions lie open: no image shows the floor there."""
 _NEAREST_M = 0.3
 _SAME_WIDTH = 0.5
-"""Overlap over union of the columns of a box and of an object."""
+"""Least overlap over union of the image columns of a box and of an object in it."""
 _DEPTH_SLACK_M = 0.5
 _OWN_DEPTH_M = 1.0
-"""Depth of an object, by which its near side may lie before its far one."""
+"""Depth of an object, metres, by which its near side may lie before its far side."""
 _RECOGNISABLE_M = (1.0, 4.0)
 _IN_BETWEEN_M = 0.15
 _MEASURABLE_M = 0.6
-"""Distance below which an object may be too near for the depth camera."""
+"""Depth, metres, below which an object may be too near for the depth camera."""
 _HIDDEN_SHARE = 0.8
 
 
@@ -27,8 +27,8 @@ def lies_open(
 ) -> Bool[np.ndarray, " n"]:
     """Whether an image shows positions on the floor, or something behind and above them.
 
-    A column of the image without any return shows nothing: what fills it is too near to be
-    measured, since in an open one the floor would be.
+    A column of the image without any depth shows nothing: what fills it is too near to be measured,
+    since a column with a free view would show the floor.
 
     Args:
         positions: Positions ``(x, y)``, ``map`` frame, metres.
@@ -71,7 +71,7 @@ def is_cut_off(
 def should_be_visible(
     positions: Float64[np.ndarray, "n 2"], height_m: float, observation: Observation
 ) -> bool:
-    """Whether most of an object lies in free sight of the camera, near enough to be recognised.
+    """Whether the camera has a free view of most of an object, near enough to recognise it.
 
     Args:
         positions: Positions of the object, ``(x, y)``, ``map`` frame, metres.
@@ -84,8 +84,8 @@ def should_be_visible(
     good &= observation.camera.contains(pixels)
     if good.sum() < 0.8 * len(distance):
         return False
-    # Nothing may stand in between: the farthest return of a column shows what is as high as the
-    # camera, and the one at the object's height what is lower, such as a bed before a nightstand.
+    # Nothing may stand in between. The farthest depth of a column tells of what is as high as the
+    # camera, the one at the object's height of what is lower, such as a bed before a nightstand.
     # The object's own near side may be nearer than what was seen of it from another side.
     columns, rows = pixels[good].astype(int).T
     is_open = observation.farthest_m[columns] > distance[good] - 0.3
@@ -96,7 +96,7 @@ def should_be_visible(
 def seems_to_hold(
     box: Box, positions: Float64[np.ndarray, "n 2"], observation: Observation
 ) -> bool:
-    """Whether a box seems to hold an object: it is as wide, and as far away.
+    """Whether a box seems to hold an object: both are about as wide and as far away.
 
     Args:
         box: Box in the image.
@@ -123,7 +123,7 @@ def seems_to_hold(
 def _projected(
     positions: Float64[np.ndarray, "n 2"], height_m: float, observation: Observation
 ) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, "n 2"]]:
-    """Depths of positions, metres, and image coordinates; NaN for those behind the camera."""
+    """Depths of positions, metres, and pixels ``(u, v)``; NaN for positions behind the camera."""
     points = np.column_stack([positions, np.full(len(positions), height_m)])
     ahead = observation.camera_to_map.inverse().apply(points)
     return ahead[:, 2], observation.camera.project(ahead)

@@ -1,1 +1,1 @@
-"""Value maps: how well what was seen where fits the goal."""
+"""Value maps: how well what the camera saw of each place fits the goal."""

@@ -10,16 +10,16 @@ from hypernav.mapping.integrate_kernels import is_measured
 
 @njit(cache=True, nogil=True)
 def reach_of_columns(depth, forward, nearest, farthest):
-    """How far each image column sees, straight ahead of the camera.
+    """Distance that each image column sees, along the camera's heading on the floor plan.
 
     Args:
         depth: float32 (height, width), metres.
-        forward: float32 (height), metres ahead on the floor plan per metre of depth, by row.
-        nearest: Smallest depth that was measured, exclusive, metres.
-        farthest: Largest one, exclusive, metres.
+        forward: float32 (height,), metres ahead on the floor plan per metre of depth, by row.
+        nearest: Lower limit of measured depth, exclusive, metres.
+        farthest: Upper limit of measured depth, exclusive, metres.
 
     Returns:
-        float32 (width), metres; 0 where nothing was measured.
+        float32 (width,), metres; 0 where nothing was measured.
     """
     height, width = depth.shape
     reach = np.zeros(width, dtype=np.float32)
@@ -43,11 +43,11 @@ def fuse_view(values, confidences, corner, size, eye, lens, reach, weights, valu
         size: Side of a cell, metres.
         eye: Position ``(x, y)`` of the camera, metres, and cosine and sine of its heading.
         lens: Focal length and column of the principal point, pixels.
-        reach: See `reach_of_columns`.
-        weights: float32 (width), confidence of a view in each image column.
+        reach: float32 (width,), metres; see `reach_of_columns`.
+        weights: float32 (width,), confidence of a view in each image column, 0 to 1.
         value: Value of the view.
-        threshold: Confidence below which a view counts only where it is no less sure than what is
-            known.
+        threshold: Confidence below which a view counts only where the cell's confidence so far is
+            not higher.
     """
     x_eye, y_eye, cosine, sine = eye
     focal, centre = lens
@@ -77,11 +77,11 @@ def medians_around(values, confidences, centres, radius):
     Args:
         values: float32 (rows, columns).
         confidences: float32 (rows, columns), 0 where there is no value.
-        centres: float64 (n, 2), exact rows and columns.
+        centres: float64 (n, 2), continuous ``[row, column]``.
         radius: Radius, cells.
 
     Returns:
-        float64 (n); -1 where no value is near.
+        float64 (n,), the medians; -1 where no value is near.
     """
     rows, columns = values.shape
     medians = np.full(len(centres), -1.0)

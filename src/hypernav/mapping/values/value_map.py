@@ -1,4 +1,4 @@
-"""The value map: how well what the camera saw fits the goal, by where it looked.
+"""The value map: how well what the camera saw of each place fits the goal.
 
 Source: Yokoyama et al., "VLFM: Vision-Language Frontier Maps for Zero-Shot Semantic Navigation",
 2024, and its released code, whose values these are unless they are said to be ours.
@@ -15,22 +15,22 @@ from hypernav.core.observation import Observation
 from hypernav.mapping.values.value_kernels import fuse_view, medians_around, reach_of_columns
 
 _CHUNK_CELLS = 128
-"""Cells by which the map grows; ours."""
+"""Side of the chunks by which the map grows, cells; ours."""
 
 
 _EDGE_CONFIDENCE = 0.25
 """Confidence of a view at the edges of the image; it is 1 in the middle (VLFM's code; its paper has
 0)."""
 _LEAST_CONFIDENCE = 0.35
-"""Confidence below which a view counts only where nothing surer is known (VLFM's code)."""
+"""Confidence below which a view counts only where no surer value is known (VLFM's code)."""
 
 
 class ValueMap:
-    """Values of the floor around the robot, in the ``map`` frame, and how sure they are.
+    """Values of the floor around the robot, in the ``map`` frame, and their confidences.
 
-    What a view shows are, in each image column, the cells as far ahead as the farthest point that
-    was measured in that column. Columns without any depth show nothing (ours: the original fills
-    holes). A tilted camera counts as a level one that sees as far (ours: the original has none).
+    A view shows, in each image column, the cells up to the farthest point that was measured in that
+    column. Columns without any depth show nothing (ours: the original fills holes). A tilted camera
+    counts as a level one that sees as far (ours: the original has no tilted one).
     """
 
     def __init__(self, camera: CameraConfig, *, cell_size_m: float) -> None:
@@ -67,7 +67,7 @@ class ValueMap:
 
         Args:
             observation: Frame with camera and poses in the ``map`` frame.
-            value: How well it fits the goal.
+            value: How well the view fits the goal; more is better.
         """
         camera, rotation = observation.camera, observation.camera_to_map.rotation
         heading = math.atan2(rotation[1, 2], rotation[0, 2])
@@ -107,7 +107,7 @@ class ValueMap:
     def median_near(
         self, points: Float[np.ndarray, "n 2"], radius_m: float
     ) -> Float64[np.ndarray, " n"]:
-        """Median of the values around some points, -1 where there is none.
+        """Median of the values around each point, -1 where there is no value.
 
         Args:
             points: Positions ``(x, y)``, ``map`` frame, metres.
