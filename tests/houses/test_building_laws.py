@@ -117,8 +117,9 @@ def test_models_do_not_penetrate_each_other(building: Building):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", NOUNS)
+@pytest.mark.parametrize("kind", [kind for kind in NOUNS if kind != "storeys"])
 @given(number=st.integers(1, 10**9))
+# Stairs have laws of their own (test_storeys.py): a door before them is no way on one storey alone.
 # The same buildings every time; a check of others is for whoever changes the generator.
 @settings(max_examples=8, deadline=None, derandomize=True)
 def test_any_building_keeps_its_laws(kind: str, number: int):
