@@ -128,6 +128,17 @@ def test_any_building_keeps_its_laws(kind: str, number: int):
     assert collisions(placed(building)) == []
 
 
+@pytest.mark.slow
+@given(number=st.integers(1, 10**9))
+@settings(max_examples=8, deadline=None, derandomize=True)
+def test_any_building_with_storeys_keeps_the_laws_that_hold_with_stairs(number: int):
+    building = Building("storeys", number)
+    scene = built(building)
+    check_names(scene)
+    check_facade(building, scene)
+    assert collisions(placed(building)) == []
+
+
 def test_the_builtin_house_holds_what_people_look_for():
     labels = [i.label for i in built(house(BUILTIN_HOUSE)).instances if i.label is not None]
     for name in (
