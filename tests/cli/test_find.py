@@ -139,3 +139,15 @@ def test_two_processes_write_the_same_trace(glb, tmp_path):
         subprocess.run([*command, *options, *SMALL], check=True, capture_output=True)
         traces.append((tmp_path / name / "trace.jsonl").read_bytes())
     assert traces[0] == traces[1]
+
+
+@pytest.mark.slow
+def test_in_a_building_with_stairs_the_robot_climbs_unless_told(tmp_path):
+    def step(*options):
+        scene = ("--scene", "storeys:3004", "--max-steps", 1)
+        hypernav("find", "bed", *scene, "--out", tmp_path, "--quiet", *SMALL, *options)
+        result = json.loads((tmp_path / "result.json").read_text())
+        return result["config"]["embodiment"]["body"]["max_step_m"]
+
+    assert step() == 0.2
+    assert step("embodiment.body.max_step_m=0.1") == 0.1

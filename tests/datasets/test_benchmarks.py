@@ -6,7 +6,7 @@ import pytest
 
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.datasets.benchmark_files import found_splits, scene_below, scene_in, split_of
-from hypernav.datasets.benchmarks import BENCHMARKS, benchmark_of
+from hypernav.datasets.benchmarks import BENCHMARKS, STOREYS, benchmark_of, robot_in
 from scan_writers.episodes import HASH, SCENE
 
 
@@ -40,9 +40,18 @@ def test_a_data_set_follows_its_own_benchmark_unless_another_is_named():
     paper = BENCHMARKS["hypernav-paper-hm3d"]
     assert benchmark_of("hm3d:data", "hypernav-paper-hm3d") is paper
     assert benchmark_of("hypernav-paper-hm3d:data") is paper
+    assert benchmark_of("storeys-train#3000:3004") is STOREYS
+    assert benchmark_of("scene:storeys:3#2") is STOREYS
     assert benchmark_of("houses-val") is None
     with pytest.raises(ConfigError, match="use hm3d, mp3d, ovon, hypernav-paper-hm3d, "):
         benchmark_of("houses-val", "hm4d")
+
+
+def test_only_in_buildings_with_stairs_a_robot_climbs_unless_told():
+    assert robot_in("storeys:3") == STOREYS.embodiment
+    assert STOREYS.embodiment.body.max_step_m == BENCHMARKS["hm3d"].embodiment.body.max_step_m
+    assert robot_in("houses:3") is None
+    assert benchmark_of("offices-train") is None
 
 
 def test_every_split_that_is_there_is_found(data):

@@ -39,6 +39,7 @@ from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.interruptions import interruptions_of_kernels
+from hypernav.datasets.benchmarks import robot_in
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.episodes.recorder import EpisodeRecorder
 from hypernav.show.video.frame import EpisodeInfo
@@ -86,7 +87,7 @@ def run(options: Options) -> int:
 
 def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
     """Load the building, search, and write the page, even if the search fails."""
-    config = options.who.resolve()
+    config = options.who.resolve(robot_in(options.scene))
     parts = options.who.build(config)
     parts.check_goal(goal)
     console = Terminal(quiet=options.quiet)

@@ -206,7 +206,16 @@ STOREYS = Benchmark(
     embodiment=Embodiment(body=BodyConfig(max_step_m=_HABITAT_STEP_M)),
     source="this package",
 )
-"""What runs on ``storeys-train`` follow: a robot that climbs their stairs."""
+"""What runs in these buildings follow: a robot that climbs their stairs."""
+
+
+def robot_in(scene: str) -> Embodiment | None:
+    """The robot that a scene is made for: one that climbs in buildings with stairs; else None.
+
+    Args:
+        scene: Name of the scene, such as ``storeys:3``.
+    """
+    return STOREYS.embodiment if scene.startswith(f"{STOREYS.name}:") else None
 
 
 def benchmark_of(dataset: str, name: str | None = None) -> Benchmark | None:
@@ -223,7 +232,7 @@ def benchmark_of(dataset: str, name: str | None = None) -> Benchmark | None:
         ConfigError: There is no benchmark of this name.
     """
     if name is None:
-        if dataset.startswith(f"{STOREYS.name}-"):
+        if dataset.startswith((f"{STOREYS.name}-", f"scene:{STOREYS.name}:")):
             return STOREYS
         return BENCHMARKS.get(dataset.partition(":")[0])
     if name not in BENCHMARKS:
