@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -122,6 +123,23 @@ def test_the_storey_is_chosen_by_the_height_of_its_floor():
     assert not above.is_standable(2.0, 2.0)
     with pytest.raises(SceneError, match=r"storey at 9\.00 m; it could stand at .*2\.80"):
         WalkableGrid.from_scene(scene, floor_z=9.0)
+
+
+def test_a_thing_is_reached_from_its_own_storey():
+    gallery = [
+        (None, (-0.1, -0.1, 2.6), (6.1, 2.0, 2.8)),
+        ("bed", (1.0, 1.5, 2.8), (2.0, 2.0, 3.3)),
+        ("chair", (1.0, 2.2, 0.0), (1.5, 2.6, 0.8)),
+        (None, (-0.1, -0.1, 5.0), (6.1, 4.1, 5.1)),
+    ]
+    scene = replace(scene_of(*room_boxes(ceiling=False), *gallery), storeys=(0.0, 2.8))
+    bed, chair = (next(i for i in scene.instances if i.name.startswith(n)) for n in ("bed", "ch"))
+    lower, upper = (WalkableGrid.from_scene(scene, floor_z=z) for z in scene.storeys)
+    for grid, own, other in ((lower, chair, bed), (upper, bed, chair)):
+        assert len(grid.floor_near(own.box_min, own.box_max, 1.0)) > 0
+        assert len(grid.floor_near(other.box_min, other.box_max, 1.0)) == 0
+    unknown = WalkableGrid.from_scene(replace(scene, storeys=()), floor_z=0.0)
+    assert len(unknown.floor_near(bed.box_min, bed.box_max, 1.0)) > 0
 
 
 def test_a_roof_is_not_taken_for_the_floor():

@@ -1,7 +1,8 @@
 """Walkable surface of a storey, computed from the triangles of a scene."""
 
 import math
-from dataclasses import dataclass
+from bisect import bisect
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -21,6 +22,8 @@ from hypernav.worlds.surface.walkable_kernels import label_components, slide, wa
 _SMALLEST_ISLAND_M2 = 1.0
 """Smaller isolated parts are the insides of furniture and gaps behind it."""
 _STOREY_M = 1.0
+_UNEVEN_M = 0.15
+"""By how much what a thing stands on may be lower than the floor of its storey."""
 _ROUNDING = 1e-6
 """Cells."""
 
@@ -40,6 +43,8 @@ class WalkableGrid:
         cell_m: Side of a cell.
         origin: Lower left corner of cell (0, 0).
         floor_z: Height of the storey's floor (median).
+        holds_z: Heights from which and below which the lowest points of things on this storey
+            are; without bounds if the scene is not known to have several storeys.
     """
 
     standable: Bool[np.ndarray, "rows columns"]
@@ -48,6 +53,7 @@ class WalkableGrid:
     cell_m: float
     origin: tuple[float, float]
     floor_z: float
+    holds_z: tuple[float, float] = (-math.inf, math.inf)
 
     @staticmethod
     def from_scene(
@@ -69,7 +75,10 @@ class WalkableGrid:
             SceneError: The robot can stand nowhere in the scene (or on that storey).
         """
         robot = robot or BodyConfig()
-        return _grid_of(find_storey(scene, robot, cell_m=cell_m, floor_z=floor_z), robot)
+        grid = _grid_of(find_storey(scene, robot, cell_m=cell_m, floor_z=floor_z), robot)
+        edges = [-math.inf, *(z - _UNEVEN_M for z in scene.storeys[1:]), math.inf]
+        storey = bisect(edges, grid.floor_z) - 1
+        return replace(grid, holds_z=(edges[storey], edges[storey + 1]))
 
     @staticmethod
     def from_mask(
@@ -124,6 +133,8 @@ class WalkableGrid:
     ) -> Float64[np.ndarray, "n 3"]:
         """Middles of cells of the largest part, with their heights, around a box.
 
+        There are none around a thing on another storey, which may be seen over a railing.
+
         Args:
             low: Lowest corner of the box.
             high: Its highest corner.
@@ -131,6 +142,7 @@ class WalkableGrid:
         """
         centres = self.centres()
         near = is_near_box(centres, low[:2], high[:2], reach_m)
+        near &= self.holds_z[0] <= low[2] < self.holds_z[1]
         heights = self.heights[self.components == 0][near]
         return np.column_stack([centres[near], heights.astype(np.float64)])
 
