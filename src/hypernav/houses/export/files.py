@@ -101,12 +101,14 @@ def _navmesh(scene: Scene) -> bytes:
 
 def _objects(scene: Scene, house: CompactScene) -> dict[str, Any]:
     triangles = np.bincount(house.face_instance, minlength=len(house.names))
+    storeys = {"storeys": list(scene.storeys)} if scene.storeys else {}
     return {
         "frame": "GLB is glTF y-up metres (x,y,z)_gltf=(x,z,-y)_zup; zup is the scene's own frame",
         "objects": [
             _object(instance, int(triangles[instance.id]), house.categories[instance.id])
             for instance in scene.instances
         ],
+        **storeys,
     }
 
 

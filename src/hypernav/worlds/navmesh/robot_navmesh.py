@@ -1,7 +1,8 @@
 """The navigation mesh that a robot walks on in a scene: that of the file, or one computed for it.
 
-A generated building with several storeys gets one, too, if the robot climbs stairs. For a robot
-that doesn't, its storeys are apart, and the drop at the head of stairs is the end of the floor.
+A building that is known to have several storeys gets one, too, if the robot climbs stairs. For a
+robot that doesn't, its storeys are apart, and the drop at the head of stairs is the end of the
+floor; its mesh would lead over the stairs, because habitat-lab's agents climb 0.2 m.
 
 habitat-sim, as configured by habitat-lab, computes a new mesh if the file beside a scene was made
 for another robot than the agent (``Simulator::reconfigure``).
@@ -38,9 +39,10 @@ def robot_navmesh(scene: Scene, body: BodyConfig, choice: NavmeshChoice) -> Navm
     Raises:
         NavmeshError: The file can't be used, or there is nothing to walk on.
     """
-    if is_computed(scene.navmesh, body, choice) or (
-        choice == "auto" and scene.navmesh is None and scene.storeys and climbs_stairs(body)
-    ):
+    has_stairs = choice == "auto" and bool(scene.storeys)
+    if has_stairs and not climbs_stairs(body):
+        return None
+    if is_computed(scene.navmesh, body, choice) or (has_stairs and scene.navmesh is None):
         return Navmesh(navmesh_of(computed_for(scene, body)))
     return None if scene.navmesh is None else Navmesh.load(scene.navmesh)
 
@@ -48,7 +50,7 @@ def robot_navmesh(scene: Scene, body: BodyConfig, choice: NavmeshChoice) -> Navm
 def climbs_stairs(body: BodyConfig) -> bool:
     """Whether a robot takes the steps of stairs, for which Habitat's climb of 0.2 m is needed.
 
-    A scan or an exported building has such a mesh for every robot, as in habitat-sim.
+    A scan has such a mesh for every robot, as in habitat-sim: its storeys are not known.
     """
     return body.max_step_m >= STAIR_CLIMB_M
 

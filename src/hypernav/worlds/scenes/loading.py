@@ -3,6 +3,7 @@
 import logging
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from hypernav.core.errors import SceneError
@@ -47,12 +48,12 @@ def read_scene(path: Path) -> Scene:
         raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
     if not parts:
         raise SceneError(f"{path}: holds no triangles; export a mesh with faces")
-    objects = _scene_objects(path, parts)
+    objects, storeys = _scene_objects(path, parts)
     building, stray = without_surroundings(parts)
     left_out = [*missing, *stray]
     if left_out:
         _LOGGER.warning("%s: leaves out %s", path, in_one_line(left_out))
-    return assemble(_name(path), building, objects, materials)
+    return replace(assemble(_name(path), building, objects, materials), storeys=storeys)
 
 
 def _read(path: Path) -> tuple[list[MeshPart], list[Material], list[str]]:
@@ -103,19 +104,22 @@ def _name(path: Path) -> str:
     return generic or path.stem
 
 
-def _scene_objects(path: Path, parts: Sequence[MeshPart]) -> list[SceneObject]:
+def _scene_objects(
+    path: Path, parts: Sequence[MeshPart]
+) -> tuple[list[SceneObject], tuple[float, ...]]:
+    """Objects of a scene, and the heights of its storeys if its ``objects.json`` has them."""
     descriptive_names = {part.node: part.descriptive_name for part in parts}
     objects_file = path.parent / OBJECTS_FILE
-    objects: list[SceneObject] = []
+    objects, storeys = list[SceneObject](), ()
     if objects_file.exists():
-        objects = read_objects(objects_file, set(descriptive_names))
+        objects, storeys = read_objects(objects_file, set(descriptive_names))
     described = {node for item in objects for node in item.nodes}
     taken = {item.name for item in objects}
     for node, descriptive_name in descriptive_names.items():
         if node not in described:
             name = node if node not in taken else f"{node} (node)"
             objects.append(SceneObject(name, frozenset({node}), _label(descriptive_name)))
-    return objects
+    return objects, storeys
 
 
 def _label(descriptive_name: str) -> ObjectLabel | None:

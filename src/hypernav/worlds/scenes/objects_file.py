@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from hypernav.core.errors import SceneError
 from hypernav.core.files.json_text import Items, parse_json
@@ -26,13 +26,15 @@ class _Object(BaseModel):
 
 class _Objects(BaseModel):
     objects: Items[_Object]
+    storeys: Items[FiniteFloat] = Field(default_factory=list)
 
 
-def read_objects(path: Path, node_names: set[str]) -> list[SceneObject]:
-    """Objects that a file describes; parts of the building have no label.
+def read_objects(path: Path, node_names: set[str]) -> tuple[list[SceneObject], tuple[float, ...]]:
+    """Objects that a file describes, and the heights of its storeys as `Scene` holds them.
 
     Every object has ``name``, ``category`` and ``nodes``, and may have ``structural``,
-    ``synonyms``, ``attributes``, ``room`` and ``beside``; other keys are ignored.
+    ``synonyms``, ``attributes``, ``room`` and ``beside``; other keys are ignored. Parts of the
+    building have no label. A building with stairs may have ``storeys``, the heights of its floors.
 
     Args:
         path: Path of the JSON file.
@@ -57,7 +59,8 @@ def read_objects(path: Path, node_names: set[str]) -> list[SceneObject]:
             "by the names of their nodes"
         ) from error
     _check_nodes(path, parsed.objects, node_names)
-    return [SceneObject(item.name, frozenset(item.nodes), _label(item)) for item in parsed.objects]
+    objects = [SceneObject(o.name, frozenset(o.nodes), _label(o)) for o in parsed.objects]
+    return objects, tuple(sorted(parsed.storeys))
 
 
 def _label(item: _Object) -> ObjectLabel | None:

@@ -18,7 +18,8 @@ def settings_for(body: BodyConfig, cell_m: float = 0.05) -> np.ndarray:
     rest is ``NavMeshSettings::setDefaults``.
 
     Args:
-        body: The robot; only radius and height are used.
+        body: The robot; only radius and height are used, so the mesh climbs stairs even if the
+            robot doesn't. `robot_navmesh` keeps such a robot off it where storeys are known.
         cell_m: Side of the voxels, metres.
 
     Returns:
