@@ -1,3 +1,4 @@
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -10,11 +11,16 @@ from hypernav.core.embodiment import BodyConfig
 from hypernav.core.goal import Goal
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
-from hypernav.houses.generator import generate, placed_models, plan_of
+from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
+from hypernav.houses.generator import generate, placed_models, storeys_of
+from hypernav.houses.plan.shapes import FloorPlan
 from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
+from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.view_points import view_points
 from hypernav.worlds.surface.walkable import WalkableGrid
+from hypernav.worlds.surface.walkable_surface import WalkableSurface
 
 SOME = [
     house(BUILTIN_HOUSE),
@@ -22,7 +28,13 @@ SOME = [
     Building("shops", 2),
     *(
         pytest.param(building, marks=pytest.mark.slow)
-        for building in (house(5), Building("offices", 11), Building("shops", 19))
+        for building in (
+            house(5),
+            Building("offices", 11),
+            Building("shops", 19),
+            Building("storeys", 3001),
+            Building("storeys", 3005),
+        )
     ),
 ]
 
@@ -33,43 +45,44 @@ def built(building: Building) -> Scene:
 
 
 @lru_cache(maxsize=4)
-def placed(building: Building) -> list[PlacedModel]:
-    return placed_models(building, plan_of(building))
+def placed(building: Building) -> list[list[PlacedModel]]:
+    """The models of every storey."""
+    return [placed_models(building, plan) for plan in storeys_of(building)]
 
 
-def check_walkable(building: Building, scene: Scene) -> WalkableGrid:
-    """Check that one connected floor reaches through every door into every room."""
-    plan = plan_of(building)
-    grid = WalkableGrid.from_scene(scene)
-    assert grid.components.max() == 0
+def check_walkable(plan: FloorPlan, surface: WalkableSurface) -> None:
+    """Check that one connected floor reaches through every door into every room of a storey."""
     for opening in plan.openings:
         if opening.is_passable:
-            assert grid.component_of(*opening.middle) == 0
-    centres = grid.centres()
+            assert surface.component_of(*opening.middle, plan.floor_z) == 0
+    centres = surface.centres()
     for room in plan.rooms:
         low = np.array((room.inner.x0, room.inner.y0))
         high = np.array((room.inner.x1, room.inner.y1))
         assert ((centres > low) & (centres < high)).all(axis=1).sum() > 20
-    return grid
 
 
-def check_wide_paths(building: Building, scene: Scene) -> None:
-    """Check for paths 0.75 m wide between all doors (0.70 m after the raster's loss)."""
-    plan = plan_of(building)
-    wide = WalkableGrid.from_scene(scene, BodyConfig(radius_m=0.35), cell_m=0.025)
+def check_storey(scene: Scene, plan: FloorPlan, z: float | None) -> WalkableGrid:
+    """Check the floor of one storey for a wheeled robot."""
+    grid = WalkableGrid.from_scene(scene, floor_z=z)
+    assert grid.components.max() == 0
+    check_walkable(plan, grid)
+    # Paths are 0.75 m wide between all doors (0.70 m after the raster's loss).
+    wide = WalkableGrid.from_scene(scene, BodyConfig(radius_m=0.35), cell_m=0.025, floor_z=z)
     for opening in plan.openings:
         if opening.is_passable:
             assert wide.component_of(*opening.middle) == 0
+    return grid
 
 
-def check_goals(scene: Scene, grid: WalkableGrid) -> None:
+def check_goals(scene: Scene, surface: WalkableSurface) -> None:
     """Check that every labelled instance has view points, and that its name finds it."""
     rays = RayCaster(scene)
     for instance in scene.instances:
         if instance.label is None or instance.label.category == "window":
             continue
         assert instance.label.satisfies(Goal(instance.label.category))
-        assert len(view_points(scene, grid, instance, rays)) > 0, instance.name
+        assert len(view_points(scene, surface, instance, rays)) > 0, instance.name
 
 
 def check_names(scene: Scene) -> None:
@@ -82,28 +95,36 @@ def check_names(scene: Scene) -> None:
         assert np.allclose(own.max(axis=0), high)
 
 
-def check_facade(building: Building, scene: Scene) -> None:
-    """Check that the facade does not reach into a room."""
-    facade = next(i for i in scene.instances if i.name.startswith("facade"))
-    corners = scene.vertices[scene.faces[scene.face_instance == facade.id]][:, :, :2]
-    low, high = corners.min(axis=1), corners.max(axis=1)
-    for room in plan_of(building).rooms:
-        if room.is_outside:
+def check_facade(plans: Sequence[FloorPlan], scene: Scene) -> None:
+    """Check that no storey's facade reaches into a room."""
+    for instance in scene.instances:
+        if not instance.name.startswith("facade"):
             continue
-        inside = (high > (room.inner.x0 + 0.01, room.inner.y0 + 0.01)).all(axis=1)
-        inside &= (low < (room.inner.x1 - 0.01, room.inner.y1 - 0.01)).all(axis=1)
-        assert not inside.any(), room.name
+        corners = scene.vertices[scene.faces[scene.face_instance == instance.id]][:, :, :2]
+        low, high = corners.min(axis=1), corners.max(axis=1)
+        for room in (room for plan in plans for room in plan.rooms if not room.is_outside):
+            inside = (high > (room.inner.x0 + 0.01, room.inner.y0 + 0.01)).all(axis=1)
+            inside &= (low < (room.inner.x1 - 0.01, room.inner.y1 - 0.01)).all(axis=1)
+            assert not inside.any(), room.name
 
 
 def check_building(building: Building) -> None:
-    scene = built(building)
-    area = sum(room.cell.area for room in plan_of(building).rooms)
-    assert len(scene.faces) < 120_000 + 1_500 * area
-    grid = check_walkable(building, scene)
-    check_wide_paths(building, scene)
-    check_goals(scene, grid)
+    scene, plans = built(building), storeys_of(building)
+    area = sum(room.cell.area for plan in plans for room in plan.rooms)
+    assert len(scene.faces) < 120_000 * len(plans) + 1_500 * area
+    heights = [plan.floor_z for plan in plans] if scene.storeys else [None]
+    floors = [check_storey(scene, plan, z) for plan, z in zip(plans, heights, strict=True)]
+    surface: WalkableSurface = floors[0]
+    if scene.storeys:
+        # Over stairs all storeys are one floor for a robot that climbs.
+        navmesh = robot_navmesh(scene, CLIMBING_BODY, "auto")
+        assert navmesh is not None
+        surface = NavmeshSurface(navmesh)
+        for plan in plans:
+            check_walkable(plan, surface)
+    check_goals(scene, surface)
     check_names(scene)
-    check_facade(building, scene)
+    check_facade(plans, scene)
 
 
 @pytest.mark.parametrize("building", SOME, ids=lambda b: b.scene)
@@ -113,30 +134,18 @@ def test_buildings_keep_their_laws(building: Building):
 
 @pytest.mark.parametrize("building", SOME, ids=lambda b: b.scene)
 def test_models_do_not_penetrate_each_other(building: Building):
-    assert collisions(placed(building)) == []
+    assert [collisions(models) for models in placed(building)] == [[]] * len(placed(building))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", [kind for kind in NOUNS if kind != "storeys"])
+@pytest.mark.parametrize("kind", NOUNS)
 @given(number=st.integers(1, 10**9))
-# Stairs have laws of their own (test_storeys.py): a door before them is no way on one storey alone.
 # The same buildings every time; a check of others is for whoever changes the generator.
 @settings(max_examples=8, deadline=None, derandomize=True)
 def test_any_building_keeps_its_laws(kind: str, number: int):
     building = Building(kind, number)
     check_building(building)
-    assert collisions(placed(building)) == []
-
-
-@pytest.mark.slow
-@given(number=st.integers(1, 10**9))
-@settings(max_examples=8, deadline=None, derandomize=True)
-def test_any_building_with_storeys_keeps_the_laws_that_hold_with_stairs(number: int):
-    building = Building("storeys", number)
-    scene = built(building)
-    check_names(scene)
-    check_facade(building, scene)
-    assert collisions(placed(building)) == []
+    assert [collisions(models) for models in placed(building)] == [[]] * len(placed(building))
 
 
 def test_the_builtin_house_holds_what_people_look_for():

@@ -16,6 +16,7 @@ from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
 from hypernav.houses.export.files import export_building
 from hypernav.houses.generator import generate, storeys_of
 from hypernav.houses.plan.stairs import LEAST_RISER_M, MOST_RISER_M
+from hypernav.houses.plan.storey_plans import SLAB_M
 from hypernav.worlds.navmesh.files.reader import navmesh_of
 from hypernav.worlds.navmesh.navmesh import Navmesh
 from hypernav.worlds.navmesh.robot_navmesh import computed_for, robot_navmesh
@@ -26,6 +27,7 @@ from hypernav.worlds.surface.walkable import WalkableGrid
 
 NUMBERS = (3004, *(pytest.param(number, marks=pytest.mark.slow) for number in (3002, 3008)))
 """A home with straight stairs; one with U-shaped stairs and one with a basement."""
+WITH_RAMP = (*NUMBERS, pytest.param(3005, marks=pytest.mark.slow))
 
 scene_of = cache(lambda number: generate(Building("storeys", number)))
 
@@ -42,19 +44,25 @@ def on_storey(scene: Scene, z: float) -> WalkableGrid:
 
 
 @pytest.mark.parametrize("number", range(3000, 3030))
-def test_risers_are_those_of_stairs(number: int):
+def test_risers_are_those_of_stairs_and_ramps_have_none(number: int):
     for plan in storeys_of(Building("storeys", number)):
         assert plan.stairwell is not None
-        heights = [0.0, *(step.z for step in plan.stairwell.steps), plan.height + 0.2]
-        risers = np.diff(heights)
-        assert ((risers > LEAST_RISER_M - 1e-3) & (risers < MOST_RISER_M + 1e-3)).all()
+        level, risers = 0.0, []
+        for step in plan.stairwell.steps:
+            low, high = sorted((step.z, step.z + step.rise))
+            risers.append(low - level)
+            level = high
+        risers.append(plan.height + SLAB_M - level)
+        is_ramp = plan.stairwell.kind == "ramp"
+        least, most = (0.0, 0.0) if is_ramp else (LEAST_RISER_M, MOST_RISER_M)
+        assert least - 1e-3 < min(risers) <= max(risers) < most + 1e-3
 
 
 def standable(surface: NavmeshSurface, xy: np.ndarray, z: float) -> Position:
     return surface.nearest_standable(float(xy[0]), float(xy[1]), z)
 
 
-@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("number", WITH_RAMP)
 def test_a_climbing_robot_reaches_every_storey_and_as_far_back(number: int):
     scene, surface = scene_of(number), climbed(number)
     points = [standable(surface, on_storey(scene, z).centres()[0], z) for z in scene.storeys]
@@ -66,7 +74,7 @@ def test_a_climbing_robot_reaches_every_storey_and_as_far_back(number: int):
             assert there == pytest.approx(back, rel=0.02, abs=0.02)
 
 
-@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize("number", WITH_RAMP)
 def test_the_mesh_covers_each_storey_as_its_exact_heights_do(number: int):
     scene = scene_of(number)
     heights = climbed(number).floor[:, 2]
@@ -93,6 +101,20 @@ def test_a_wheeled_robot_never_leaves_its_storey_at_the_stairs(number: int):
                 for sliding in (False, True):
                     *_, z = grid.move(here, dx, dy, sliding=sliding)
                     assert abs(z - plan.floor_z) <= BodyConfig().max_step_m
+
+
+@pytest.mark.parametrize("number", [3012, *range(3000, 3003)])
+def test_a_gallery_is_wide_enough_and_looks_onto_the_hall_below(number: int):
+    plans = storeys_of(Building("storeys", number))
+    hall, atrium = plans[0].rooms[0].inner, plans[0].atrium
+    for plan in plans:
+        assert plan.atrium == atrium
+        assert plan.rooms[0].inner == hall
+    if atrium is None:
+        return
+    assert all(plan.left_out(0, below=True) == (atrium,) for plan in plans[1:])
+    assert hall.holds(atrium.grown(1.0))
+    assert min(atrium.width, atrium.depth) > 0.8
 
 
 @pytest.mark.slow

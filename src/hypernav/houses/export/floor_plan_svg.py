@@ -61,8 +61,8 @@ def floor_plan_svg(plan: FloorPlan, instances: tuple[Instance, ...]) -> str:
         parts.append(_rect(room.inner, _FILLS[room.kind], outline))
     if plan.stairwell is not None:
         edge = ' stroke="#3d4148" stroke-width="0.02"'
-        if plan.stairwell.leads_down:
-            parts += [_rect(rect, "#c9ccd1") for rect in plan.stairwell.well]
+        for room in range(len(plan.rooms)):
+            parts += [_rect(rect, "#c9ccd1") for rect in plan.left_out(room, below=True)]
         if plan.stairwell.leads_up:
             parts += [_rect(step.rect, "#e8d9c5", edge) for step in plan.stairwell.steps]
     parts += [_opening(plan, o) for o in plan.openings]
@@ -71,7 +71,9 @@ def floor_plan_svg(plan: FloorPlan, instances: tuple[Instance, ...]) -> str:
         if label is None or label.category in ("door", "window"):
             continue
         low, high = (z - plan.floor_z for z in (instance.box_min[2], instance.box_max[2]))
-        if label.category == "stairs" or not (-0.1 < low <= 1.0 and high >= _LEAST_HEIGHT_M):
+        if label.category in ("stairs", "ramp") or not (
+            -0.1 < low <= 1.0 and high >= _LEAST_HEIGHT_M
+        ):
             continue
         (a, b, _), (c, d, _) = instance.box_min, instance.box_max
         title = f"<title>{escape(label.category)}</title>"

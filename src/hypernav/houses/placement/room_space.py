@@ -59,6 +59,16 @@ class RoomSpace:
             if leaf is not None:
                 self.obstacles.append(Obstacle(leaf.grown(0.05), 0.0, 2.1))
                 self._floor.occupy([leaf], [])
+        self._keep_atrium_open()
+
+    def _keep_atrium_open(self) -> None:
+        """Leave room for what looks down through the floor, and up through the ceiling."""
+        for hole in self.plan.left_out(self.number, below=True):
+            self.obstacles.append(Obstacle(hole.grown(0.1), 0.0, self.height))
+            self._floor.occupy([hole.grown(0.05)], [])
+            self._clear_zones.append(Rect(hole.x0, self.inner.y0, hole.x1, self.inner.y1))
+        for hole in self.plan.left_out(self.number, below=False):
+            self.obstacles.append(Obstacle(hole.grown(0.1), self.height - 0.5, self.height))
 
     def wall_line(self, side: str) -> tuple[float, float, float]:
         """``(start, end, plane)`` of a wall's inner face."""

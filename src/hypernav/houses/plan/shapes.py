@@ -160,15 +160,18 @@ Place = tuple[float, float]
 
 @dataclass(frozen=True)
 class Step:
-    """A tread, or a landing between two flights.
+    """A tread, a landing between two flights, or a ramp.
 
     Attributes:
         rect: Its surface from above.
-        z: Its height above the floor at the foot of the stairs, metres.
+        z: Its height above the floor at the foot of the stairs, metres; of a ramp, at the end with
+            the lower x.
+        rise: By how much a ramp is higher at the other end, metres; negative if it is lower.
     """
 
     rect: Rect
     z: float
+    rise: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -185,7 +188,7 @@ class Stairwell:
     """The stairs in one room of a storey, scene frame.
 
     Attributes:
-        kind: "straight", "L" or "U".
+        kind: "straight", "L", "U" or "ramp".
         room: Index of the room, the same on all storeys.
         steps: Treads and landings from the foot to the head; the floor above is the last step.
         rails: Railings beside the steps.
@@ -222,6 +225,8 @@ class FloorPlan:
         floor_z: Height of the floor in the scene, metres.
         slab: Thickness of the floor of the storey above, metres; 0 if there is none.
         stairwell: The stairs of a building with several storeys.
+        atrium: Opening through the floors of all halls above the lowest one, which are galleries
+            around it.
     """
 
     rooms: tuple[Room, ...]
@@ -230,6 +235,16 @@ class FloorPlan:
     floor_z: float = 0.0
     slab: float = 0.0
     stairwell: Stairwell | None = None
+    atrium: Rect | None = None
+
+    def left_out(self, room: int, *, below: bool) -> tuple[Rect, ...]:
+        """The openings in the floor of a room, or in its ceiling, for stairs or an atrium."""
+        stairs = self.stairwell
+        if stairs is None or not (stairs.leads_down if below else stairs.leads_up):
+            return ()
+        if room == stairs.room:
+            return stairs.well
+        return (self.atrium,) if room == 0 and self.atrium is not None else ()
 
     def openings_of(self, room: int) -> list[Opening]:
         """Doors and windows of one room."""

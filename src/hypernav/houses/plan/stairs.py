@@ -1,8 +1,8 @@
 """Stairs between storeys: straight, L-shaped with a corner landing, U-shaped with a half landing.
 
-A stairwell is a room of the same place on every storey. Its landing lies at the side of the hall;
-from there the stairs lead away. The floor above is left out over the steps, so the rest of it is a
-gallery from which one sees the storey below.
+Some are ramps with a half landing instead. A stairwell is a room of the same place on every storey.
+Its landing lies at the side of the hall; from there the stairs lead away. The floor above is left
+out over the steps, so the rest of it is a gallery from which one sees the storey below.
 """
 
 import math
@@ -18,6 +18,9 @@ LEAST_RISER_M, MOST_RISER_M = 0.155, 0.195
 
 _HEAD_M = 1.3
 """Length of a landing at the head of stairs, metres."""
+_RAMPS_SHARE = 0.12
+_RAMP_SLOPE = 0.27
+"""Rise of a ramp per metre: 15 degrees."""
 
 
 @dataclass(frozen=True)
@@ -25,13 +28,13 @@ class StairShape:
     """Stairs away from the wall with the door: u is the distance from it, v runs along it.
 
     Attributes:
-        kind: "straight", "L" or "U".
+        kind: "straight", "L", "U" or "ramp".
         long: Extent of the stairwell along u between its walls, metres.
         wide: Extent along v, metres.
         wide_flight: Width of the steps, metres.
         landing: Extent of the landing at the door along u, metres.
-        tread: Depth of a tread, metres.
-        risers: Numbers of risers of the one or two flights.
+        tread: Depth of a tread, metres. A flight of a ramp is one long tread.
+        risers: Numbers of risers of the one or two flights; 2 for a flight of a ramp.
         pitch: Height of a storey from floor to floor, metres.
     """
 
@@ -59,6 +62,10 @@ def sample_shape(rng: RandomStream, pitch: float) -> StairShape:
     flight = rng.uniform(1.05, 1.25, 0.05)
     landing = rng.uniform(1.5, 1.8, 0.05)
     half = (risers + 1) // 2
+    if rng.fork("ramp").chance(_RAMPS_SHARE):
+        run = pitch / 2.0 / _RAMP_SLOPE
+        long, wide = _up(landing + run + flight), _up(2 * flight + 0.1)
+        return StairShape("ramp", long, wide, flight, landing, round(run, 3), (2, 2), pitch)
     if kind == "straight":
         long = landing + (risers - 1) * tread + _HEAD_M
         wide = flight + rng.uniform(1.2, 1.6, 0.05)
@@ -117,11 +124,22 @@ def stairwell(shape: StairShape, room: int, place: Callable[[float, float], Plac
         rails.append(((end + 0.03, low), (end + 0.03, back + 0.03), (first * rise, first * rise)))
         well = [(a, 0.0, s.long, s.wide)]
         guards = [((a - 0.03, w), (a - 0.03, back))]
+    slopes = [0.0] * len(steps)
+    if s.kind == "ramp":
+        middle = s.pitch / 2.0
+        steps = [(*steps[0][:4], 0.0), steps[1], (*steps[2][:4], s.pitch)]
+        slopes = [middle, 0.0, -middle]
+        rails[:2] = [(*rails[0][:2], (0.0, middle)), (*rails[1][:2], (middle, s.pitch))]
 
     def rect(u0: float, v0: float, u1: float, v1: float) -> Rect:
         (x0, y0), (x1, y1) = place(u0, v0), place(u1, v1)
         corners = (min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1))
         return Rect(*(round(c, 4) for c in corners))
+
+    def step(u0: float, v0: float, u1: float, v1: float, z: float, rise: float) -> Step:
+        if place(u1, v1)[0] < place(u0, v0)[0]:
+            z, rise = z + rise, -rise
+        return Step(rect(u0, v0, u1, v1), round(z, 4), round(rise, 4))
 
     def rail(start: Place, end: Place, z: tuple[float, float] = (0.0, 0.0)) -> Rail:
         return Rail(place(*start), place(*end), z)
@@ -129,7 +147,7 @@ def stairwell(shape: StairShape, room: int, place: Callable[[float, float], Plac
     return Stairwell(
         s.kind,
         room,
-        tuple(Step(rect(*step[:4]), round(step[4], 4)) for step in steps),
+        tuple(step(*one, rise) for one, rise in zip(steps, slopes, strict=True)),
         tuple(rail(*one) for one in rails),
         tuple(rail(*one) for one in guards),
         rail(*foot),

@@ -1,7 +1,8 @@
 """Random floor plans of buildings with two or three storeys.
 
 Every storey has a hall or corridor with rooms on both sides, of its own sizes within the same outer
-walls, and the stairwell at the end of the hall.
+walls, and the stairwell at the end of the hall. In some buildings an opening in its middle goes
+through all storeys, so that one looks down from galleries.
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,6 +18,11 @@ from hypernav.houses.random_stream import RandomStream
 SLAB_M = 0.2
 """Thickness of the floors between storeys, metres."""
 
+_ATRIUM_SHARE = 0.25
+_GALLERY_M = 1.1
+"""Width of a gallery beside an atrium, metres."""
+_GALLERY_END_M = 2.2
+"""Length of the hall beyond an atrium, metres."""
 _ATTEMPTS = 1000
 _HEIGHTS_M = (2.4, 2.6, 2.8)
 """Heights of rooms. With the slab they are multiples of 0.2 m, the height of the voxels of
@@ -114,6 +120,8 @@ def _attempt(rng: RandomStream, program: StoreyProgram) -> tuple[FloorPlan, ...]
     shape = sample_shape(rng.fork("stairs"), round(height + SLAB_M, 4))
     long = rng.uniform(*program.long, 0.05)
     hall = rng.uniform(1.6, 2.2, 0.05)
+    has_atrium = rng.fork("atrium").chance(_ATRIUM_SHARE)
+    hall = rng.fork("atrium", "hall").uniform(3.2, 3.8, 0.1) if has_atrium else hall
     south, north = rng.uniform(3.4, 4.8, 0.05), rng.uniform(3.4, 4.8, 0.05)
     outline = Rect(0.0, 0.0, snapped(long), snapped(south + hall + north))
     middle = (snapped(south), snapped(south + hall))
@@ -133,7 +141,8 @@ def _attempt(rng: RandomStream, program: StoreyProgram) -> tuple[FloorPlan, ...]
         stairs = _stairs(shape, len(cells), well, at_the_end).on_storey(storey, count)
         slab = SLAB_M if stairs.leads_up else 0.0
         floor_z = round((first + storey) * shape.pitch, 4)
-        plans.append(replace(plan, floor_z=floor_z, slab=slab, stairwell=stairs))
+        atrium = _atrium(outline, middle) if has_atrium else None
+        plans.append(replace(plan, floor_z=floor_z, slab=slab, stairwell=stairs, atrium=atrium))
     return tuple(plans)
 
 
@@ -158,6 +167,14 @@ def _cells(
             return []
         cells += rooms
     return cells
+
+
+def _atrium(outline: Rect, hall: tuple[float, float]) -> Rect:
+    """Opening in the middle of the hall, with a gallery on all its sides."""
+    middle, half = outline.centre[0], min(2.0, (outline.width - 2.0 * _GALLERY_END_M) / 2.0)
+    beside = WALL_M / 2.0 + _GALLERY_M
+    x0, x1 = snapped(middle - half), snapped(middle + half)
+    return Rect(x0, round(hall[0] + beside, 4), x1, round(hall[1] - beside, 4))
 
 
 def _tower(shape: StairShape, outline: Rect, middle: tuple[float, float], at_the_end: bool) -> Rect:

@@ -32,12 +32,12 @@ def build_rooms(plan: FloorPlan, finishes: Sequence[RoomFinish]) -> list[PlacedM
     for number, (room, finish) in enumerate(zip(plan.rooms, finishes, strict=True)):
         inner = room.inner
         floor, ceiling, walls = ModelBuilder(), ModelBuilder(), ModelBuilder()
-        for rect in _around(inner, _well(plan, number, below=True)):
+        for rect in _around(inner, plan.left_out(number, below=True)):
             floor.add(finish.floor, floor_quad(rect.x0, rect.y0, rect.x1, rect.y1, 0.0))
         for opening in plan.openings:
             if opening.bottom == 0.0 and number == max(opening.rooms):
                 floor.add(finish.floor, _threshold(plan, opening))
-        for rect in _around(inner, _well(plan, number, below=False)):
+        for rect in _around(inner, plan.left_out(number, below=False)):
             ceiling.add(
                 finish.ceiling,
                 floor_quad(rect.x0, rect.y0, rect.x1, rect.y1, plan.height, up=False),
@@ -55,14 +55,6 @@ def build_rooms(plan: FloorPlan, finishes: Sequence[RoomFinish]) -> list[PlacedM
             _outside(facade, plan, number)
     pieces.append(structural_model(facade, "facade", ""))
     return pieces
-
-
-def _well(plan: FloorPlan, number: int, *, below: bool) -> tuple[Rect, ...]:
-    """The opening for stairs in the floor of a room, or in its ceiling."""
-    stairs = plan.stairwell
-    if stairs is None or number != stairs.room:
-        return ()
-    return stairs.well if (stairs.leads_down if below else stairs.leads_up) else ()
 
 
 def _around(inner: Rect, well: Sequence[Rect]) -> list[Rect]:
@@ -97,10 +89,12 @@ def _sides(room: Room) -> list[tuple[str, float, float, float, float, float]]:
 def _walls(builder: ModelBuilder, plan: FloorPlan, number: int, finish: RoomFinish) -> None:
     room = plan.rooms[number]
     openings = plan.openings_of(number)
+    stairs = plan.stairwell
+    stands_over_stairs = stairs is not None and stairs.leads_down and number == stairs.room
     for along, middle, plane, facing, start, end in _sides(room):
         holes = _holes(openings, along, middle)
         builder.add(finish.wall, wall_face(along, plane, facing, start, end, plan.height, holes))
-        if not _well(plan, number, below=True):
+        if not stands_over_stairs:
             _skirting(builder, finish.trim, along, plane, facing, start, end, holes)
         for hole in holes:
             if hole[2] == 0.0:

@@ -9,7 +9,7 @@ from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.modelling.mesh import Finish, Mesh, unit_vectors
 from hypernav.houses.modelling.model import ModelBuilder
 from hypernav.houses.modelling.solids import box
-from hypernav.houses.plan.shapes import FloorPlan, Place, Rail, Rect
+from hypernav.houses.plan.shapes import FloorPlan, Place, Rail, Rect, Step
 from hypernav.houses.shell.room_finishes import RoomFinish
 from hypernav.houses.shell.room_surfaces import structural_model
 from hypernav.houses.shell.wall_faces import floor_quad, quad
@@ -19,6 +19,8 @@ FOUNDATION_M = 0.17
 (0.2 m high) begin there, so the meshes lie 3 cm above the floors and above rugs."""
 
 _FLIGHT_M = 0.25
+_RAMP_M = 0.15
+_HOLLOW_M = 0.35
 _RAIL_M = 0.9
 _GAP_M = 0.13
 _STEEL = Finish("", (0.3, 0.31, 0.33), 1.0, "", "metal")
@@ -34,23 +36,24 @@ def build_stairs(plan: FloorPlan, finish: RoomFinish) -> list[PlacedModel]:
     if stairs.leads_up:
         steps = ModelBuilder()
         for step in stairs.steps:
-            # The lowest flight stands on the floor; the others span the opening.
-            low = step.z - _FLIGHT_M if stairs.leads_down else 0.0
-            x, y = step.rect.centre
-            solid = box(step.rect.width, step.rect.depth, step.z - low, at=(x, y, low))
-            steps.add(_WOOD, solid)
-        model = structural_model(steps, "stairs", name)
-        synonyms = ("staircase", "stairway", "steps")
+            for solid in _step(step, stands=not stairs.leads_down and stairs.kind != "ramp"):
+                steps.add(_WOOD, solid)
+        is_ramp = stairs.kind == "ramp"
+        model = structural_model(steps, "ramp" if is_ramp else "stairs", name)
+        synonyms = () if is_ramp else ("staircase", "stairway", "steps")
         model = replace(model, model=replace(model.model, synonyms=synonyms), structural=False)
         pieces.append(model)
         sides = ModelBuilder()
-        for low, high, facing in _sides(stairs.well):
+        atrium = () if plan.atrium is None else (plan.atrium,)
+        for low, high, facing in [*_sides(stairs.well), *_sides(atrium)]:
             top = plan.height + plan.slab
             sides.add(finish.ceiling, _side(low, high, plan.height, top, facing))
         pieces.append(structural_model(sides, "stairwell", name))
     rails = [*stairs.rails] if stairs.leads_up else []
     if stairs.leads_down:
         rails += [*stairs.guards, *([] if stairs.leads_up else [stairs.foot])]
+        if plan.atrium is not None:
+            rails += _around(plan.atrium.grown(0.03))
     railing = ModelBuilder()
     for rail in rails:
         _railing(railing, rail)
@@ -62,6 +65,34 @@ def build_stairs(plan: FloorPlan, finish: RoomFinish) -> list[PlacedModel]:
             base.add(finish.ceiling, floor_quad(c.x0, c.y0, c.x1, c.y1, -FOUNDATION_M, up=False))
         pieces.append(structural_model(base, "foundation", ""))
     return pieces
+
+
+def _step(step: Step, *, stands: bool) -> list[Mesh]:
+    """Solids of a tread, a landing or a ramp.
+
+    Args:
+        step: The step.
+        stands: Whether it is solid down to the floor, as in the lowest flight; the other flights
+            span the opening.
+    """
+    r = step.rect
+    if step.rise:
+        ramp = box(r.width, r.depth, _RAMP_M, at=(*r.centre, -_RAMP_M))
+        return [_sheared(ramp, 0, r.x0, step.z, step.rise / r.width)]
+    low = 0.0 if stands else step.z - _FLIGHT_M
+    # Boxes are hollow: a wide one that is higher than a robot would have room for it inside.
+    count = math.ceil(r.depth / _HOLLOW_M) if stands else 1
+    deep = r.depth / count
+    return [
+        box(r.width, deep, step.z - low, at=(r.centre[0], r.y0 + (k + 0.5) * deep, low))
+        for k in range(count)
+    ]
+
+
+def _around(rect: Rect) -> list[Rail]:
+    """Railings on all sides of an opening."""
+    corners = [(rect.x0, rect.y0), (rect.x1, rect.y0), (rect.x1, rect.y1), (rect.x0, rect.y1)]
+    return [Rail(*ends) for ends in pairwise([*corners, corners[0]])]
 
 
 def _railing(builder: ModelBuilder, rail: Rail) -> None:

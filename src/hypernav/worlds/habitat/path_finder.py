@@ -82,8 +82,8 @@ class HabitatSurface:
         self, low: Position, high: Position, reach_m: float
     ) -> Float64[np.ndarray, "n 3"]:
         """Positions on the largest island within a distance of a box, on its storey."""
-        near = is_near_box(self._floor[:, :2], low[:2], high[:2], reach_m)
-        return self._floor[near & floors_of_box(self._floor[:, 2], low[2], high[2])]
+        near = self._floor[is_near_box(self._floor[:, :2], low[:2], high[:2], reach_m)]
+        return near[floors_of_box(near[:, 2], low[2])]
 
     def random_point(self, rng: np.random.Generator) -> tuple[float, float]:
         """A point of the largest island, on the main storey.

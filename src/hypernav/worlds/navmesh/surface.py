@@ -118,8 +118,8 @@ class NavmeshSurface:
             high: Its highest corner.
             reach_m: Greatest distance to the box.
         """
-        near = is_near_box(self.floor[:, :2], low[:2], high[:2], reach_m)
-        return self.floor[near & floors_of_box(self.floor[:, 2], low[2], high[2])]
+        near = self.floor[is_near_box(self.floor[:, :2], low[:2], high[:2], reach_m)]
+        return near[floors_of_box(near[:, 2], low[2])]
 
     def random_point(self, rng: np.random.Generator) -> tuple[float, float]:
         """A point of the largest island, on the main storey, uniform over its area.

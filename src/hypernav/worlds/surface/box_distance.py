@@ -5,8 +5,8 @@ from jaxtyping import Bool, Float64
 
 _MESH_ERROR_M = 0.25
 """Height of a mesh above its floor: a voxel, and some more."""
-_HIGHEST_THING_M = 2.5
-"""Height above its floor of the lower edge of a thing to be reached."""
+_UNEVEN_M = 1.0
+"""How far floors of one storey are apart in height."""
 
 
 def is_near_box(
@@ -27,17 +27,15 @@ def is_near_box(
     return (gaps**2).sum(axis=1) <= reach_m**2
 
 
-def floors_of_box(
-    floor_z: Float64[np.ndarray, " n"], low_z: float, high_z: float
-) -> Bool[np.ndarray, " n"]:
-    """Whether floors may be those of the storey of a thing: not above it, and in its reach.
+def floors_of_box(floor_z: Float64[np.ndarray, " n"], low_z: float) -> Bool[np.ndarray, " n"]:
+    """Whether floors around a thing are those of its storey: of the highest one below it.
 
     Without this a thing would count as reached on the gallery over it, or under the stairwell in
     which it hangs.
 
     Args:
-        floor_z: Heights of the floors, metres.
+        floor_z: Heights of the floors around the thing, metres.
         low_z: Height of the thing's lowest point, metres.
-        high_z: Height of its highest point, metres.
     """
-    return (floor_z <= high_z + _MESH_ERROR_M) & (floor_z >= low_z - _HIGHEST_THING_M)
+    below = floor_z <= low_z + _MESH_ERROR_M
+    return below & (floor_z >= floor_z[below].max(initial=-np.inf) - _UNEVEN_M)
