@@ -36,7 +36,7 @@ scene_of = cache(lambda number: generate(Building("storeys", number)))
 def climbed(number: int) -> NavmeshSurface:
     navmesh = robot_navmesh(scene_of(number), CLIMBING_BODY, "auto")
     assert navmesh is not None
-    return NavmeshSurface(navmesh)
+    return NavmeshSurface(navmesh, scene_of(number).storeys)
 
 
 def on_storey(scene: Scene, z: float) -> WalkableGrid:
@@ -72,6 +72,15 @@ def test_a_climbing_robot_reaches_every_storey_and_as_far_back(number: int):
             assert math.isfinite(there)
             assert there >= math.dist(a, b) - 1e-3
             assert there == pytest.approx(back, rel=0.02, abs=0.02)
+
+
+@pytest.mark.parametrize("number", WITH_RAMP)
+def test_starts_without_a_height_are_on_one_storey_not_on_the_stairs(number: int):
+    surface, storeys = climbed(number), scene_of(number).storeys
+    assert min(abs(surface.floor_z - z) for z in storeys) < 0.1
+    rng = np.random.default_rng(0)
+    heights = [surface.height_at(*surface.random_point(rng)) for _ in range(50)]
+    assert np.mean(np.abs(np.array(heights) - surface.floor_z) < 0.1) > 0.9
 
 
 @pytest.mark.parametrize("number", WITH_RAMP)
@@ -145,7 +154,11 @@ def test_an_exported_building_has_the_same_paths(tmp_path: Path):
     opened = replace(read_scene(files.glb), navmesh=files.navmesh)
     assert opened.storeys == scene.storeys
     assert robot_navmesh(opened, BodyConfig(), "auto") is None
-    computed = NavmeshSurface(Navmesh(navmesh_of(computed_for(opened, CLIMBING_BODY))))
+    computed = NavmeshSurface(
+        Navmesh(navmesh_of(computed_for(opened, CLIMBING_BODY))), opened.storeys
+    )
+    # The largest part of this mesh is the roof: in the file, ceilings have two faces.
+    assert computed.floor[:, 2].max() < scene.storeys[-1] + 0.5
     rng = np.random.default_rng(0)
     low, high = (on_storey(scene, z).centres() for z in scene.storeys)
     for a, b in zip(rng.choice(low, 10), rng.choice(high, 10), strict=True):

@@ -1,6 +1,7 @@
 """A navigation mesh as the surface that a simulated robot stands on, over all storeys."""
 
 import math
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 
@@ -16,30 +17,44 @@ from hypernav.worlds.surface.box_distance import floors_of_box, is_near_box
 
 _SPACING_M = 0.05
 _DRAWS = 1000
+_ON_STOREY_M = 0.3
 
 
 class NavmeshSurface:
     """Where Habitat's robot can stand: a `WalkableSurface`.
 
     Standing, steps, sliding and paths are as in habitat-sim. Positions are in the scene frame, z
-    up, metres. Connected parts are the mesh's islands, by area.
+    up, metres. Connected parts are the mesh's islands, by area; roofs come last where the heights
+    of the storeys are known.
 
     Attributes:
         navmesh: The mesh, in Habitat's frame.
-        floor_z: Height of the main storey's floor, metres: the median over the largest island.
+        floor_z: Height of the main storey's floor, metres: the median over the largest island, or
+            over that of its storeys that has the most floor, if they are known.
     """
 
-    def __init__(self, navmesh: Navmesh) -> None:
+    def __init__(self, navmesh: Navmesh, storeys: Sequence[float] = ()) -> None:
         """Create it with a navigation mesh.
+
+        Args:
+            navmesh: The mesh.
+            storeys: Heights of the building's floors, metres; empty if they are not known.
 
         Raises:
             SceneError: There is nothing to walk on.
         """
         self.navmesh = navmesh
-        self._by_area: Int64[np.ndarray, " i"] = np.argsort(-navmesh.areas_m2, kind="stable")
+        is_roof = np.array(
+            [bool(storeys) and not self._touches(k, storeys) for k in range(len(navmesh.areas_m2))],
+            dtype=bool,
+        )
+        self._by_area: Int64[np.ndarray, " i"] = np.lexsort((-navmesh.areas_m2, is_roof))
         if len(self.floor) == 0:
             raise SceneError("the robot fits nowhere: the navigation mesh has nothing to walk on")
-        self.floor_z = float(np.median(self.floor[:, 2]))
+        heights = self.floor[:, 2]
+        near = (heights[np.abs(heights - z) < _ON_STOREY_M] for z in storeys)
+        on_storeys = [floor for floor in near if len(floor)]
+        self.floor_z = float(np.median(max(on_storeys, key=len, default=heights)))
 
     @staticmethod
     def load(path: Path) -> "NavmeshSurface":
@@ -141,6 +156,14 @@ class NavmeshSurface:
     def floor(self) -> Float64[np.ndarray, "n 3"]:
         """Positions on the largest island, 5 cm apart, on all its storeys and stairs, metres."""
         return self._points_of(0)
+
+    def _touches(self, island: int, storeys: Sequence[float]) -> bool:
+        """Whether an island has a corner on one of the storeys."""
+        mesh = self.navmesh.mesh
+        used = np.arange(mesh.corners.shape[1]) < mesh.corner_count[:, None]
+        used &= (self.navmesh.islands == island)[:, None]
+        heights = mesh.vertices[mesh.corners[used], 1]
+        return bool((np.abs(heights[:, None] - np.array(storeys)) < _ON_STOREY_M).any())
 
     def _points_of(self, component: int) -> Float64[np.ndarray, "n 3"]:
         """Points of an island in rows and columns, with the heights of its polygons."""
