@@ -4,11 +4,12 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from collisions import collisions
-from hypothesis import given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.goal import Goal
+from hypernav.core.world import Instance
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
 from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
@@ -75,14 +76,27 @@ def check_storey(scene: Scene, plan: FloorPlan, z: float | None) -> WalkableGrid
     return grid
 
 
-def check_goals(scene: Scene, surface: WalkableSurface) -> None:
-    """Check that every labelled instance has view points, and that its name finds it."""
-    rays = RayCaster(scene)
-    for instance in scene.instances:
-        if instance.label is None or instance.label.category == "window":
-            continue
+def check_goals(scene: Scene, floors: Sequence[WalkableSurface]) -> None:
+    """Check that every labelled instance is found by its name, and seen from one of the floors."""
+    for instance in things(scene):
+        assert instance.label is not None
         assert instance.label.satisfies(Goal(instance.label.category))
-        assert len(view_points(scene, surface, instance, rays)) > 0, instance.name
+    assert unseen(scene, floors) == []
+
+
+def things(scene: Scene) -> list[Instance]:
+    """What can be a goal of a search."""
+    return [i for i in scene.instances if i.label is not None and i.label.category != "window"]
+
+
+def unseen(scene: Scene, floors: Sequence[WalkableSurface]) -> list[str]:
+    """Names of things without view points."""
+    rays = RayCaster(scene)
+    return [
+        thing.name
+        for thing in things(scene)
+        if not any(len(view_points(scene, floor, thing, rays)) for floor in floors)
+    ]
 
 
 def check_names(scene: Scene) -> None:
@@ -114,15 +128,16 @@ def check_building(building: Building) -> None:
     assert len(scene.faces) < 120_000 * len(plans) + 1_500 * area
     heights = [plan.floor_z for plan in plans] if scene.storeys else [None]
     floors = [check_storey(scene, plan, z) for plan, z in zip(plans, heights, strict=True)]
-    surface: WalkableSurface = floors[0]
     if scene.storeys:
         # Over stairs all storeys are one floor for a robot that climbs.
         navmesh = robot_navmesh(scene, CLIMBING_BODY, "auto")
         assert navmesh is not None
-        surface = NavmeshSurface(navmesh)
+        surface = NavmeshSurface(navmesh, scene.storeys)
         for plan in plans:
             check_walkable(plan, surface)
-    check_goals(scene, surface)
+        # Recast keeps up to 10 cm farther away, so a thing in a nook may be out of its reach.
+        assert len(unseen(scene, [surface])) < 0.01 * len(things(scene))
+    check_goals(scene, floors)
     check_names(scene)
     check_facade(plans, scene)
 
@@ -140,8 +155,9 @@ def test_models_do_not_penetrate_each_other(building: Building):
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", NOUNS)
 @given(number=st.integers(1, 10**9))
-# The same buildings every time; a check of others is for whoever changes the generator.
-@settings(max_examples=8, deadline=None, derandomize=True)
+# The same buildings every time; a check of others is for whoever changes the generator. A smaller
+# number is no simpler building, so there is nothing to shrink.
+@settings(max_examples=8, deadline=None, derandomize=True, phases=[Phase.generate])
 def test_any_building_keeps_its_laws(kind: str, number: int):
     building = Building(kind, number)
     check_building(building)
