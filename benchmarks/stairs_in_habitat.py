@@ -28,6 +28,7 @@ from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.loading import read_scene
 
 ROBOT = BENCHMARKS["hm3d"].embodiment
+MESHES: dict[NavmeshChoice, str] = {"file": "exported mesh", "robot": "its own mesh"}
 
 
 def main(numbers: tyro.conf.Positional[tuple[int, ...]], pairs: int = 30, seed: int = 0) -> None:
@@ -50,7 +51,7 @@ def main(numbers: tyro.conf.Positional[tuple[int, ...]], pairs: int = 30, seed: 
         print(f"{building.scene}, here: {islands(navmesh.areas_m2)}, {len(scene.storeys)} storeys")
         with tempfile.TemporaryDirectory() as folder:
             files = export_building(building, Path(folder))
-            for choice, words in (("file", "exported mesh"), ("robot", "its own mesh")):
+            for choice, words in MESHES.items():
                 theirs = habitat_lengths(files, choice, ends)
                 gaps = np.abs(theirs[1] / ours - 1.0)
                 print(
