@@ -281,9 +281,7 @@ def test_an_image_widens_a_candidate_only_if_it_speaks_for_it(score, widens):
 
 
 def test_the_latest_detection_wins_in_the_paper_s_way():
-    local = Perception(
-        ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]), target="latest", pick="first"
-    )
+    local = Perception(ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]), target="latest")
     local.look(thing_before_wall())
     here = certain(local.target).area.centre
     local.look(thing_before_wall())
