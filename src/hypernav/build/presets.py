@@ -211,8 +211,6 @@ def preset(name: PresetName) -> HyPerNavConfig:
             largest_cluster_only=False,
             entry_reach_m=0.0,
             target="latest",
-            pick="first",
-            rejected_for_looks=40,
         ),
         overview=OverviewConfig(
             image_px=768,

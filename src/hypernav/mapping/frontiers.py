@@ -44,7 +44,11 @@ def find_frontiers(
         config: Length of the shortest frontier.
         clearance_m: Distance from obstacles that the robot's middle keeps, metres.
     """
-    reach = ReachableArea.of(grid, robot, config, clearance_m)
+    return frontiers_of(ReachableArea.of(grid, robot, config, clearance_m))
+
+
+def frontiers_of(reach: ReachableArea) -> list[Frontier]:
+    """The frontiers of a reachable area, in the order of their lowest, leftmost cells."""
     _, parts = cv2.connectedComponents(reach.frontier.view(np.uint8), connectivity=8)
     flat = np.flatnonzero(reach.frontier)
     cells = np.stack(np.divmod(flat, reach.frontier.shape[1]), axis=1)

@@ -280,10 +280,16 @@ def test_an_image_widens_a_candidate_only_if_it_speaks_for_it(score, widens):
     assert (len(certain(local.target).area.seen_points) > before) is widens
 
 
+@pytest.mark.parametrize(("least", "is_taken"), [(1, True), (12, False)])
+def test_a_handful_of_pixels_gives_no_goal_area(least, is_taken):
+    """What this guards against: a few stray pixels that a detector takes for the goal."""
+    local = Perception(ScriptedDetector([seen((60.0, 55.0, 63.0, 58.0))]), min_points=least)
+    local.look(thing_before_wall())
+    assert bool(local.evidence.candidates) is is_taken
+
+
 def test_the_latest_detection_wins_in_the_paper_s_way():
-    local = Perception(
-        ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]), target="latest", pick="first"
-    )
+    local = Perception(ScriptedDetector([seen(), seen((5.0, 40.0, 30.0, 80.0))]), target="latest")
     local.look(thing_before_wall())
     here = certain(local.target).area.centre
     local.look(thing_before_wall())

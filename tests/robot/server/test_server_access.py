@@ -19,8 +19,7 @@ from hypernav.core.goal import Goal
 from hypernav.robot.server import guard, request_heads, serving
 from hypernav.robot.server.access import Access
 from hypernav.robot.server.agents import READ_LABELS, AgentPlan
-from hypernav.robot.server.limits import ServerLimits
-from hypernav.robot.server.pace import Pace
+from hypernav.robot.server.limits import Pace, ServerLimits
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.serving import check_access, listening, read_token
 from hypernav.robot.server.state.journal import Journal
@@ -243,7 +242,7 @@ def test_an_ended_search_is_on_the_disk_and_not_in_memory(tmp_path):
         extent = link.call("GET", search).json["map"]
         link.call("POST", f"{search}/close")
         (kept,) = [o for o in gc.get_objects() if type(o) is Search and o not in before]
-        assert (kept._talk.view.grid, kept._talk.view.colour) == (None, None)
+        assert (kept._now.grid, kept._now.colour) == (None, None)
         assert [link.call("GET", path).content for path in paths] == shown
         assert link.call("GET", search).json["map"] == extent
     with robot_server(tmp_path) as link:  # started again
@@ -265,7 +264,7 @@ def test_searches_are_limited(tmp_path):
 def clock(monkeypatch) -> list[float]:
     """The time of `Search`, which only passes if a test says so."""
     now_s = [100.0]
-    monkeypatch.setattr("hypernav.robot.server.conversation.monotonic", lambda: now_s[0])
+    monkeypatch.setattr("hypernav.robot.server.search.monotonic", lambda: now_s[0])
     return now_s
 
 

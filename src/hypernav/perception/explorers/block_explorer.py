@@ -18,7 +18,7 @@ from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.overview import Block, Overview, Prospects
 from hypernav.mapping.blocks import blocks_of
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.frontiers import find_frontiers, fresh_frontiers
+from hypernav.mapping.frontiers import fresh_frontiers, frontiers_of
 from hypernav.mapping.prospects import find_legs_m, find_prospects
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.show.drawing.question_map import QuestionStyle, draw_question_map
@@ -134,7 +134,7 @@ class BlockExplorer:
             if _squares(blocks) == _squares(offered):
                 break
             offered = blocks
-            draw = partial(_drawn, view, blocks, self.config, self.mapping, clearance_m)
+            draw = partial(_drawn, view, blocks, self.config, reach)
             overview = Overview(
                 draw,
                 blocks,
@@ -201,13 +201,12 @@ def _drawn(
     view: ExplorationView,
     blocks: tuple[Block, ...],
     config: OverviewConfig,
-    mapping: MappingConfig,
-    clearance_m: float,
+    reach: ReachableArea,
     shown: Collection[int],
     excluded: Collection[int],
 ) -> UInt8[np.ndarray, "_ _ 3"]:
     """The image of the map with some of the blocks; the excluded ones are hatched."""
-    found = find_frontiers(view.grid, view.robot, mapping, clearance_m)
+    found = frontiers_of(reach)
     return draw_question_map(
         view.grid,
         [one for one in blocks if one.number in shown or one.number in excluded],

@@ -131,7 +131,7 @@ def rejected(
     if target is None:
         return evidence
     if config.target == "latest":
-        new = Rejection(target, config.rejected_for_looks or math.inf)
+        new = Rejection(target, config.rejected_for_looks)
         return replace(evidence, candidates=(), chosen=None, rejections=(*evidence.rejections, new))
     is_over = for_good or target.is_last_chance
     needed = math.inf if is_over else target.log_odds + _NEW_EVIDENCE
@@ -178,22 +178,18 @@ def is_rejected(evidence: GoalEvidence, area: GoalArea) -> bool:
 
 
 def with_latest(
-    evidence: GoalEvidence, config: LocalConfig, sightings: list[Sighting], observation: Observation
+    evidence: GoalEvidence, sightings: list[Sighting], observation: Observation
 ) -> GoalEvidence:
     """The evidence after an image; a sighting in it becomes the target in any case (paper).
 
     Args:
         evidence: The evidence before the image.
-        config: Choice among several sightings.
         sightings: Sightings of the goal in the image, in the detector's order.
         observation: The image.
     """
     if not sightings:
         return evidence
-    one, robot = sightings[0], observation.robot
-    if config.pick == "nearest":
-        one = min(sightings, key=lambda s: s.area.distance_to(*robot.xy))
-    old = evidence.target
+    one, old = sightings[0], evidence.target
     if old is not None and areas_touch(one.area, old.area):
         target = old.seen_again(one.area, one.detection, observation, join=False)
     else:

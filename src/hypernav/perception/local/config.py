@@ -41,13 +41,12 @@ class LocalConfig(RoomConfig):
             goal area, but not behind a wall; 0 (paper) sends it to the dilated cells. A quarter
             less where the detector gave no mask, since guessed pixels spill over the goal's edge.
         target: Rule for the target, the candidate that is gone to. "latest": the newest detection
-            of the goal (paper). "candidates": everything that may be the goal is remembered with
-            the evidence for and against it, and the one most worth its path is the target; a
-            doubtful one is looked at from another side before it is taken for the goal.
-        pick: Choice among several detections where target is "latest": the detector's "first", or
-            the one "nearest" to the robot.
+            of the goal, of several the detector's first (paper). "candidates": everything that may
+            be the goal is remembered with the evidence for and against it, and the one most worth
+            its path is the target; a doubtful one is looked at from another side before it is taken
+            for the goal.
         rejected_for_looks: Number of images for which a rejected target is not taken for the goal
-            again, where target is "latest"; None sets no end.
+            again, where target is "latest".
     """
 
     published_segmenter: str = ""
@@ -60,5 +59,4 @@ class LocalConfig(RoomConfig):
     largest_cluster_only: bool = True
     entry_reach_m: float = Field(default=0.8, ge=0.0, le=50.0)
     target: Literal["latest", "candidates"] = "candidates"
-    pick: Literal["first", "nearest"] = "nearest"
-    rejected_for_looks: int | None = Field(default=None, ge=1, le=10_000)
+    rejected_for_looks: int = Field(default=40, ge=1, le=10_000)

@@ -110,7 +110,7 @@ class LocalPerception:
                 far_positions += [] if far_position is None else [far_position]
             records.append(_record(detection, mask, accepted=not reason, reason=reason))
         if config.target == "latest":
-            evidence = with_latest(evidence, config, sightings, observation)
+            evidence = with_latest(evidence, sightings, observation)
         else:
             others = [one for one in detections if not one.is_goal]
             evidence = with_sightings(evidence, sightings, others, observation, kind)

@@ -10,8 +10,8 @@ from starlette.concurrency import run_in_threadpool
 
 from hypernav.core.errors import HyPerNavError
 from hypernav.robot.server.access import API, Access
-from hypernav.robot.server.guard import Allowances, Guard
-from hypernav.robot.server.limits import ServerLimits
+from hypernav.robot.server.guard import Guard
+from hypernav.robot.server.limits import Allowances, ServerLimits
 from hypernav.robot.server.operator.routes import operator_routes
 from hypernav.robot.server.operator.waiting import WaitingRobots
 from hypernav.robot.server.searches import Searches
@@ -127,17 +127,13 @@ def _routes(searches: Searches, waiting: WaitingRobots, allowances: Allowances) 
     async def observe(name: Name, request: Request) -> Reply:
         """Receive an observation and say what to do."""
         search = searches.find(name)
-        turn = search.offer(await request.body())
-        await search.bell.until(lambda: turn.is_answered, search.record.request.deadline_s)
-        return turn.result()
+        return await search.answer_of(search.offer(await request.body()))
 
     @routes.get(f"{SEARCHES}/{{name}}/replies/{{sequence}}")
     async def reply(name: Name, sequence: _Number) -> Reply:
         """The answer to the last observation, if the first reply said ``hold``."""
         search = searches.find(name)
-        turn = search.turn(sequence)
-        await search.bell.until(lambda: turn.is_answered, search.record.request.deadline_s)
-        return turn.result()
+        return await search.answer_of(search.turn(sequence))
 
     @routes.websocket(f"{SEARCHES}/{{name}}/stream")
     async def stream(name: str, socket: WebSocket) -> None:

@@ -1,32 +1,40 @@
-"""The decisions of one search, independent of network and disk."""
+"""The decisions of one search, and what its robot is told; independent of network and disk."""
 
 import logging
+import math
 from collections.abc import Callable
 from typing import cast
+
+import numpy as np
 
 from hypernav.build.agents import BuiltAgent
 from hypernav.core.actions import Action
 from hypernav.core.components.protocols import ExplainsItself
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import WireError
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
-from hypernav.core.trace import StepTrace
-from hypernav.robot.server.replies import reply_of, reply_out_of_steps
+from hypernav.core.trace import Ending, StepTrace
+from hypernav.robot.motion.config import DriveConfig
+from hypernav.robot.motion.obstacles import MapObstacles
+from hypernav.robot.motion.pure_pursuit import PurePursuit
 from hypernav.robot.server.sensing import Sensing
 from hypernav.robot.server.state.journal import Journal, SearchRecord, StepRecord
 from hypernav.robot.wire.frames import PackedObservation, decode_observation, unpack_observation
+from hypernav.robot.wire.replies import Reply, SearchEnding, Velocity
 
 _LOG = logging.getLogger(__name__)
 _BLOCKED = "the robot says that it was blocked"
 _BLIND = "the camera measures no depth, turning instead of driving"
+_SURROUNDINGS_M = 3.0
+_SUGGESTED_S = 1.0
+"""Time to reach the suggested velocity: a robot at standstill gets the full velocity."""
+_ENDINGS = {Ending.FOUND: SearchEnding.FOUND, Ending.GAVE_UP: SearchEnding.GAVE_UP}
 
 
 class Decisions:
-    """Decides about the observations of one search, in order. Not thread-safe.
-
-    Attributes:
-        grid: Map after the last decision, a copy; None before the first.
-    """
+    """Decides about the observations of one search, in order. Not thread-safe."""
 
     def __init__(self, record: SearchRecord, built: BuiltAgent) -> None:
         """Begin with an agent that has its goal and has seen nothing.
@@ -36,7 +44,6 @@ class Decisions:
             built: Agent of the search, which has a trace and a map.
         """
         request = record.request
-        self.grid: OccupancyGrid | None = None
         self._built = built
         self._agent = cast(ExplainsItself, built.agent)
         self._name, self._most_steps = record.id, request.max_steps
@@ -59,8 +66,13 @@ class Decisions:
         self._sensing.check(packed, seen, self._told)
         return seen
 
-    def decide(self, packed: PackedObservation, seen: Observation) -> StepRecord:
+    def decide(
+        self, packed: PackedObservation, seen: Observation
+    ) -> tuple[StepRecord, OccupancyGrid | None]:
         """Decide about an observation that was checked.
+
+        Returns:
+            The decision, and a copy of the map that it was made on; None if the steps have run out.
 
         Raises:
             ModelUnavailableError: A model did not answer.
@@ -69,33 +81,40 @@ class Decisions:
         """
         number = packed.header.sequence
         if number >= self._most_steps:
-            return StepRecord(reply=reply_out_of_steps(number), trace=None)
+            return StepRecord(reply=_reply_out_of_steps(number), trace=None), None
         self._sensing.note(packed, seen, self._told)
-        trace = self._act(seen)
+        self._built.agent.act(seen)
+        grid, trace = self._agent.grid, self._agent.last_step
+        if self._sensing.blind > 0 and trace.action is Action.MOVE_FORWARD:
+            trace = _turning(trace)
         if packed.header.blocked:
             trace = trace.model_copy(update={"events": [*trace.events, _BLOCKED]})
-        reply = reply_of(number, trace, self._agent.grid, self._robot)
+        reply = reply_of(number, trace, grid, self._robot)
         self._told = reply.action
-        return StepRecord(reply=reply, trace=trace)
+        return StepRecord(reply=reply, trace=trace), grid.cropped().copy()
 
-    def repeat(self, journal: Journal, is_wanted: Callable[[], bool]) -> None:
+    def repeat(self, journal: Journal, is_wanted: Callable[[], bool]) -> OccupancyGrid | None:
         """After a restart, give the agent all decided observations again.
 
         Args:
             journal: Journal of the search.
             is_wanted: Function that says whether to go on.
 
+        Returns:
+            The map after the last decision; None before the first.
+
         Raises:
             HyPerNavError: The agent cannot repeat it.
         """
+        grid = None
         for number in range(journal.step_count):
             if not is_wanted():
-                return
+                break
             recorded = journal.step(number)
             if recorded.trace is None:
                 continue
             packed = unpack_observation(journal.observation(number))
-            again = self.decide(packed, self._decoded(packed))
+            again, grid = self.decide(packed, self._decoded(packed))
             self._told = recorded.reply.action
             if again.reply.action != self._told:
                 _LOG.warning(
@@ -105,6 +124,7 @@ class Decisions:
                     self._told,
                     again.reply.action,
                 )
+        return grid
 
     def close(self) -> None:
         """Release what the agent holds."""
@@ -113,12 +133,43 @@ class Decisions:
     def _decoded(self, packed: PackedObservation) -> Observation:
         return decode_observation(packed, self._camera, self._camera_to_base)
 
-    def _act(self, seen: Observation) -> StepTrace:
-        self._built.agent.act(seen)
-        self.grid = self._agent.grid.cropped().copy()
-        trace = self._agent.last_step
-        is_blind = self._sensing.blind > 0
-        return _turning(trace) if is_blind and trace.action is Action.MOVE_FORWARD else trace
+
+def reply_of(sequence: int, trace: StepTrace, grid: OccupancyGrid, robot: Embodiment) -> Reply:
+    """The reply for a decision.
+
+    Args:
+        sequence: Number of the observation.
+        trace: Decision of the agent.
+        grid: Its map.
+        robot: Body and actions of the robot.
+    """
+    ending = None if trace.ending is None else _ENDINGS[trace.ending]
+    x, y, yaw = trace.pose
+    obstacles = MapObstacles(_around(grid, x, y))
+    clearance_m = float(obstacles.distances(np.array([[x, y]]))[0])
+    return Reply(
+        sequence=sequence,
+        action=Action.STOP if trace.action is None else trace.action,
+        destination=trace.destination,
+        path=tuple(trace.path),
+        clearance_m=round(clearance_m, 3) if clearance_m <= _SURROUNDINGS_M else None,
+        velocity=None if ending else _suggested(Pose2(x, y, yaw), trace, obstacles, robot),
+        mode=trace.mode,
+        reason=trace.reason,
+        done=ending is not None,
+        ending=ending,
+    )
+
+
+def _reply_out_of_steps(sequence: int) -> Reply:
+    """The reply when the steps have run out."""
+    return Reply(
+        sequence=sequence,
+        action=Action.STOP,
+        reason=f"the limit of {sequence} steps is reached",
+        done=True,
+        ending=SearchEnding.GAVE_UP,
+    )
 
 
 def _turning(trace: StepTrace) -> StepTrace:
@@ -131,3 +182,34 @@ def _turning(trace: StepTrace) -> StepTrace:
             "events": [*trace.events, _BLIND],
         }
     )
+
+
+def _suggested(
+    pose: Pose2, trace: StepTrace, obstacles: MapObstacles, robot: Embodiment
+) -> Velocity:
+    """A velocity along the path; without a path, that of the action's rotation."""
+    pursuit = PurePursuit(DriveConfig(), robot.body.radius_m)
+    turn = math.radians(robot.motion.turn_angle_deg)
+    if len(trace.path) > 1:
+        found = pursuit.command(pose, trace.path, _SUGGESTED_S, obstacles)
+    elif trace.action in (Action.TURN_LEFT, Action.TURN_RIGHT):
+        found = pursuit.rotate(turn if trace.action is Action.TURN_LEFT else -turn, _SUGGESTED_S)
+    else:
+        found = pursuit.command(pose, (), _SUGGESTED_S)
+    return Velocity(
+        linear_m_s=round(found.linear_m_s, 4), angular_rad_s=round(found.angular_rad_s, 4)
+    )
+
+
+def _around(grid: OccupancyGrid, x: float, y: float) -> OccupancyGrid:
+    """The part of a map around a position, at least one cell."""
+    row, column = grid.cell_of(x, y)
+    reach = math.ceil(_SURROUNDINGS_M / grid.resolution_m)
+    rows, columns = grid.cells.shape
+    bottom = min(max(row - reach, 0), rows - 1)
+    left = min(max(column - reach, 0), columns - 1)
+    top, right = max(row + reach + 1, bottom + 1), max(column + reach + 1, left + 1)
+    size = grid.resolution_m
+    origin = (grid.origin[0] + left * size, grid.origin[1] + bottom * size)
+    cells = np.ascontiguousarray(grid.cells[bottom:top, left:right])
+    return OccupancyGrid(cells, size, origin)

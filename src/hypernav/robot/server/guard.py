@@ -4,8 +4,7 @@ It is plain ASGI, so that it sees a request before any of it is read or parsed.
 """
 
 import asyncio
-import time
-from collections import Counter, OrderedDict
+from collections import Counter
 from contextlib import suppress
 
 from starlette.datastructures import Headers
@@ -14,7 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from hypernav.core.errors import RequestRefusedError
 from hypernav.robot.server.access import API, Access
-from hypernav.robot.server.limits import ServerLimits
+from hypernav.robot.server.limits import Allowances, ServerLimits
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
 from hypernav.robot.wire.replies import ErrorBody
 from hypernav.robot.wire.values import repeated_key
@@ -26,44 +25,7 @@ _OF_ONE_SEARCH = 4
 """Observations and streams of one search at once: what its robot sends again meets the first."""
 MOST_HEAD_BYTES = 16_384
 _MOST_JSON_BYTES = 64_000
-_MOST_ADDRESSES = 1000
 _POLICY_VIOLATION = 1008
-
-
-class Allowances:
-    """How many more requests each address may make: a token bucket for its robots, one for others.
-
-    So whoever watches can't use up what a robot of the same address needs.
-    """
-
-    def __init__(self, limits: ServerLimits) -> None:
-        """Begin with full buckets."""
-        self._limits = limits
-        self._buckets: OrderedDict[tuple[str, bool], tuple[float, float]] = OrderedDict()
-
-    def take(self, address: str, *, is_robot: bool) -> None:
-        """Account for one request.
-
-        Args:
-            address: Where it comes from.
-            is_robot: Whether it is the message of a robot.
-
-        Raises:
-            RequestRefusedError: The bucket is empty.
-        """
-        rate, burst = self._limits.requests_per_s, float(self._limits.burst)
-        now = time.monotonic()
-        left, before = self._buckets.pop((address, is_robot), (burst, now))
-        left = min(left + (now - before) * rate, burst)
-        self._buckets[address, is_robot] = (max(left - 1.0, 0.0), now)
-        while len(self._buckets) > _MOST_ADDRESSES:
-            self._buckets.popitem(last=False)
-        if left < 1.0:
-            raise RequestRefusedError(
-                f"more than {rate:g} requests a second come from this address; send fewer",
-                error="busy",
-                status=429,
-            )
 
 
 class Guard:

@@ -1,8 +1,24 @@
-"""Limits of the server, so that no request exhausts its memory or time."""
+"""Limits of the server, and what is counted to keep to them.
+
+So no request exhausts its memory or time.
+"""
+
+import threading
+import time
+from collections import OrderedDict, deque
+from collections.abc import Callable
+from statistics import median
 
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
+from hypernav.core.errors import RequestRefusedError
+from hypernav.core.trace import StepTrace
+
+_MOST_ADDRESSES = 1000
+_WINDOW_S = 10.0
+_LEAST = 20
+"""Number of answers in the window from which on it says something."""
 
 
 class ServerLimits(RoomConfig):
@@ -32,3 +48,83 @@ class ServerLimits(RoomConfig):
     burst: int = Field(default=400, ge=1, le=1_000_000)
     requests_at_once: int = Field(default=64, ge=1, le=10_000)
     body_s: float = Field(default=30.0, gt=0.0, le=3600.0)
+
+
+class Allowances:
+    """How many more requests each address may make: a token bucket for its robots, one for others.
+
+    So whoever watches can't use up what a robot of the same address needs.
+    """
+
+    def __init__(self, limits: ServerLimits) -> None:
+        """Begin with full buckets."""
+        self._limits = limits
+        self._buckets: OrderedDict[tuple[str, bool], tuple[float, float]] = OrderedDict()
+
+    def take(self, address: str, *, is_robot: bool) -> None:
+        """Account for one request.
+
+        Args:
+            address: Where it comes from.
+            is_robot: Whether it is the message of a robot.
+
+        Raises:
+            RequestRefusedError: The bucket is empty.
+        """
+        rate, burst = self._limits.requests_per_s, float(self._limits.burst)
+        now = time.monotonic()
+        left, before = self._buckets.pop((address, is_robot), (burst, now))
+        left = min(left + (now - before) * rate, burst)
+        self._buckets[address, is_robot] = (max(left - 1.0, 0.0), now)
+        while len(self._buckets) > _MOST_ADDRESSES:
+            self._buckets.popitem(last=False)
+        if left < 1.0:
+            raise RequestRefusedError(
+                f"more than {rate:g} requests a second come from this address; send fewer",
+                error="busy",
+                status=429,
+            )
+
+
+class Pace:
+    """The time that the answers of the last seconds took, that of chat models left out.
+
+    A model's server is somebody else's, and waiting for it takes none of this server's time.
+    Thread-safe.
+    """
+
+    def __init__(self, now_s: Callable[[], float] = time.monotonic) -> None:
+        """Begin without answers.
+
+        Args:
+            now_s: Clock, seconds.
+        """
+        self._now_s = now_s
+        self._lock = threading.Lock()
+        self._answers: deque[tuple[float, float]] = deque()
+
+    def note(self, trace: StepTrace | None, offered_s: float) -> None:
+        """Count an answer that was given just now.
+
+        Args:
+            trace: The decision; None if nothing had to be decided.
+            offered_s: Time at which its observation had come, on the clock.
+        """
+        asked = [] if trace is None else trace.exchanges
+        models_s = sum(one.seconds for one in asked if one.by_model)
+        now_s = self._now_s()
+        with self._lock:
+            self._answers.append((now_s, now_s - offered_s - models_s))
+            self._forget(now_s)
+
+    def median_s(self) -> float | None:
+        """Median of the answers of the last seconds; None if they are too few to judge."""
+        with self._lock:
+            self._forget(self._now_s())
+            if len(self._answers) < _LEAST:
+                return None
+            return median(took_s for _, took_s in self._answers)
+
+    def _forget(self, now_s: float) -> None:
+        while self._answers and self._answers[0][0] < now_s - _WINDOW_S:
+            self._answers.popleft()

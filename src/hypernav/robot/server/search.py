@@ -1,9 +1,14 @@
-"""One search on the server: the way of an observation from the message to the reply."""
+"""One search on the server: the line of an observation from the message to the reply.
+
+`Search.offer` takes the message and finds its turn; in the worker `Search._take` checks it, writes
+it to disk, decides, writes the decision to disk, and answers.
+"""
 
 import logging
 import threading
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, closing, contextmanager
+from dataclasses import replace
 from time import monotonic
 
 from hypernav.core.errors import (
@@ -16,15 +21,13 @@ from hypernav.core.errors import (
     WireError,
 )
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.robot.server.bell import Bell
-from hypernav.robot.server.conversation import Conversation, Turn
 from hypernav.robot.server.decisions import Decisions
-from hypernav.robot.server.pace import Pace
+from hypernav.robot.server.limits import Pace
+from hypernav.robot.server.standing import Standing, Turn, end_reply
 from hypernav.robot.server.state.journal import EndRecord, Journal, StepRecord
-from hypernav.robot.server.state.view import View, image_of
-from hypernav.robot.server.worker import Worker
+from hypernav.robot.server.threads import Bell, Worker
 from hypernav.robot.wire.frames import PackedObservation, unpack_observation
-from hypernav.robot.wire.replies import Reply, SearchEnding, Status
+from hypernav.robot.wire.replies import Reply, SearchEnding, SearchState, Status
 
 _LOG = logging.getLogger(__name__)
 _OUR_ERROR = "an error of the server, whose log says more"
@@ -35,6 +38,7 @@ class Search:
 
     Attributes:
         record: What it was opened with.
+        bell: Bell that rings at every change of the status.
     """
 
     _decisions: Decisions  # set by `go_on`, before a worker uses it
@@ -47,25 +51,22 @@ class Search:
             pace: Counts the time that answers take.
 
         Raises:
-            RunFolderError: The journal is damaged.
+            HyPerNavError: The journal is damaged.
         """
         self.record = journal.record
+        self.bell = Bell()
         self._journal = journal
         self._pace = pace
         self._lock = threading.Lock()
+        self._now = Standing.of(journal)
+        self._heard_s = monotonic()
         self._worker: Worker | None = None
         self._is_end_kept = journal.end is not None
-        self._talk = Conversation(_last_turn(journal), journal.end, View.of(journal))
-
-    @property
-    def bell(self) -> Bell:
-        """Bell that rings at every change of the status."""
-        return self._talk.bell
 
     @property
     def is_over(self) -> bool:
         """Whether the search has ended."""
-        return self._talk.end is not None
+        return self._now.end is not None
 
     @property
     def is_end_kept(self) -> bool:
@@ -75,12 +76,13 @@ class Search:
     @property
     def silent_s(self) -> float:
         """Time since the robot's last message, seconds; 0 while it waits for an answer."""
-        return self._talk.silent_s
+        is_silent = self._now.state is SearchState.WAITING
+        return max(monotonic() - self._heard_s, 0.0) if is_silent else 0.0
 
     @property
     def end_reply(self) -> Reply | None:
         """The answer to any further observation once the search is over; None before."""
-        return self._talk.end_reply
+        return self._now.final_reply
 
     @property
     def grid(self) -> OccupancyGrid | None:
@@ -89,7 +91,7 @@ class Search:
         Raises:
             HyPerNavError: It is damaged on the disk.
         """
-        grid = self._talk.view.grid
+        grid = self._now.grid
         return self._journal.read_map() if grid is None and self._is_end_kept else grid
 
     @property
@@ -99,7 +101,7 @@ class Search:
         Raises:
             HyPerNavError: It is damaged on the disk.
         """
-        colour = self._talk.view.colour
+        colour = self._now.colour
         return self.colour_of(None) if colour is None and self._is_end_kept else colour
 
     def colour_of(self, sequence: int | None) -> tuple[str, bytes] | None:
@@ -109,7 +111,7 @@ class Search:
             HyPerNavError: It is damaged on the disk.
         """
         with self.reading() as journal:
-            return image_of(journal, sequence)
+            return journal.image_of(journal.observation_count - 1 if sequence is None else sequence)
 
     def reading(self) -> AbstractContextManager[Journal]:
         """The journal, opened a second time, to read it during or after the search."""
@@ -117,7 +119,7 @@ class Search:
 
     def status(self) -> Status:
         """The present state."""
-        return self._talk.status(self.record)
+        return self._now.status(self.record, self.silent_s)
 
     def go_on(self, decisions: Decisions) -> None:
         """Begin to decide, after the agent was given the journal's observations again.
@@ -127,8 +129,9 @@ class Search:
         """
         self._decisions = decisions
         self._worker = Worker(f"search {self.record.id[:8]}", self._fail)
-        if (last := self._talk.last) is not None:
-            self._talk.resume(None, is_done=False)
+        if (last := self._now.last) is not None:
+            with self._lock:
+                self._tell(replace(self._now, is_resuming=True))
             self._worker.submit(lambda: self._resume(last))
 
     def offer(self, body: bytes) -> Turn:
@@ -149,8 +152,12 @@ class Search:
                 raise
             return Turn(end.sequence, reply=end)  # over is over, whatever the robot sends
         with self._lock:  # `halt` and `stop` end the worker after this job
-            turn, is_new = self._talk.offer(packed.header.sequence)
-            if is_new and self._worker is not None:
+            self._heard_s = monotonic()
+            if (known := self._now.known(packed.header.sequence)) is not None:
+                return known
+            turn = Turn(packed.header.sequence)
+            self._now = self._now.offered(turn)
+            if self._worker is not None:
                 self._worker.submit(lambda: self._take(turn, packed, body, offered_s))
         return turn
 
@@ -160,7 +167,19 @@ class Search:
         Raises:
             RequestRefusedError: The number is not the last one.
         """
-        return self._talk.asked_again(sequence)
+        with self._lock:
+            self._heard_s = monotonic()
+            return self._now.asked_again(sequence)
+
+    async def answer_of(self, turn: Turn) -> Reply:
+        """The answer to an observation; ``hold`` if it takes longer than the robot waits.
+
+        Raises:
+            WireError: The observation is broken.
+            RunFolderError: It could not be written to disk.
+        """
+        await self.bell.until(lambda: turn.is_answered, self.record.request.deadline_s)
+        return turn.result()
 
     def stop(self, reason: str, ending: SearchEnding = SearchEnding.STOPPED) -> None:
         """End the search from outside, at once; `write_end` writes that to disk.
@@ -169,8 +188,14 @@ class Search:
             reason: Who stops it, or why.
             ending: Kind of ending.
         """
-        if self._talk.finish(EndRecord(ending=ending, detail=reason)):
-            self.halt()
+        with self._lock:
+            if self._now.end is not None:
+                return
+            end, pending = EndRecord(ending=ending, detail=reason), self._now.pending
+            if pending is not None:
+                pending.reply = end_reply(pending.sequence, end)
+            self._tell(replace(self._now, end=end))
+        self.halt()
 
     def write_end(self) -> None:
         """Write the end of the search to disk, if it is over.
@@ -178,11 +203,13 @@ class Search:
         Raises:
             RunFolderError: It cannot be written; the robot is stopped all the same.
         """
-        talk = self._talk
-        if talk.end is not None:
-            self._journal.write_end(talk.end, talk.view.grid)
-            self._is_end_kept = True
-            talk.view = talk.view.kept_on(self._journal)
+        now = self._now
+        if now.end is None:
+            return
+        self._journal.write_end(now.end, now.grid)
+        self._is_end_kept = True
+        with self._lock:
+            self._now = self._now.kept_on(self._journal)
 
     def halt(self) -> Worker | None:
         """Release everything; a search that is not over can be taken up again.
@@ -197,8 +224,13 @@ class Search:
             worker.end()
         return worker
 
+    def _tell(self, now: Standing) -> None:
+        """Replace where the search stands, with the lock held, and let people know."""
+        self._now = replace(now, version=now.version + 1)
+        self.bell.ring()
+
     def _take(self, turn: Turn, packed: PackedObservation, body: bytes, offered_s: float) -> None:
-        """The way of an observation from the message to the reply; runs in the worker."""
+        """The line of an observation from the message to the reply; runs in the worker."""
         with self._ending_at_errors():
             if not self._is_wanted():
                 return
@@ -206,32 +238,47 @@ class Search:
                 seen = self._decisions.check(packed)
                 self._journal.add_observation(body)
             except (WireError, RunFolderError) as error:
-                self._talk.withdraw(turn, error)
+                self._withdraw(turn, error)
                 return
-            self._talk.accept(turn, packed)
-            step = self._decisions.decide(packed, seen)
-            self._answer(turn, step)
+            with self._lock:
+                self._tell(self._now.accepted(packed))
+            step, grid = self._decisions.decide(packed, seen)
+            self._answer(turn, step, grid)
             self._pace.note(step.trace, offered_s)
 
-    def _answer(self, turn: Turn, step: StepRecord) -> None:
+    def _withdraw(self, turn: Turn, error: WireError | RunFolderError) -> None:
+        """Refuse the observation that was checked; the robot may send that number again."""
+        with self._lock:
+            if not turn.is_answered:  # by the end of the search
+                turn.error, self._now = error, self._now.withdrawn()
+            self._tell(self._now)
+
+    def _answer(self, turn: Turn, step: StepRecord, grid: OccupancyGrid | None) -> None:
         """Write a decision to disk and answer the robot, unless it was stopped meanwhile."""
         if not self._is_wanted():
             return
         self._journal.add_step(step)
-        self._talk.answer(turn, step, self._decisions.grid)
+        with self._lock:
+            if self._now.end is None:
+                turn.reply, self._now = step.reply, self._now.showing(step.trace, grid)
+            if step.reply.ending is None:  # else the end follows at once
+                self._tell(self._now)
         if step.reply.ending is not None:
             self._finish(step.reply.ending, step.reply.reason)
 
     def _resume(self, last: Turn) -> None:
         """Give the agent the journal's observations again; runs in the worker."""
         with self._ending_at_errors():
-            self._decisions.repeat(self._journal, self._is_wanted)
-            self._talk.resume(self._decisions.grid, is_done=True)
+            grid = self._decisions.repeat(self._journal, self._is_wanted)
+            with self._lock:
+                now = self._now if self.is_over else self._now.showing(None, grid)
+                self._tell(replace(now, is_resuming=False))
             if last.reply is not None and last.reply.ending is not None:
                 self._finish(last.reply.ending, last.reply.reason)
             elif not last.is_answered:
                 packed = unpack_observation(self._journal.observation(last.sequence))
-                self._answer(last, self._decisions.decide(packed, self._decisions.check(packed)))
+                step, grid = self._decisions.decide(packed, self._decisions.check(packed))
+                self._answer(last, step, grid)
 
     def _is_wanted(self) -> bool:
         """Whether the search still goes on, on this server."""
@@ -271,11 +318,3 @@ class Search:
                 self._finish(SearchEnding.FAILED, str(error))
         except RunFolderError as error:
             _LOG.error("search %s: %s", self.record.id, error)
-
-
-def _last_turn(journal: Journal) -> Turn | None:
-    """The last observation, with its answer if it has one; None before the first."""
-    last = journal.observation_count - 1
-    if last < 0:
-        return None
-    return Turn(last, journal.step(last).reply if journal.step_count > last else None)

@@ -14,8 +14,7 @@ from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.goal import Goal
 from hypernav.robot.server.agents import AgentPlan, PlanAgent, check_labels
 from hypernav.robot.server.decisions import Decisions
-from hypernav.robot.server.limits import ServerLimits
-from hypernav.robot.server.pace import Pace
+from hypernav.robot.server.limits import Pace, ServerLimits
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.state.journal import Journal, SearchRecord
 from hypernav.robot.wire.replies import SearchEnding

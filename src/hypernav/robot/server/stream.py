@@ -5,10 +5,10 @@ import asyncio
 from fastapi import WebSocket, WebSocketDisconnect
 
 from hypernav.core.errors import RequestRefusedError, RunFolderError, WireError
-from hypernav.robot.server.conversation import Turn
-from hypernav.robot.server.guard import Allowances
+from hypernav.robot.server.limits import Allowances
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.searches import Searches
+from hypernav.robot.server.standing import Turn
 from hypernav.robot.wire.replies import ErrorBody, Reply, SearchEnding, StreamMessage
 
 _UNKNOWN = 4404

@@ -3,6 +3,7 @@
 from enum import StrEnum
 
 from hypernav.core.actions import Action
+from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import Mode
 from hypernav.robot.wire.values import Message, SearchId
 
@@ -98,6 +99,13 @@ class MapExtent(Message):
     columns: int
     resolution_m: float
     origin: tuple[float, float]
+
+    @staticmethod
+    def of(grid: OccupancyGrid) -> "MapExtent":
+        """Where a map lies."""
+        rows, columns = grid.cells.shape
+        x, y = (round(value, 6) for value in grid.origin)
+        return MapExtent(rows=rows, columns=columns, resolution_m=grid.resolution_m, origin=(x, y))
 
 
 class SearchState(StrEnum):

@@ -1,21 +1,28 @@
 """Removes parts of a file that do not belong to the building.
 
 Files from other sources contain accidents: an object that a physics engine threw far away, a dome
-for the sky, an endless ground, a mesh scaled to nothing. These must not affect the rest.
+for the sky, a mesh scaled to nothing. These must not affect the rest. And a simulated world often
+stands on a ground of a hundred metres. It may be the only floor there is, so it can't be left out
+whole; but a robot shall not search the plain around the building, so the ground is cut to it.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from hypernav.worlds.scenes.ground_sheets import are_sheets, cut_to
 from hypernav.worlds.scenes.scene_assembly import MeshPart
 
 _GAP_M = 20.0
 _MOST_AREA_M2, _MOST_SIDE_M = 25_000.0, 500.0
 """Largest box of a part of a building."""
 _MOST_NAMES = 5
+_LEAST_GROUND_M, _MOST_GROUND_HEIGHT_M = 50.0, 1.0
+_TIMES_THE_REST = 4.0
+_MOST_GROUND_FACES = 10_000
+
+_Corner = Float64[np.ndarray, "k"]
 
 
 def without_stray_parts(parts: Sequence[MeshPart]) -> tuple[list[MeshPart], list[str]]:
@@ -66,13 +73,13 @@ def without_surroundings(parts: Sequence[MeshPart]) -> tuple[list[MeshPart], lis
         The parts to keep, in their order; for every node of which something is left out,
         "NAME (why)".
     """
-    sheets = are_sheets(parts)
-    others = [part for part, is_sheet in zip(parts, sheets, strict=True) if not is_sheet]
+    may_be_ground = np.array([_is_ground(part) for part in parts], dtype=bool)
+    others = [part for part, is_ground in zip(parts, may_be_ground, strict=True) if not is_ground]
     building = without_stray_parts(others)[0] if others else []
     if not building or not any(_area(part) for part in building):
         return without_stray_parts(parts)
     low, high = _box(*_boxes(building), np.ones(len(building), dtype=bool))
-    grounds = {k: cut_to(parts[k], low, high) for k in np.flatnonzero(sheets).tolist()}
+    grounds = {k: _cut_to(parts[k], low, high) for k in np.flatnonzero(may_be_ground).tolist()}
     cut = {k: ground for k, ground in grounds.items() if ground is not None}
     building, left_out = without_stray_parts([p for k, p in enumerate(parts) if k not in cut])
     kept = set(map(id, building))
@@ -159,3 +166,75 @@ def _by_node(parts: Sequence[MeshPart], reasons: dict[int, str]) -> list[str]:
     for k in sorted(reasons):
         named.setdefault(parts[k].node, reasons[k])
     return [f"{node} ({why})" for node, why in named.items()]
+
+
+def _cut_to(
+    ground: MeshPart, low: Float64[np.ndarray, "3"], high: Float64[np.ndarray, "3"]
+) -> MeshPart | None:
+    """A ground within a box in the plane; None if it is no larger than fits."""
+    corners = ground.vertices[ground.faces][:, :, :2].astype(np.float64)
+    size = np.ptp(corners.reshape(-1, 2), axis=0)
+    if size.prod() <= _TIMES_THE_REST * (high - low)[:2].prod():
+        return None
+    low, high = low[:2], high[:2]
+    beyond = (corners.max(axis=1) < low).any(axis=1) | (corners.min(axis=1) > high).any(axis=1)
+    rows = _corner_rows(ground)
+    polygons = [_cut_triangle(rows[k], low, high) for k in np.flatnonzero(~beyond).tolist()]
+    triangles = [
+        np.stack([polygon[0], polygon[k], polygon[k + 1]])
+        for polygon in polygons
+        for k in range(1, len(polygon) - 1)
+    ]
+    whole = np.stack(triangles) if triangles else np.zeros((0, 3, rows.shape[2]))
+    return replace(
+        ground,
+        vertices=whole[:, :, :3].reshape(-1, 3).astype(np.float32),
+        faces=np.arange(3 * len(whole), dtype=np.int32).reshape(-1, 3),
+        uv=None if ground.uv is None else whole[:, :, 3:].astype(np.float32),
+        colors=None,
+        normals=None,
+    )
+
+
+def _is_ground(part: MeshPart) -> bool:
+    """Whether a part may be a ground: longer than 50 m, level and simple."""
+    if not 0 < len(part.faces) <= _MOST_GROUND_FACES:
+        return False
+    corners = part.vertices[part.faces].reshape(-1, 3)
+    if not np.isfinite(corners).all():
+        return False
+    size = np.ptp(corners, axis=0)
+    return bool(size[:2].max() > _LEAST_GROUND_M and size[2] < _MOST_GROUND_HEIGHT_M)
+
+
+def _corner_rows(ground: MeshPart) -> Float64[np.ndarray, "faces 3 k"]:
+    """Position of every corner, and its texture coordinates behind it."""
+    positions = ground.vertices[ground.faces].astype(np.float64)
+    if ground.uv is None:
+        return positions
+    return np.concatenate([positions, ground.uv.astype(np.float64)], axis=2)
+
+
+def _cut_triangle(
+    triangle: Float64[np.ndarray, "3 k"],
+    low: Float64[np.ndarray, "2"],
+    high: Float64[np.ndarray, "2"],
+) -> list[_Corner]:
+    """The corners of a triangle's part within a box in the plane (Sutherland and Hodgman)."""
+    polygon = list(triangle)
+    for axis in range(2):
+        for sign, bound in ((1.0, low[axis]), (-1.0, high[axis])):
+            polygon = _on_one_side(polygon, axis, sign, float(bound))
+    return polygon
+
+
+def _on_one_side(polygon: list[_Corner], axis: int, sign: float, bound: float) -> list[_Corner]:
+    kept: list[_Corner] = []
+    for k, corner in enumerate(polygon):
+        before = polygon[k - 1]
+        here, there = sign * (corner[axis] - bound), sign * (before[axis] - bound)
+        if (here < 0.0) != (there < 0.0):
+            kept.append(before + (corner - before) * (there / (there - here)))
+        if here >= 0.0:
+            kept.append(corner)
+    return kept

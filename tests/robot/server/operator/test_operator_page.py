@@ -261,7 +261,7 @@ def test_a_silent_robot_is_shown_as_silent_and_a_stopped_one_as_stopping(
         page.driver.get(f"http://127.0.0.1:{link.port}/")
         page.until(lambda: page.action.text == "forward")
         now_s = time.monotonic() + 27 * 60.0
-        monkeypatch.setattr("hypernav.robot.server.conversation.monotonic", lambda: now_s)
+        monkeypatch.setattr("hypernav.robot.server.search.monotonic", lambda: now_s)
         page.driver.refresh()
         page.until(lambda: "silent for 27 min" in page.reason.text)
         page.until(lambda: "silent for 27 min" in page.searches.text)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from hypernav.core.errors import RequestRefusedError
 from hypernav.core.goal import Goal
-from hypernav.robot.server.bell import Bell
+from hypernav.robot.server.threads import Bell
 from hypernav.robot.wire.waiting import GivenGoal, WaitingRobot
 
 _MOST_ROBOTS = 100

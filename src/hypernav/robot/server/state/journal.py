@@ -33,6 +33,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
 from hypernav.mapping.ros_map import load_ros_map, save_ros_map
 from hypernav.robot.server.state.record_file import RecordFile
+from hypernav.robot.wire.frames import unpack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.robot.wire.values import Message, SearchId
@@ -148,6 +149,17 @@ class Journal:
     def observation(self, number: int) -> bytes:
         """An observation as it was received."""
         return self._observations.read(number)
+
+    def image_of(self, number: int) -> tuple[str, bytes] | None:
+        """Format and bytes of an observation's colour image; None if it has not come.
+
+        Raises:
+            HyPerNavError: It is damaged on the disk.
+        """
+        if not 0 <= number < self.observation_count:
+            return None
+        packed = unpack_observation(self.observation(number))
+        return packed.header.colour.format, packed.colour
 
     def step(self, number: int) -> StepRecord:
         """A decision."""

@@ -11,9 +11,8 @@ from hypernav.core.episodes.episode import Outcome
 from hypernav.core.errors import RequestRefusedError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
-from hypernav.robot.server.bell import Bell
-from hypernav.robot.server.maps import extent_of
-from hypernav.robot.wire.replies import SearchEnding, SearchState, Status
+from hypernav.robot.server.threads import Bell
+from hypernav.robot.wire.replies import MapExtent, SearchEnding, SearchState, Status
 from hypernav.show import captions
 from hypernav.show.video.frame import EpisodeInfo
 
@@ -112,7 +111,7 @@ class LiveSearch:
                 state=SearchState.WAITING if self._ending is None else SearchState.ENDED,
                 next_sequence=count,
                 pose=self._traces[-1].pose if count else None,
-                map=None if self.grid is None else extent_of(self.grid),
+                map=None if self.grid is None else MapExtent.of(self.grid),
                 ending=self._ending,
                 detail=self._detail,
             )

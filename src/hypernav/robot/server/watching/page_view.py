@@ -12,8 +12,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
 from hypernav.robot.server.access import Access
 from hypernav.robot.server.app import guarded_app
-from hypernav.robot.server.guard import Allowances
-from hypernav.robot.server.limits import ServerLimits
+from hypernav.robot.server.limits import Allowances, ServerLimits
 from hypernav.robot.server.operator.routes import operator_routes
 from hypernav.robot.server.operator.waiting import WaitingRobots
 from hypernav.robot.server.serving import listening, server_config

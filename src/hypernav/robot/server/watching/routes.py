@@ -12,8 +12,8 @@ from starlette.concurrency import run_in_threadpool
 from hypernav.core.errors import RequestRefusedError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.robot.server.access import API
-from hypernav.robot.server.bell import Bell
-from hypernav.robot.server.maps import map_png, map_server_file, occupancy_grid
+from hypernav.robot.server.threads import Bell
+from hypernav.robot.server.watching.maps import map_png, map_server_file, occupancy_grid
 from hypernav.robot.wire.replies import Health, Status
 from hypernav.robot.wire.requests import StopRequest
 from hypernav.robot.wire.values import LONGEST_WAIT_S, SEARCHES

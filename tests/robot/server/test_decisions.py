@@ -9,7 +9,7 @@ from hypernav.core.actions import Action
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Ending, Mode, StepTrace
-from hypernav.robot.server.replies import reply_of
+from hypernav.robot.server.decisions import reply_of
 from hypernav.robot.wire.replies import Reply
 
 ROBOT = Embodiment()

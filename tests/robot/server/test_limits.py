@@ -3,7 +3,7 @@
 import pytest
 
 from hypernav.core.trace import Exchange, Mode, StepTrace
-from hypernav.robot.server.pace import Pace
+from hypernav.robot.server.limits import Pace
 
 
 def asked(by_model_s: float, own_s: float) -> StepTrace:

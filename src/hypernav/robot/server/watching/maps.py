@@ -9,7 +9,6 @@ from PIL import Image
 
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.mapping.ros_map import occupancy, save_ros_map
-from hypernav.robot.wire.replies import MapExtent
 
 _COLORS = np.array([[128, 128, 128, 0], [255, 255, 255, 255], [30, 30, 30, 255]], dtype=np.uint8)
 
@@ -45,10 +44,3 @@ def occupancy_grid(grid: OccupancyGrid) -> dict[str, object]:
         },
         "data": occupancy(grid).ravel().tolist(),
     }
-
-
-def extent_of(grid: OccupancyGrid) -> MapExtent:
-    """Where a map lies, for the status."""
-    rows, columns = grid.cells.shape
-    x, y = (round(value, 6) for value in grid.origin)
-    return MapExtent(rows=rows, columns=columns, resolution_m=grid.resolution_m, origin=(x, y))
