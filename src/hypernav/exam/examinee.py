@@ -158,7 +158,7 @@ class Examinee:
         if question.kind == "presence":
             assert self._chat is not None
             return VlmPresenceCheck(self._chat, log, self._config.presence)
-        return self._made(question.kind, log, _truth(question))
+        return self._made(question.kind, log, truth_of(question))
 
     def _made(self, kind: Kind, log: ExchangeLog, truth: EpisodeTruth) -> Any:
         if kind in self._kept:
@@ -182,7 +182,7 @@ class Examinee:
         return made
 
 
-def _truth(question: ExamQuestion) -> EpisodeTruth:
+def truth_of(question: ExamQuestion) -> EpisodeTruth:
     """The truth about one question, for stand-ins that know it."""
     truth, left_m = EpisodeTruth(), dict[tuple[float, float], float]()
     if isinstance(question.subject, Overview):
