@@ -58,6 +58,7 @@ class Rule:
     measure: Callable
 
     def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
+        """The block that is least."""
         offered = offered_blocks(self.config, overview, excluded)
         return BlockChoice(min(offered, key=self.measure).number if offered else None, "a rule")
 
@@ -70,6 +71,7 @@ class Eyes:
     looks_at_colours: bool = False
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
+        """What is seen, as boxes."""
         truth, found = true_labels(observation), []
         for number in visible_objects(truth):
             label, true = truth.labels[number], true_detection(truth, number)
@@ -105,6 +107,7 @@ class Check:
     rates: tuple[float, float, float]
 
     def is_present(self, observation: Observation, goal: Goal) -> bool:
+        """The answer; about one thing always the same."""
         truth = true_labels(observation)
         shown = visible_objects(truth)
         there = [n for n in shown if truth.labels[n].satisfies(goal)]
@@ -207,7 +210,7 @@ def main() -> None:
         predicted, measured, inside = [], [], 0
         print(f"\n{name}: SPL predicted, measured, measured less predicted; SR predicted, measured")
         for who in options.only:
-            confusion = confusion_of(exam_of(who, questions, config), unsure_is_yes=False)
+            confusion = confusion_of(exam_of(who, questions, config))
             file = f"{name}-{who.replace(' ', '-').replace(',', '')}"
             spl, found, scenes = [], [], []
             for part, make in (
@@ -231,10 +234,10 @@ def main() -> None:
                 flush=True,
             )
         gaps = np.abs(np.array(predicted) - np.array(measured))
+        ranks = spearmanr(predicted, measured).statistic
         print(
-            f"{name}: rank correlation {float(spearmanr(predicted, measured)[0]):.3f}; within 0.04: "
-            f"{(gaps <= 0.04).sum()} of {gaps.size}, largest {gaps.max():.3f}; inside the interval: "
-            f"{inside}",
+            f"{name}: rank correlation {ranks:.3f}; within 0.04: {(gaps <= 0.04).sum()} of "
+            f"{gaps.size}, largest {gaps.max():.3f}; inside the interval: {inside}",
             flush=True,
         )
 

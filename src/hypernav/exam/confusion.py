@@ -55,38 +55,36 @@ class Confusion:
             the model was not asked.
         boxes: By stratum the answers about images, the best first; empty if it was not asked.
         things_in_view: Mean number of things in these images.
-        presence: By stratum the answers whether the goal is there, each "yes" first; empty if it
-            was not asked.
+        presence: By stratum whether the answer was that the goal is there, each "yes" first, then
+            None for those that can't be used; empty if it was not asked.
     """
 
     blocks: tuple[float | None, ...]
     boxes: Mapping[str, tuple[BoxAnswer, ...]]
     things_in_view: float
-    presence: Mapping[str, tuple[bool, ...]]
+    presence: Mapping[str, tuple[bool | None, ...]]
 
 
-def confusion_of(answers: Sequence[Answered], *, unsure_is_yes: bool) -> Confusion:
-    """How a model erred in an exam.
-
-    Args:
-        answers: All answers of the exam.
-        unsure_is_yes: Whether the presence check takes an unusable answer for "yes".
-    """
+def confusion_of(answers: Sequence[Answered]) -> Confusion:
+    """How a model erred in an exam, by all its answers."""
     boxes: dict[str, list[tuple[float, BoxAnswer]]] = {}
-    presence: dict[str, list[bool]] = {}
+    presence: dict[str, list[bool | None]] = {}
     clutter = []
     for one in answers:
         if one.kind == "boxes":
             boxes.setdefault(one.stratum, []).append(_box_answer(one))
             clutter.append(one.conditions.get("clutter", 1.0))
         elif one.kind == "presence":
-            is_yes = unsure_is_yes if one.chosen is None else one.chosen == "yes"
+            is_yes = None if one.chosen is None else one.chosen == "yes"
             presence.setdefault(one.stratum, []).append(is_yes)
     best_first = {
         stratum: tuple(answer for _, answer in sorted(found, key=lambda pair: -pair[0]))
         for stratum, found in boxes.items()
     }
-    yes_first = {stratum: tuple(sorted(said, reverse=True)) for stratum, said in presence.items()}
+    yes_first = {
+        stratum: tuple(sorted(said, key=(True, None, False).index))
+        for stratum, said in presence.items()
+    }
     return Confusion(
         tuple(_better_share(one) for one in answers if one.kind == "block"),
         _completed(best_first),

@@ -78,11 +78,7 @@ class Examinee:
             for kind, (registry, spec, protocol) in named.items()
             if spec is not None
         }
-        if not self._choices:
-            raise ConfigError(
-                "name what is examined: --vlm openai:http://localhost:8000/v1, --detector, "
-                "--segmenter or --reasoner"
-            )
+        check_named(specs)
         for choice, _ in self._choices.values():
             if chat is None and asked_by(choice).get("chat", False):
                 raise ConfigError(f"{choice.spec} needs a chat model; name it with --vlm")
@@ -180,6 +176,19 @@ class Examinee:
         if not asked.keys() & {"chat", "truth", "log"}:
             self._kept[kind] = made
         return made
+
+
+def check_named(specs: ComponentSpecs) -> None:
+    """Refuse an exam of nobody.
+
+    Raises:
+        ConfigError: Neither a model nor a component is named.
+    """
+    if not (specs.vlm or specs.detector or specs.segmenter or specs.reasoner):
+        raise ConfigError(
+            "name what is examined: --vlm openai:http://localhost:8000/v1, --detector, "
+            "--segmenter or --reasoner"
+        )
 
 
 def truth_of(question: ExamQuestion) -> EpisodeTruth:

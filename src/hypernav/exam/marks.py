@@ -107,6 +107,37 @@ def marks_of(answers: Sequence[Answered]) -> list[TypeMarks]:
     ]
 
 
+@dataclass(frozen=True)
+class CallCost:
+    """Means over the calls of a model for one kind of question.
+
+    Attributes:
+        seconds: Time of a call, seconds.
+        tokens_in: Number of prompt tokens.
+        tokens_out: Number of answer tokens.
+    """
+
+    seconds: float
+    tokens_in: float
+    tokens_out: float
+
+
+def costs_of(answers: Sequence[Answered]) -> dict[str, CallCost]:
+    """What a call of the model costs, by kind of question as in traces."""
+    calls = [one for answer in answers for one in answer.exchanges if one.by_model]
+    of_kind = {
+        kind: [o for o in calls if o.kind == kind] for kind in sorted({o.kind for o in calls})
+    }
+    return {
+        kind: CallCost(
+            float(np.mean([one.seconds for one in told])),
+            float(np.mean([one.tokens_in for one in told])),
+            float(np.mean([one.tokens_out for one in told])),
+        )
+        for kind, told in of_kind.items()
+    }
+
+
 def rate(hits: int, count: int) -> Estimate:
     """A share with its 95% interval (Wilson); NaN if `count` is 0."""
     if not count:

@@ -161,10 +161,12 @@ class MimicPresence:
     Attributes:
         confusion: How it errs.
         asked: Counter of the questions.
+        unsure_is_yes: Whether an answer that can't be used counts as "yes".
     """
 
     confusion: Confusion
     asked: Asked
+    unsure_is_yes: bool
 
     def is_present(self, observation: Observation, goal: Goal) -> bool:
         """The answer to the image.
@@ -179,8 +181,9 @@ class MimicPresence:
         alike = [n for n in shown if resembles(truth.labels[n], goal)]
         stratum = "there" if there else "look-alike" if alike else "not there"
         about = next(iter(there or alike or shown), -1)
-        answers = self.confusion.presence.get(stratum) or (True,)
-        return _drawn(answers, uniform((_SALT, about, goal.text, stratum)))
+        answers = self.confusion.presence.get(stratum, (True,))
+        said = _drawn(answers, uniform((_SALT, about, goal.text, stratum)))
+        return self.unsure_is_yes if said is None else said
 
 
 def _drawn(answers: Sequence[_Drawn], level: float) -> _Drawn:

@@ -1,5 +1,6 @@
 """The results of an exam as JSON and page, and the paired comparison of two exams."""
 
+import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -8,13 +9,16 @@ from typing import Any
 
 import numpy as np
 
+from hypernav.build.exam_file import VERSION
 from hypernav.core.errors import OutputError
 from hypernav.core.files.whole_files import write_whole
 from hypernav.evaluation.checks.findings import Finding, State
 from hypernav.evaluation.statistics import Comparison, compare, holm
+from hypernav.exam.calibration import worth_of
 from hypernav.exam.faults import faults_of
-from hypernav.exam.marks import TypeMarks, marks_of
+from hypernav.exam.marks import TypeMarks, costs_of, marks_of
 from hypernav.exam.pictures import picture_of
+from hypernav.exam.prediction import Prediction
 from hypernav.exam.questions import KINDS, Answered
 from hypernav.show.pages.templating import data_uri, page_environment, plain
 
@@ -73,8 +77,19 @@ class Difference:
     gap: Comparison
 
 
-def write_results(folder: Path, examined: Examined, answers: Sequence[Answered]) -> Path:
+def write_results(
+    folder: Path,
+    examined: Examined,
+    answers: Sequence[Answered],
+    predictions: Sequence[Prediction] = (),
+) -> Path:
     """Write ``exam.json`` and the page.
+
+    Args:
+        folder: Folder of the exam.
+        examined: Who was examined.
+        answers: All answers.
+        predictions: What searches would reach, by preset.
 
     Returns:
         Path of the page, which is one file and needs no network.
@@ -86,9 +101,13 @@ def write_results(folder: Path, examined: Examined, answers: Sequence[Answered])
     faults = faults_of(answers, examined.model, examined.family)
     content = {
         "format": "hypernav-exam",
-        "version": 1,
+        "version": VERSION,
         **asdict(examined),
         "count": len(answers),
+        "questions": digest_of(answers),
+        "worth": asdict(worth_of(answers)),
+        "predictions": [asdict(one) | {"leave_out": one.leave_out} for one in predictions],
+        "costs": {kind: asdict(one) for kind, one in costs_of(answers).items()},
         "types": [asdict(one) | {"verdict": one.verdict} for one in marks],
         "faults": [asdict(one) for one in faults],
         "cost": cost,
@@ -98,6 +117,7 @@ def write_results(folder: Path, examined: Examined, answers: Sequence[Answered])
         examined=examined,
         answers=answers,
         marks=marks,
+        predictions=predictions,
         faults=faults,
         lead=_lead(marks, faults),
         cost=cost,
@@ -112,6 +132,16 @@ def write_results(folder: Path, examined: Examined, answers: Sequence[Answered])
     except OSError as error:
         raise OutputError(f"{folder} cannot be written ({error.strerror or error})") from error
     return folder / PAGE
+
+
+def digest_of(answers: Sequence[Answered]) -> str:
+    """A hash of all questions with their true answers and what their images show.
+
+    Two exams with the same one asked the same, even if another version of the search or of the
+    drawing made the questions.
+    """
+    told = [(o.id, o.conditions, o.options, o.right, o.costs, o.true_boxes) for o in answers]
+    return hashlib.sha256(json.dumps(told).encode()).hexdigest()[:12]
 
 
 def differences_of(first: Sequence[Answered], second: Sequence[Answered]) -> list[Difference]:

@@ -216,5 +216,7 @@ def mimic_agent(
         reasoner=MimicReasoner(confusion, truth, config.block_choice, rule, asked)
         if by_model
         else rule,
-        presence=MimicPresence(confusion, asked) if check else None,
+        presence=MimicPresence(confusion, asked, config.presence.unsure == "yes")
+        if check
+        else None,
     )

@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field
 
 from hypernav.core.config import RoomConfig
+from hypernav.core.curve import Curve
 
 
 def _odd(side: int) -> int:
@@ -48,6 +49,9 @@ class LocalConfig(RoomConfig):
             the one "nearest" to the robot.
         rejected_for_looks: Number of images for which a rejected target is not taken for the goal
             again, where target is "latest"; None sets no end.
+        score_weights: Scores of boxes, in rising order, and how much an image with such a box
+            shifts the log-odds that this is the goal, as measured by an exam; empty takes what was
+            measured of YOLOX-nano.
     """
 
     published_segmenter: str = ""
@@ -62,3 +66,4 @@ class LocalConfig(RoomConfig):
     target: Literal["latest", "candidates"] = "candidates"
     pick: Literal["first", "nearest"] = "nearest"
     rejected_for_looks: int | None = Field(default=None, ge=1, le=10_000)
+    score_weights: Curve = ()
