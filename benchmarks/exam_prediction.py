@@ -29,7 +29,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.evaluation.statistics import compare, mean_with_interval
-from hypernav.exam.bank import Bank
+from hypernav.exam.bank import Bank, ExamSize
 from hypernav.exam.confusion import confusion_of
 from hypernav.exam.examinee import truth_of
 from hypernav.exam.gathering import questions_of
@@ -167,8 +167,10 @@ def exam_of(who: str, questions: list[ExamQuestion], config: HyPerNavConfig) -> 
             chosen = reasoner_of(blocks, truth, config.block_choice).choose(
                 question.subject, goal, frozenset()
             )
-            given = Given(str(chosen.number))
-        elif question.kind == "boxes":
+            answers.append(marked(question, Given(str(chosen.number)), []))
+            continue
+        assert isinstance(question.subject, Observation)
+        if question.kind == "boxes":
             found = tuple(detector_of(eyes, truth).detect(question.subject, goal))
             given = Given(found=found, probability=max((o.score for o in found), default=None))
         else:
@@ -178,7 +180,7 @@ def exam_of(who: str, questions: list[ExamQuestion], config: HyPerNavConfig) -> 
     return answers
 
 
-def gathered(config: HyPerNavConfig, size: str) -> list[ExamQuestion]:
+def gathered(config: HyPerNavConfig, size: ExamSize) -> list[ExamQuestion]:
     """The questions of an exam of the training bank."""
     bank = Bank("train", size, ("block", "boxes", "presence"))
     taken, questions = Counter(), []
@@ -192,7 +194,7 @@ def gathered(config: HyPerNavConfig, size: str) -> list[ExamQuestion]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description="Test what the exam predicts.")
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--episodes", type=int, default=100)
     parser.add_argument("--presets", nargs="+", default=["default", "paper"])
@@ -223,7 +225,7 @@ def main() -> None:
                 found.append([float(episode.searches[0].success) for episode in done])
                 scenes = [episode.scene_id for episode in done]
             said = mean_with_interval(spl[0], scenes)
-            gap = compare(*spl, scenes).difference
+            gap = compare(spl[0], spl[1], scenes).difference
             predicted.append(said.mean)
             measured.append(float(np.mean(spl[1])))
             inside += said.low <= measured[-1] <= said.high
@@ -234,7 +236,7 @@ def main() -> None:
                 flush=True,
             )
         gaps = np.abs(np.array(predicted) - np.array(measured))
-        ranks = spearmanr(predicted, measured).statistic
+        ranks = float(spearmanr(predicted, measured)[0])  # pyright: ignore[reportArgumentType]
         print(
             f"{name}: rank correlation {ranks:.3f}; within 0.04: {(gaps <= 0.04).sum()} of "
             f"{gaps.size}, largest {gaps.max():.3f}; inside the interval: {inside}",

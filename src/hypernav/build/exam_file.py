@@ -27,11 +27,13 @@ class _Part(BaseModel):
 
 
 class Worth(_Part):
-    """What the model's answers are worth.
+    """What is told, and what it is worth. A curve is empty if too few answers tell.
 
     Attributes:
-        presence: See `hypernav.perception.local.presence.PresenceConfig.calibration`.
-        boxes: See `hypernav.perception.local.config.LocalConfig.score_weights`.
+        presence: Told and true probability that the goal is there, if it is there in half of all
+            cases (`hypernav.perception.local.presence.PresenceConfig.calibration`).
+        boxes: Score of a box, and how much it shifts the log-odds that this is the goal
+            (`hypernav.perception.local.config.LocalConfig.score_weights`).
     """
 
     presence: Curve = ()
@@ -57,14 +59,16 @@ class Predicted(_Part):
 
 
 class Cost(_Part):
-    """What a call of the model costs, by kind of question.
+    """What a question costs: means of all that it took.
 
     Attributes:
-        seconds: Time of a call, seconds.
+        calls: Number of calls of the model.
+        seconds: Time of these calls, seconds.
         tokens_in: Number of prompt tokens.
         tokens_out: Number of answer tokens.
     """
 
+    calls: float
     seconds: float
     tokens_in: float
     tokens_out: float
@@ -78,7 +82,7 @@ class ExamFile(_Part):
         who: Specifications of the components that were examined, by question.
         worth: What its answers are worth.
         predictions: What searches with it would be like; empty if that was not predicted.
-        costs: What a call costs, by kind of question as in traces; empty without a model.
+        costs: What a question costs, by kind as in traces; empty without a model.
     """
 
     format: Literal["hypernav-exam"]

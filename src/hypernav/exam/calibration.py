@@ -6,11 +6,12 @@ A search uses it in place of what it otherwise takes for granted (`hypernav.buil
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import isotonic_regression
 
+from hypernav.build.exam_file import Worth
+from hypernav.core.curve import Curve
 from hypernav.exam.questions import Answered
 
 _LEAST = 8
@@ -19,23 +20,6 @@ _NO_BOX = -1.0
 """Score of an answer without a box: less than that of any box."""
 _ON_GOAL_IOU = 0.1
 """Overlap with the true box from which a box leads to the goal."""
-
-Points = tuple[tuple[float, float], ...]
-
-
-@dataclass(frozen=True)
-class Worth:
-    """What is told, and what it is worth; between the points it is linear.
-
-    Attributes:
-        presence: Told and true probability that the goal is there, if both are equally frequent;
-            empty if too few answers tell.
-        boxes: Score of a box, and how much it shifts the log-odds that this is the goal; empty if
-            too few answers tell.
-    """
-
-    presence: Points = ()
-    boxes: Points = ()
 
 
 def worth_of(answers: Sequence[Answered]) -> Worth:
@@ -47,7 +31,7 @@ def worth_of(answers: Sequence[Answered]) -> Worth:
     ]
     boxes = [(told, p) for told, p in _true_probabilities(_boxes(answers)) if told >= 0.0]
     log_odds = tuple((score, round(math.log(p / (1.0 - p)), 3)) for score, p in boxes)
-    return Worth(_true_probabilities(checks), log_odds)
+    return Worth(presence=_true_probabilities(checks), boxes=log_odds)
 
 
 def _yes(answered: Answered) -> float:
@@ -72,7 +56,7 @@ def _boxes(answers: Sequence[Answered]) -> list[tuple[float, bool]]:
     return found
 
 
-def _true_probabilities(told: Sequence[tuple[float, bool]]) -> Points:
+def _true_probabilities(told: Sequence[tuple[float, bool]]) -> Curve:
     """Told values with the probability that it is so, if it were so in half of all cases.
 
     The probability never falls with the value (isotonic regression). Half a case is added to either

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hypernav.evaluation.statistics import Comparison, Estimate, compare, mean_with_interval
+from hypernav.exam.marks import share
 from hypernav.exam.questions import Kind
 from hypernav.exam.searches import Searched, SearchedEpisode, Variant
 
@@ -59,7 +60,7 @@ def _prediction(preset: str, episodes: Sequence[SearchedEpisode]) -> Prediction:
     kinds = sorted({kind for one in done for kind in one.asked})
     return Prediction(
         preset=preset,
-        success=mean_with_interval([float(one.success) for one in done], scenes),
+        success=share([one.success for one in done], scenes),
         spl=mean_with_interval(spl, scenes),
         without={
             question: compare(spl, [one.spl for one in by_variant[variant]], scenes)

@@ -28,6 +28,20 @@ KINDS: dict[Kind, str] = {
 }
 """The types of questions, in the words of the page."""
 
+STRATA: dict[tuple[Kind, str], str] = {
+    ("boxes", "near"): "the goal is at most 2.5 m away",
+    ("boxes", "far"): "the goal is farther away",
+    ("boxes", "absent"): "the goal is not in the image",
+    ("boxes", "look-alike"): "something alike is in the image, not the goal",
+    ("mask", "near"): "the goal is at most 2.5 m away",
+    ("presence", "there"): "the goal is there",
+    ("presence", "not there"): "something else is there",
+    ("presence", "look-alike"): "something alike is there",
+    ("near", "near"): "the goal is at most 4 m away",
+    ("near", "far"): "the goal is 10 m away or more",
+}
+"""Parts of the types that have some, in the words of the page."""
+
 EQUAL_M = 0.5
 """Difference in length up to which two paths are equally good, metres."""
 

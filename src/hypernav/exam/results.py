@@ -19,7 +19,7 @@ from hypernav.exam.faults import faults_of
 from hypernav.exam.marks import TypeMarks, costs_of, marks_of
 from hypernav.exam.pictures import picture_of
 from hypernav.exam.prediction import Prediction
-from hypernav.exam.questions import KINDS, Answered
+from hypernav.exam.questions import KINDS, STRATA, Answered
 from hypernav.show.pages.templating import data_uri, page_environment, plain
 
 PAGE, RESULT = "index.html", "exam.json"
@@ -99,15 +99,16 @@ def write_results(
     """
     marks, cost = marks_of(answers), examined.cost(answers)
     faults = faults_of(answers, examined.model, examined.family)
+    questions = digest_of(answers)
     content = {
         "format": "hypernav-exam",
         "version": VERSION,
         **asdict(examined),
         "count": len(answers),
-        "questions": digest_of(answers),
-        "worth": asdict(worth_of(answers)),
+        "questions": questions,
+        "worth": worth_of(answers).model_dump(mode="json"),
         "predictions": [asdict(one) | {"leave_out": one.leave_out} for one in predictions],
-        "costs": {kind: asdict(one) for kind, one in costs_of(answers).items()},
+        "costs": {kind: one.model_dump() for kind, one in costs_of(answers).items()},
         "types": [asdict(one) | {"verdict": one.verdict} for one in marks],
         "faults": [asdict(one) for one in faults],
         "cost": cost,
@@ -115,11 +116,13 @@ def write_results(
     page = page_environment("hypernav.evaluation", "hypernav.exam").get_template("exam.html.j2")
     text = page.render(
         examined=examined,
+        questions=questions,
         answers=answers,
         marks=marks,
         predictions=predictions,
+        count=predictions[0].spl.count if predictions else 0,
         faults=faults,
-        lead=_lead(marks, faults),
+        lead=_lead(marks, faults, predictions),
         cost=cost,
         wrong=_examples(folder, _worst(answers)),
         right=_examples(folder, [one for one in answers if one.score][: _MOST_RIGHT * 40]),
@@ -188,13 +191,19 @@ def write_comparison(folder: Path, names: tuple[str, str], found: Sequence[Diffe
     return folder / PAGE
 
 
-def _lead(marks: Sequence[TypeMarks], faults: Sequence[Finding]) -> str:
+def _lead(
+    marks: Sequence[TypeMarks], faults: Sequence[Finding], predictions: Sequence[Prediction]
+) -> str:
     serious = sum(one.state is State.FAULT for one in faults)
     count = sum(one.count for one in marks)
     told = f"{count:,} questions about buildings that nobody has seen, with known answers. "
     told += {0: "No systematic fault is shown.", 1: "One systematic fault is shown."}.get(
         serious, f"{serious} systematic faults are shown."
     )
+    if predictions:
+        first = predictions[0]
+        told += f" Predicted: {first.success.mean:.0%} of goals found, SPL {first.spl.mean:.2f}"
+        return f"{told} with {first.preset}."
     block = next((one for one in marks if one.kind == "block"), None)
     return told if block is None else f"{told} For the choice of blocks: {block.verdict}"
 
@@ -227,7 +236,7 @@ def _examples(folder: Path, answers: Sequence[Answered]) -> list[dict[str, Any]]
                 "image": data_uri(path.read_bytes(), "image/webp"),
                 "words": KINDS[one.kind],
                 "goal": one.goal,
-                "stratum": one.stratum,
+                "part": STRATA.get((one.kind, one.stratum), ""),
                 "right": " or ".join(one.right) if one.right else truth,
                 "chosen": _chosen(one),
                 "regret_m": one.regret_m,
