@@ -138,8 +138,10 @@ def cost_lines(cost: SearchCost, count: int, workers: int, config: HyPerNavConfi
     """
     per_search = sum(cost.calls.values())
     hours = count * cost.seconds / workers / 3600.0
-    lines = [
-        f"{count} episodes: about {_hours(hours)} with {workers} at a time",
+    lines = [f"{count} episodes: about {_hours(hours)} with {workers} at a time"]
+    if not per_search:
+        return [*lines, "no model is asked"]
+    lines += [
         f"{count * per_search:,.0f} calls of the model, {per_search:.0f} in a search"
         + "".join(f"; {kind} {n:.1f}" for kind, n in cost.calls.items()),
         f"{count * cost.tokens_in:,.0f} tokens in, {count * cost.tokens_out:,.0f} out",

@@ -29,7 +29,7 @@ def worth_of(answers: Sequence[Answered]) -> Worth:
         for one in answers
         if one.kind == "presence" and one.chosen is not None
     ]
-    boxes = [(told, p) for told, p in _true_probabilities(_boxes(answers)) if told >= 0.0]
+    boxes = _true_probabilities(_boxes(answers))
     log_odds = tuple((score, round(math.log(p / (1.0 - p)), 3)) for score, p in boxes)
     return Worth(presence=_true_probabilities(checks), boxes=log_odds)
 
@@ -60,14 +60,13 @@ def _true_probabilities(told: Sequence[tuple[float, bool]]) -> Curve:
     """Told values with the probability that it is so, if it were so in half of all cases.
 
     The probability never falls with the value (isotonic regression). Half a case is added to either
-    side of every step, so that few answers make nothing certain.
+    side of every step, so that few answers make nothing certain. Answers without a box, whose value
+    is negative, have no point of their own.
     """
-    said, so = np.array([v for v, _ in told]), np.array([is_so for _, is_so in told], dtype=bool)
+    said, so = np.round([v for v, _ in told], 3), np.array([is_so for _, is_so in told], dtype=bool)
     counts = (int(so.sum()), int((~so).sum()))
     if min(counts) < _LEAST:
         return ()
-    order = np.argsort(said, kind="stable")
-    said, so = said[order], so[order]
     _, where = np.unique(said, return_inverse=True)  # equal values are one step
     weights = np.bincount(where, np.where(so, 1.0 / counts[0], 1.0 / counts[1]))
     rises = np.bincount(where, np.where(so, 1.0 / counts[0], 0.0)) / weights
@@ -75,8 +74,10 @@ def _true_probabilities(told: Sequence[tuple[float, bool]]) -> Curve:
     points = []
     for first, last in itertools.pairwise(blocks.tolist()):
         mine = (where >= first) & (where < last)
+        if not (mine & (said >= 0.0)).any():
+            continue
         yes = (so[mine].sum() + 0.5) / (counts[0] + 1.0)
         no = ((~so[mine]).sum() + 0.5) / (counts[1] + 1.0)
-        points.append((float(said[mine].mean()), float(yes / (yes + no))))
+        points.append((float(said[mine & (said >= 0.0)].mean()), float(yes / (yes + no))))
     highest = np.maximum.accumulate([p for _, p in points]).tolist()
-    return tuple((round(v, 4), round(p, 4)) for (v, _), p in zip(points, highest, strict=True))
+    return tuple((v, round(p, 4)) for (v, _), p in zip(points, highest, strict=True))
