@@ -1,4 +1,4 @@
-"""Real, tiny networks with random weights sit the exam to its end, and are no better than chance."""
+"""Real, tiny networks with random weights sit the exam to its end, no better than by chance."""
 
 import json
 from collections.abc import Callable

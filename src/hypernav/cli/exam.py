@@ -17,6 +17,7 @@ from hypernav.cli.eval import folder_name
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.options.exam import Options
 from hypernav.cli.screen.terminal import Terminal
+from hypernav.cli.screen.warnings_shown import warnings_on
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import MOST_THREADS, check_option, layered
 from hypernav.core.errors import ConfigError
@@ -101,7 +102,7 @@ def _examined(
     check_named(specs)
     is_replay = options.vlm is not None and parse_vlm_spec(options.vlm).kind == "replay"
     record = None if options.vlm is None or is_replay else folder / EXCHANGES
-    with folder_lock(folder), ExitStack() as stack:
+    with folder_lock(folder), warnings_on(console), ExitStack() as stack:
         chat, recording = wrap_chat(options.vlm, config.chat, Ledger(), record, resume=True)
         if recording is not None:
             stack.enter_context(closing(recording))
