@@ -16,6 +16,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from pydantic import TypeAdapter
 from scipy.stats import spearmanr
 
 from hypernav.agents.search import SearchAgent
@@ -193,6 +194,17 @@ def gathered(config: HyPerNavConfig, size: ExamSize) -> list[ExamQuestion]:
     return questions
 
 
+def answers_of(folder: Path, config: HyPerNavConfig, size: ExamSize) -> dict[str, list[Answered]]:
+    """The answers of all stand-ins, read from the folder if they are there."""
+    path = folder / f"answers-{size}.json"
+    form = TypeAdapter(dict[str, list[Answered]])
+    if not path.exists():
+        questions = gathered(config, size)
+        found = {who: exam_of(who, questions, config) for who in STAND_INS}
+        path.write_bytes(form.dump_json(found))
+    return form.validate_json(path.read_bytes())
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description="Test what the exam predicts.")
     parser.add_argument("--out", type=Path, required=True)
@@ -206,13 +218,13 @@ def main() -> None:
     configs = {name: with_changes(preset(name), camera) for name in options.presets}
     config = next(iter(configs.values()))
     episodes = spread_episodes(config, options.episodes)
-    questions = gathered(config, options.size)
-    print(f"{len(questions)} questions, {len(episodes)} episodes", flush=True)
+    answers = answers_of(options.out, config, options.size)
+    print(f"{len(answers['perfect'])} questions, {len(episodes)} episodes", flush=True)
     for name, one in configs.items():
         predicted, measured, inside = [], [], 0
         print(f"\n{name}: SPL predicted, measured, measured less predicted; SR predicted, measured")
         for who in options.only:
-            confusion = confusion_of(exam_of(who, questions, config))
+            confusion = confusion_of(answers[who])
             file = f"{name}-{who.replace(' ', '-').replace(',', '')}"
             spl, found, scenes = [], [], []
             for part, make in (

@@ -5,12 +5,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
+import numpy as np
+from scipy.stats import rankdata
+
 from hypernav.core.geometry.boxes import Box
 from hypernav.exam.questions import EQUAL_M, Answered
 
 _ELSEWHERE_IOU = 0.1
 """Overlap with the true box below which a box was drawn somewhere, not around the goal."""
-_ALIKE_STRATA = (("near", "far"), ("absent", "look-alike"), ("not there", "look-alike"))
+_BOXES = (("near", "far"), ("absent", "look-alike"))
+_PRESENCE = (("not there", "look-alike"),)
 """Strata that stand in for each other where an exam asked about one of them only."""
 
 _Answer = TypeVar("_Answer")
@@ -46,20 +50,35 @@ class BoxAnswer:
 
 
 @dataclass(frozen=True)
+class MapAnswer:
+    """One answer to the question which block of the map to go to.
+
+    Attributes:
+        options: Number of blocks to choose from.
+        better: Share of the other blocks that were truly better than the chosen one; None if no
+            block could be read, so that the geometric rule chooses.
+    """
+
+    options: int
+    better: float | None
+
+
+@dataclass(frozen=True)
 class Confusion:
     """The answers of an exam, so that the same errors can be made in searches.
 
     Attributes:
-        blocks: For every map, the share of the other blocks that were truly better than the chosen
-            one; None where no block could be read, so that the geometric rule chooses. Empty if
-            the model was not asked.
+        blocks: The answers about maps, the best first; empty if the model was not asked.
+        persistence: How alike the answers about the maps of one search are, compared with those of
+            others: 0 to 1. A model that is drawn to one corner is right or wrong again and again.
         boxes: By stratum the answers about images, the best first; empty if it was not asked.
         things_in_view: Mean number of things in these images.
         presence: By stratum whether the answer was that the goal is there, each "yes" first, then
             None for those that can't be used; empty if it was not asked.
     """
 
-    blocks: tuple[float | None, ...]
+    blocks: tuple[MapAnswer, ...]
+    persistence: float
     boxes: Mapping[str, tuple[BoxAnswer, ...]]
     things_in_view: float
     presence: Mapping[str, tuple[bool | None, ...]]
@@ -85,11 +104,13 @@ def confusion_of(answers: Sequence[Answered]) -> Confusion:
         stratum: tuple(sorted(said, key=(True, None, False).index))
         for stratum, said in presence.items()
     }
+    maps = [(_map_answer(one), _search_of(one)) for one in answers if one.kind == "block"]
     return Confusion(
-        tuple(_better_share(one) for one in answers if one.kind == "block"),
-        _completed(best_first),
+        tuple(sorted((one for one, _ in maps), key=_badness)),
+        _persistence(maps),
+        _completed(best_first, _BOXES),
         max(sum(clutter) / len(clutter), 1.0) if clutter else 1.0,
-        _completed(yes_first),
+        _completed(yes_first, _PRESENCE),
     )
 
 
@@ -106,11 +127,39 @@ def better_shares(costs: Mapping[int, float]) -> dict[int, float]:
     }
 
 
-def _better_share(answered: Answered) -> float | None:
-    if answered.chosen is None:
-        return None
+def _map_answer(answered: Answered) -> MapAnswer:
     costs = {int(option): answered.costs.get(option, math.inf) for option in answered.options}
-    return better_shares(costs).get(int(answered.chosen))
+    shares = better_shares(costs)
+    chosen = None if answered.chosen is None else shares.get(int(answered.chosen))
+    return MapAnswer(len(costs), chosen)
+
+
+def _search_of(answered: Answered) -> str:
+    """Name of the search that a question comes from."""
+    return "/".join(answered.id.split("/")[:2])
+
+
+def _badness(answer: MapAnswer) -> float:
+    """Rank of an answer; the rule's choice is taken for a middling one."""
+    return 0.5 if answer.better is None else answer.better
+
+
+def _persistence(maps: Sequence[tuple[MapAnswer, str]]) -> float:
+    """Correlation of the answers within searches (one-way analysis of variance, by ranks)."""
+    ranks = rankdata([_badness(answer) for answer, _ in maps]) if maps else np.zeros(0)
+    groups: dict[str, list[float]] = {}
+    for rank, (_, search) in zip(ranks.tolist(), maps, strict=True):
+        groups.setdefault(search, []).append(rank)
+    several = [np.array(group) for group in groups.values() if len(group) > 1]
+    count, within = sum(map(len, several)), sum(float(((g - g.mean()) ** 2).sum()) for g in several)
+    if len(several) < 2 or count == len(several):
+        return 0.0
+    middle = np.concatenate(several).mean()
+    between = sum(len(g) * float((g.mean() - middle) ** 2) for g in several)
+    within_mean, between_mean = within / (count - len(several)), between / (len(several) - 1)
+    size = (count - sum(len(g) ** 2 for g in several) / count) / (len(several) - 1)
+    total = between_mean + (size - 1.0) * within_mean
+    return min(max((between_mean - within_mean) / total, 0.0), 1.0) if total > 0.0 else 0.0
 
 
 def _box_answer(answered: Answered) -> tuple[float, BoxAnswer]:
@@ -133,10 +182,12 @@ def _box_answer(answered: Answered) -> tuple[float, BoxAnswer]:
     return true.iou(box), BoxAnswer(edges, score)
 
 
-def _completed(by_stratum: dict[str, tuple[_Answer, ...]]) -> dict[str, tuple[_Answer, ...]]:
+def _completed(
+    by_stratum: dict[str, tuple[_Answer, ...]], pairs: Sequence[tuple[str, str]]
+) -> dict[str, tuple[_Answer, ...]]:
     """The answers with those of a similar stratum where a stratum has none."""
     found = dict(by_stratum)
-    for a, b in _ALIKE_STRATA:
+    for a, b in pairs:
         if by_stratum.keys() & {a, b}:
             found.setdefault(a, by_stratum.get(b, ()))
             found.setdefault(b, by_stratum.get(a, ()))

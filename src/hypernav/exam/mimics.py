@@ -4,6 +4,7 @@ A detector and a presence check err the same way about a thing each time they se
 do; how persistently is as measured of YOLOX. Choices of blocks are drawn one by one.
 """
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -16,7 +17,7 @@ from hypernav.core.geometry.boxes import Detection
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import Observation
-from hypernav.exam.confusion import Confusion, better_shares
+from hypernav.exam.confusion import Confusion, MapAnswer, better_shares
 from hypernav.exam.image_questions import NEAR_M
 from hypernav.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
@@ -36,12 +37,14 @@ Asked = Counter[str]
 _SALT = "mimic"  # so that errors don't coincide with those of another stand-in
 _MOST = 0.99
 """Rate of false boxes above which the things in view are taken to be equally likely."""
+_SIMILAR, _LEAST = 3, 8
+"""The share of all maps that count as similar in their number of blocks, and the least number."""
 _Drawn = TypeVar("_Drawn")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class MimicReasoner:
-    """Chooses blocks as far from the best ones as the examined model did.
+    """Chooses blocks as far from the best ones as the examined model did, in one search.
 
     Attributes:
         confusion: How it errs.
@@ -56,6 +59,8 @@ class MimicReasoner:
     config: VlmReasonerConfig
     fallback: BlockReasoner
     asked: Asked
+    _tendency: float | None = field(default=None, init=False)
+    """Standard normal number of the search: whether it goes well or badly in it."""
 
     def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
         """A block that is as much worse than the best as that of an answer drawn from the exam."""
@@ -65,8 +70,7 @@ class MimicReasoner:
         if len(offered) == 1 and self.config.skip_only_block:
             return BlockChoice(offered[0].number, "the only block left")
         self.asked["choose block"] += 1
-        rng = self.truth.rng
-        wanted = self.confusion.blocks[int(rng.integers(len(self.confusion.blocks)))]
+        wanted = self._answer(len(offered)).better
         if wanted is None:
             return self.fallback.choose(overview, goal, excluded)
         shares = better_shares(
@@ -74,7 +78,20 @@ class MimicReasoner:
         )
         gaps = {number: abs(share - wanted) for number, share in shares.items()}
         alike = [number for number, gap in gaps.items() if gap == min(gaps.values())]
-        return BlockChoice(alike[int(rng.integers(len(alike)))], "as far from the best as drawn")
+        drawn = alike[int(self.truth.rng.integers(len(alike)))]
+        return BlockChoice(drawn, "as far from the best as in the exam")
+
+    def _answer(self, options: int) -> MapAnswer:
+        """An answer of the exam, of those about the most similar numbers of blocks."""
+        rng, blocks = self.truth.rng, self.confusion.blocks
+        if self._tendency is None:
+            self._tendency = float(rng.normal())
+        ratios = [abs(math.log(one.options / options)) for one in blocks]
+        nearest = sorted(range(len(blocks)), key=lambda k: ratios[k])
+        kept = sorted(nearest[: max(len(blocks) // _SIMILAR, _LEAST)])  # the best first
+        own = self.confusion.persistence
+        level = math.sqrt(own) * self._tendency + math.sqrt(1.0 - own) * float(rng.normal())
+        return _drawn([blocks[k] for k in kept], STANDARD_NORMAL.cdf(level))
 
 
 @dataclass(frozen=True, eq=False)
