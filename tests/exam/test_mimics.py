@@ -70,14 +70,14 @@ def test_the_best_option_has_no_better_ones_and_shares_rise_with_the_path(costs)
 def test_a_perfect_box_stays_perfect_about_every_other_thing(corner, size):
     width, height = 400, 400
     true = Box(*corner, corner[0] + size[0], corner[1] + size[1])
-    perfect = confusion_of([boxed("near", TRUE_BOX)]).boxes["near"][0]
+    perfect = confusion_of([boxed("near", TRUE_BOX)]).seen[0]
     box = perfect.about(true, width, height)
     assert box is not None
     assert box.iou(true) == pytest.approx(1.0)
 
 
 def test_a_box_elsewhere_stays_where_it_was_in_the_image():
-    wrong = confusion_of([boxed("near", ELSEWHERE)]).boxes["near"][0]
+    wrong = confusion_of([boxed("near", ELSEWHERE)]).seen[0]
     assert wrong.is_elsewhere
     box = wrong.about(Box(0.0, 0.0, 5.0, 5.0), *SIZE)
     assert box is not None

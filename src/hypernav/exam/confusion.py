@@ -1,7 +1,7 @@
 """How an examined model errs, in a form from which its stand-ins draw their errors (`mimics`)."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -13,10 +13,6 @@ from hypernav.exam.questions import EQUAL_M, Answered
 
 _ELSEWHERE_IOU = 0.1
 """Overlap with the true box below which a box was drawn somewhere, not around the goal."""
-_BOXES = (("near", "far"), ("absent", "look-alike"))
-_PRESENCE = (("not there", "look-alike"),)
-"""Strata that stand in for each other where an exam asked about one of them only."""
-
 _Answer = TypeVar("_Answer")
 
 
@@ -29,11 +25,15 @@ class BoxAnswer:
             box, in units of its sides, or of the image if it is elsewhere; None if there is none.
         score: Score of the best box.
         is_elsewhere: Whether it lies elsewhere than the goal.
+        side: Square root of the true box's share of the image; 0 where the goal is not seen.
+        is_near: Whether the goal is near.
     """
 
     edges: tuple[float, float, float, float] | None = None
     score: float = 1.0
     is_elsewhere: bool = False
+    side: float = 0.0
+    is_near: bool = False
 
     def about(self, true: Box, width: int, height: int) -> Box | None:
         """The box with the same error, for another true box and image; None for no box."""
@@ -71,7 +71,9 @@ class Confusion:
         blocks: The answers about maps, the best first; empty if the model was not asked.
         persistence: How alike the answers about the maps of one search are, compared with those of
             others: 0 to 1. A model that is drawn to one corner is right or wrong again and again.
-        boxes: By stratum the answers about images, the best first; empty if it was not asked.
+        seen: The answers about images with the goal, the best first; empty if it was not asked.
+        unseen: The answers about images without the goal, the surest box first, by whether
+            something alike is in them; empty if it was not asked.
         things_in_view: Mean number of things in these images.
         presence: By stratum whether the answer was that the goal is there, each "yes" first, then
             None for those that can't be used; empty if it was not asked.
@@ -79,38 +81,34 @@ class Confusion:
 
     blocks: tuple[MapAnswer, ...]
     persistence: float
-    boxes: Mapping[str, tuple[BoxAnswer, ...]]
+    seen: tuple[BoxAnswer, ...]
+    unseen: Mapping[str, tuple[BoxAnswer, ...]]
     things_in_view: float
     presence: Mapping[str, tuple[bool | None, ...]]
 
 
 def confusion_of(answers: Sequence[Answered]) -> Confusion:
     """How a model erred in an exam, by all its answers."""
-    boxes: dict[str, list[tuple[float, BoxAnswer]]] = {}
+    maps = [(_map_answer(one), _search_of(one)) for one in answers if one.kind == "block"]
+    images = [one for one in answers if one.kind == "boxes"]
+    clutter = [one.conditions.get("clutter", 1.0) for one in images]
+    seen = sorted(map(_box_answer, (o for o in images if o.true_boxes)), key=lambda pair: -pair[0])
+    unseen: dict[str, list[BoxAnswer]] = {}
+    for one in images:
+        if not one.true_boxes:
+            unseen.setdefault(one.stratum, []).append(_box_answer(one)[1])
     presence: dict[str, list[bool | None]] = {}
-    clutter = []
     for one in answers:
-        if one.kind == "boxes":
-            boxes.setdefault(one.stratum, []).append(_box_answer(one))
-            clutter.append(one.conditions.get("clutter", 1.0))
-        elif one.kind == "presence":
+        if one.kind == "presence":
             is_yes = None if one.chosen is None else one.chosen == "yes"
             presence.setdefault(one.stratum, []).append(is_yes)
-    best_first = {
-        stratum: tuple(answer for _, answer in sorted(found, key=lambda pair: -pair[0]))
-        for stratum, found in boxes.items()
-    }
-    yes_first = {
-        stratum: tuple(sorted(said, key=(True, None, False).index))
-        for stratum, said in presence.items()
-    }
-    maps = [(_map_answer(one), _search_of(one)) for one in answers if one.kind == "block"]
     return Confusion(
-        tuple(sorted((one for one, _ in maps), key=_badness)),
-        _persistence(maps),
-        _completed(best_first, _BOXES),
-        max(sum(clutter) / len(clutter), 1.0) if clutter else 1.0,
-        _completed(yes_first, _PRESENCE),
+        blocks=tuple(sorted((one for one, _ in maps), key=_badness)),
+        persistence=_persistence(maps),
+        seen=tuple(answer for _, answer in seen),
+        unseen=_completed(unseen, ("absent", "look-alike"), lambda one: one.edges is None),
+        things_in_view=max(sum(clutter) / len(clutter), 1.0) if clutter else 1.0,
+        presence=_completed(presence, ("not there", "look-alike"), (True, None, False).index),
     )
 
 
@@ -163,32 +161,37 @@ def _persistence(maps: Sequence[tuple[MapAnswer, str]]) -> float:
 
 
 def _box_answer(answered: Answered) -> tuple[float, BoxAnswer]:
-    """An answer, and how good it is: by overlap where the goal is seen, else by having no box."""
+    """An answer, and how well its box fits the goal; less than 0 for none."""
+    width, height = answered.image_size
     score = 1.0 if answered.probability is None else answered.probability
+    trues = [Box(*one) for one in answered.true_boxes]
+    side = math.sqrt(trues[0].area / (width * height)) if trues else 0.0
+    near = answered.stratum == "near"
     if not answered.boxes:
-        return (-1.0 if answered.true_boxes else 0.0), BoxAnswer()
-    box, (width, height) = Box(*answered.boxes[0]), answered.image_size
-    true = max((Box(*one) for one in answered.true_boxes), key=box.iou, default=None)
-    if true is None or true.iou(box) < _ELSEWHERE_IOU:
-        edges = (box.x_min / width, box.y_min / height, box.x_max / width, box.y_max / height)
-        return (-score if true is None else 0.0), BoxAnswer(edges, score, is_elsewhere=True)
-    w, h = true.x_max - true.x_min, true.y_max - true.y_min
+        return -1.0, BoxAnswer(side=side, is_near=near)
+    box = Box(*answered.boxes[0])
+    true = max(trues, key=box.iou, default=None)
+    is_elsewhere = true is None or true.iou(box) < _ELSEWHERE_IOU
+    around = Box(0.0, 0.0, width, height) if true is None or is_elsewhere else true
+    w, h = around.x_max - around.x_min, around.y_max - around.y_min
     edges = (
-        (box.x_min - true.x_min) / w,
-        (box.y_min - true.y_min) / h,
-        (box.x_max - true.x_min) / w,
-        (box.y_max - true.y_min) / h,
+        (box.x_min - around.x_min) / w,
+        (box.y_min - around.y_min) / h,
+        (box.x_max - around.x_min) / w,
+        (box.y_max - around.y_min) / h,
     )
-    return true.iou(box), BoxAnswer(edges, score)
+    fit = 0.0 if true is None else true.iou(box)
+    return fit, BoxAnswer(edges, score, is_elsewhere, side, near)
 
 
 def _completed(
-    by_stratum: dict[str, tuple[_Answer, ...]], pairs: Sequence[tuple[str, str]]
+    by_stratum: dict[str, list[_Answer]],
+    alike: tuple[str, str],
+    order: Callable[[_Answer], float],
 ) -> dict[str, tuple[_Answer, ...]]:
-    """The answers with those of a similar stratum where a stratum has none."""
-    found = dict(by_stratum)
-    for a, b in pairs:
-        if by_stratum.keys() & {a, b}:
-            found.setdefault(a, by_stratum.get(b, ()))
-            found.setdefault(b, by_stratum.get(a, ()))
+    """The answers in order; of two strata that are alike, one stands in for the other."""
+    found = {stratum: tuple(sorted(some, key=order)) for stratum, some in by_stratum.items()}
+    for stratum, other in (alike, alike[::-1]):
+        if stratum not in found and other in found:
+            found[stratum] = found[other]
     return found

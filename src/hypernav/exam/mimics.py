@@ -6,7 +6,7 @@ do; how persistently is as measured of YOLOX. Choices of blocks are drawn one by
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
@@ -38,7 +38,7 @@ _SALT = "mimic"  # so that errors don't coincide with those of another stand-in
 _MOST = 0.99
 """Rate of false boxes above which the things in view are taken to be equally likely."""
 _SIMILAR, _LEAST = 3, 8
-"""The share of all maps that count as similar in their number of blocks, and the least number."""
+"""Share of all answers that are about the most similar questions, and their least number."""
 _Drawn = TypeVar("_Drawn")
 
 
@@ -83,15 +83,15 @@ class MimicReasoner:
 
     def _answer(self, options: int) -> MapAnswer:
         """An answer of the exam, of those about the most similar numbers of blocks."""
-        rng, blocks = self.truth.rng, self.confusion.blocks
+        rng = self.truth.rng
         if self._tendency is None:
             self._tendency = float(rng.normal())
-        ratios = [abs(math.log(one.options / options)) for one in blocks]
-        nearest = sorted(range(len(blocks)), key=lambda k: ratios[k])
-        kept = sorted(nearest[: max(len(blocks) // _SIMILAR, _LEAST)])  # the best first
+        similar = _most_similar(
+            self.confusion.blocks, lambda one: abs(math.log(one.options / options))
+        )
         own = self.confusion.persistence
         level = math.sqrt(own) * self._tendency + math.sqrt(1.0 - own) * float(rng.normal())
-        return _drawn([blocks[k] for k in kept], STANDARD_NORMAL.cdf(level))
+        return _drawn(similar, STANDARD_NORMAL.cdf(level))
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,10 +142,14 @@ class MimicDetector:
         observation: Observation,
         goal: Goal,
     ) -> Detection | None:
-        near = distance_to(true, observation) <= NEAR_M
-        answers = self.confusion.boxes["near" if near else "far"]
-        answer = _drawn(answers, _level(key, view, SAME_THING_FOUND))
         height, width = observation.depth.shape
+        side = math.sqrt(true.box.area / (width * height))
+        near = distance_to(true, observation) <= NEAR_M
+        similar = _most_similar(
+            self.confusion.seen,
+            lambda one: abs(math.log(one.side / side)) + (one.is_near != near),
+        )
+        answer = _drawn(similar, _level(key, view, SAME_THING_FOUND))
         box = answer.about(true.box, width, height)
         return None if box is None else Detection(box, answer.score, goal.thing)
 
@@ -159,9 +163,9 @@ class MimicDetector:
     ) -> list[tuple[float, Detection]]:
         """The detection of a thing taken for the goal, if it is, with its rank among the things."""
         alike = resembles(label, goal)
-        answers = self.confusion.boxes["look-alike" if alike else "absent"]
+        answers = self.confusion.unseen.get("look-alike" if alike else "absent", ())
         alarms = [one for one in answers if one.edges is not None]
-        rate = len(alarms) / len(answers)
+        rate = len(alarms) / max(len(answers), 1)
         if not alike:  # an image of the exam showed several things, of which one was enough
             rate = 1.0 - (1.0 - min(rate, _MOST)) ** (1.0 / self.confusion.things_in_view)
         level = _level(key, view, SAME_NAME_SAID)
@@ -201,6 +205,12 @@ class MimicPresence:
         answers = self.confusion.presence.get(stratum, (True,))
         said = _drawn(answers, uniform((_SALT, about, goal.text, stratum)))
         return self.unsure_is_yes if said is None else said
+
+
+def _most_similar(answers: Sequence[_Drawn], difference: Callable[[_Drawn], float]) -> list[_Drawn]:
+    """The answers to the questions that differ least, in their order."""
+    by_difference = sorted(range(len(answers)), key=lambda k: difference(answers[k]))
+    return [answers[k] for k in sorted(by_difference[: max(len(answers) // _SIMILAR, _LEAST)])]
 
 
 def _drawn(answers: Sequence[_Drawn], level: float) -> _Drawn:

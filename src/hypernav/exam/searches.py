@@ -210,7 +210,7 @@ def mimic_agent(
     return build_search(
         config,
         MimicDetector(confusion, asked, config.grounding.score_crops)
-        if confusion.boxes
+        if confusion.seen
         else GroundTruthDetector(),
         log,
         reasoner=MimicReasoner(confusion, truth, config.block_choice, rule, asked)
