@@ -37,6 +37,7 @@ def two_rooms_only(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def ran(folder: Path, confusion: Confusion, episodes: int = 1) -> list[SearchedEpisode]:
+    folder.mkdir(exist_ok=True)
     config = small_config()
     wanted = [replace(episode_from(START), episode_id=str(k)) for k in range(episodes)]
     agents = mimics_of(confusion, {"default": config, "paper": small_config("paper")})
