@@ -57,10 +57,13 @@ class MapAnswer:
         options: Number of blocks to choose from.
         better: Share of the other blocks that were truly better than the chosen one; None if no
             block could be read, so that the geometric rule chooses.
+        reach: Share of the equally good blocks that are nearer than the chosen one; None if there
+            is no other. Who goes far at once decides less often, and has fewer chances to err.
     """
 
     options: int
     better: float | None
+    reach: float | None = None
 
 
 @dataclass(frozen=True)
@@ -128,8 +131,15 @@ def better_shares(costs: Mapping[int, float]) -> dict[int, float]:
 def _map_answer(answered: Answered) -> MapAnswer:
     costs = {int(option): answered.costs.get(option, math.inf) for option in answered.options}
     shares = better_shares(costs)
-    chosen = None if answered.chosen is None else shares.get(int(answered.chosen))
-    return MapAnswer(len(costs), chosen)
+    if answered.chosen is None or int(answered.chosen) not in shares:
+        return MapAnswer(len(costs), None)
+    better = shares[int(answered.chosen)]
+    travel = [
+        answered.travel.get(str(option), math.inf) for option, s in shares.items() if s == better
+    ]
+    own = answered.travel.get(answered.chosen, math.inf)
+    nearer = sum(one < own for one in travel)
+    return MapAnswer(len(costs), better, nearer / (len(travel) - 1) if len(travel) > 1 else None)
 
 
 def _search_of(answered: Answered) -> str:

@@ -70,16 +70,18 @@ class MimicReasoner:
         if len(offered) == 1 and self.config.skip_only_block:
             return BlockChoice(offered[0].number, "the only block left")
         self.asked["choose block"] += 1
-        wanted = self._answer(len(offered)).better
-        if wanted is None:
+        answer = self._answer(len(offered))
+        if answer.better is None:
             return self.fallback.choose(overview, goal, excluded)
         shares = better_shares(
             {o.number: o.travel_m + self.truth.path_left_m(*o.destination) for o in offered}
         )
-        gaps = {number: abs(share - wanted) for number, share in shares.items()}
-        alike = [number for number, gap in gaps.items() if gap == min(gaps.values())]
-        drawn = alike[int(self.truth.rng.integers(len(alike)))]
-        return BlockChoice(drawn, "as far from the best as in the exam")
+        gaps = {o.number: abs(shares[o.number] - answer.better) for o in offered}
+        alike = [o for o in offered if gaps[o.number] == min(gaps.values())]
+        by_travel = sorted(alike, key=lambda one: (one.travel_m, one.number))
+        reach = float(self.truth.rng.random()) if answer.reach is None else answer.reach
+        chosen = by_travel[round(reach * (len(by_travel) - 1))]
+        return BlockChoice(chosen.number, "as far from the best as in the exam")
 
     def _answer(self, options: int) -> MapAnswer:
         """An answer of the exam, of those about the most similar numbers of blocks."""

@@ -102,6 +102,7 @@ class Answered(BaseModel):
         options: The options, in the order in which they were shown.
         right: Options that are right.
         costs: True length of the path by way of each option, metres; absent if there is no path.
+        travel: Length of the known path to each block, metres; empty for other questions.
         chosen: The option that was answered; None if the answer can't be used.
         rule: Answer of the geometric rule; empty if there is none.
         true_boxes: True boxes ``(x_min, y_min, x_max, y_max)``, pixels.
@@ -128,6 +129,7 @@ class Answered(BaseModel):
     options: list[str] = Field(default_factory=list)
     right: list[str] = Field(default_factory=list)
     costs: dict[str, float] = Field(default_factory=dict)
+    travel: dict[str, float] = Field(default_factory=dict)
     chosen: str | None = None
     rule: str = ""
     true_boxes: list[tuple[float, float, float, float]] = Field(default_factory=list)

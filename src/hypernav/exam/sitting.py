@@ -92,6 +92,7 @@ def sit(
         ModelUnavailableError: The model did not answer in time; the answers so far are on the disk.
     """
     with ExitStack() as stack:
+        folder.mkdir(parents=True, exist_ok=True)
         keep_configuration(folder, configuration)
         done = {one.id: one for one in read_answers(folder)}
         order: list[str] = []
