@@ -50,7 +50,7 @@ def choices(*answers, times: int = 200) -> Counter[int | None]:
     overview = Overview(lambda *_: np.zeros((8, 8, 3), np.uint8), tuple(blocks), Pose2(0, 0, 0))
 
     class Rule:
-        def choose(self, *_: object) -> BlockChoice:
+        def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
             return BlockChoice(2, "the rule")
 
     mimic = MimicReasoner(confusion_of(answers), truth, VlmReasonerConfig(), Rule(), Asked())
