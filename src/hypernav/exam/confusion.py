@@ -75,8 +75,8 @@ class Confusion:
         persistence: How alike the answers about the maps of one search are, compared with those of
             others: 0 to 1. A model that is drawn to one corner is right or wrong again and again.
         seen: The answers about images with the goal, the best first; empty if it was not asked.
-        unseen: The answers about images without the goal, the surest box first, by whether
-            something alike is in them; empty if it was not asked.
+        unseen: By stratum the answers about images without the goal, those with a box first; empty
+            if it was not asked.
         things_in_view: Mean number of things in these images.
         presence: By stratum whether the answer was that the goal is there, each "yes" first, then
             None for those that can't be used; empty if it was not asked.

@@ -1,7 +1,8 @@
 """Stand-ins for an examined model in searches: they err as it did in the exam.
 
 A detector and a presence check err the same way about a thing each time they see it, as real ones
-do; how persistently is as measured of YOLOX. Choices of blocks are drawn one by one.
+do; how persistently a detector does is as measured of YOLOX. How persistently the choices of blocks
+in one search are good or bad is as in the exam.
 """
 
 import math
