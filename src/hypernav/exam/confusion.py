@@ -54,14 +54,14 @@ class MapAnswer:
     """One answer to the question which block of the map to go to.
 
     Attributes:
-        options: Number of blocks to choose from.
+        chance: Share of the blocks that are right: how easy the question is.
         better: Share of the other blocks that were truly better than the chosen one; None if no
             block could be read, so that the geometric rule chooses.
         reach: Share of the equally good blocks that are nearer than the chosen one; None if there
             is no other. Who goes far at once decides less often, and has fewer chances to err.
     """
 
-    options: int
+    chance: float
     better: float | None
     reach: float | None = None
 
@@ -128,18 +128,24 @@ def better_shares(costs: Mapping[int, float]) -> dict[int, float]:
     }
 
 
+def chance_of(shares: Mapping[int, float]) -> float:
+    """Share of the options to which no other is clearly better."""
+    return sum(share == 0.0 for share in shares.values()) / len(shares)
+
+
 def _map_answer(answered: Answered) -> MapAnswer:
     costs = {int(option): answered.costs.get(option, math.inf) for option in answered.options}
     shares = better_shares(costs)
     if answered.chosen is None or int(answered.chosen) not in shares:
-        return MapAnswer(len(costs), None)
+        return MapAnswer(chance_of(shares), None)
     better = shares[int(answered.chosen)]
     travel = [
         answered.travel.get(str(option), math.inf) for option, s in shares.items() if s == better
     ]
     own = answered.travel.get(answered.chosen, math.inf)
     nearer = sum(one < own for one in travel)
-    return MapAnswer(len(costs), better, nearer / (len(travel) - 1) if len(travel) > 1 else None)
+    reach = nearer / (len(travel) - 1) if len(travel) > 1 else None
+    return MapAnswer(chance_of(shares), better, reach)
 
 
 def _search_of(answered: Answered) -> str:

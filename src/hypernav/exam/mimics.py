@@ -18,7 +18,7 @@ from hypernav.core.geometry.boxes import Detection
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import Observation
-from hypernav.exam.confusion import Confusion, MapAnswer, better_shares
+from hypernav.exam.confusion import Confusion, MapAnswer, better_shares, chance_of
 from hypernav.exam.image_questions import NEAR_M
 from hypernav.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
@@ -71,12 +71,12 @@ class MimicReasoner:
         if len(offered) == 1 and self.config.skip_only_block:
             return BlockChoice(offered[0].number, "the only block left")
         self.asked["choose block"] += 1
-        answer = self._answer(len(offered))
-        if answer.better is None:
-            return self.fallback.choose(overview, goal, excluded)
         shares = better_shares(
             {o.number: o.travel_m + self.truth.path_left_m(*o.destination) for o in offered}
         )
+        answer = self._answer(chance_of(shares))
+        if answer.better is None:
+            return self.fallback.choose(overview, goal, excluded)
         gaps = {o.number: abs(shares[o.number] - answer.better) for o in offered}
         alike = [o for o in offered if gaps[o.number] == min(gaps.values())]
         by_travel = sorted(alike, key=lambda one: (one.travel_m, one.number))
@@ -84,13 +84,13 @@ class MimicReasoner:
         chosen = by_travel[round(reach * (len(by_travel) - 1))]
         return BlockChoice(chosen.number, "as far from the best as in the exam")
 
-    def _answer(self, options: int) -> MapAnswer:
-        """An answer of the exam, of those about the most similar numbers of blocks."""
+    def _answer(self, chance: float) -> MapAnswer:
+        """An answer of the exam, of those to the questions that are most nearly as easy."""
         rng = self.truth.rng
         if self._tendency is None:
             self._tendency = float(rng.normal())
         similar = _most_similar(
-            self.confusion.blocks, lambda one: abs(math.log(one.options / options))
+            self.confusion.blocks, lambda one: abs(math.log(one.chance / chance))
         )
         own = self.confusion.persistence
         level = math.sqrt(own) * self._tendency + math.sqrt(1.0 - own) * float(rng.normal())
