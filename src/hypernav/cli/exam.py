@@ -112,10 +112,10 @@ def _examined(
         examined = _described(options, config, bank, examinee, chat)
         answers = _watched(options, config, folder, bank, examinee, examined, console)
         page = write_results(folder, examined, answers)  # before minutes of searches
-        predictions = _predicted(options, config, folder, answers, console)
-        return answers, write_results(
-            folder, examined, answers, predictions
-        ) if predictions else page
+        if options.predict and options.compare is None:
+            predictions = _predicted(options, config, folder, answers, console)
+            page = write_results(folder, examined, answers, predictions)
+        return answers, page
 
 
 def _predicted(
@@ -127,7 +127,7 @@ def _predicted(
 ) -> list[Prediction]:
     """What searches with the model would reach; nothing if no such question was asked."""
     confusion = confusion_of(answers)
-    if not options.predict or not (confusion.blocks or confusion.seen or confusion.presence):
+    if not (confusion.blocks or confusion.seen or confusion.presence):
         return []
     robot = {"embodiment": config.embodiment, "mapping": config.mapping}
     configs = {name: preset(name).model_copy(update=robot) for name in _PREDICTED}
