@@ -69,7 +69,8 @@ def test_the_best_option_has_no_better_ones_and_shares_rise_with_the_path(costs)
 @given(st.tuples(sides, sides), st.tuples(sides, sides))
 def test_a_perfect_box_stays_perfect_about_every_other_thing(corner, size):
     width, height = 400, 400
-    true = Box(*corner, corner[0] + size[0], corner[1] + size[1])
+    (x, y), (w, h) = corner, size
+    true = Box(x, y, x + w, y + h)
     perfect = confusion_of([boxed("near", TRUE_BOX)]).seen[0]
     box = perfect.about(true, width, height)
     assert box is not None
