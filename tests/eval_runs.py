@@ -41,6 +41,25 @@ def write_room(path: Path) -> Path:
     )
 
 
+def write_exam(folder: Path) -> Path:
+    """The exam of a model "qwen2.5-vl" that chooses blocks no better than the rule."""
+    asked = {"ground": 80.0, "crop": 24.0, "choose block": 6.0, "verify": 1.0}
+    cost = {"calls": 1.0, "seconds": 1.0, "tokens_in": 100.0, "tokens_out": 10.0}
+    searches = {"preset": "default", "steps": 80.0, "seconds": 1.0, "asked": asked}
+    exam = {
+        "format": "hypernav-exam",
+        "version": 2,
+        "model": "qwen2.5-vl",
+        "who": {"block": "vlm", "boxes": "vlm", "presence": "vlm", "model": "qwen2.5-vl"},
+        "worth": {"presence": [[0.0, 0.1], [1.0, 0.9]], "boxes": [[1.0, 3.0]]},
+        "predictions": [searches | {"leave_out": ["block"]}],
+        "costs": dict.fromkeys(asked, cost),
+    }
+    path = folder / "exam.json"
+    path.write_text(json.dumps(exam))
+    return path
+
+
 def spec(episode_id: str = "0", scene_id: str = "house") -> Episode:
     """An episode that nobody will really run."""
     return Episode(scene_id, episode_id, Goal("bed"), Pose2(0.0, 0.0, 0.0))

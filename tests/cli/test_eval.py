@@ -11,7 +11,7 @@ import time
 
 import pytest
 
-from eval_runs import SMALL, timeless_lines, write_room
+from eval_runs import SMALL, timeless_lines, write_exam, write_room
 from hypernav.cli.eval import worker_count
 from hypernav.cli.main import main
 from hypernav.cli.options.agent import AgentOptions
@@ -195,3 +195,39 @@ def test_a_report_about_nothing_is_one_line_with_the_remedy(arguments, words, ca
     said = capsys.readouterr().err
     assert words in said
     assert said.count("\n") == 1
+
+
+def test_a_plan_by_an_exam_runs_nothing_and_tells_the_cost(room, tmp_path, capsys):
+    exam = write_exam(tmp_path)
+    vlm = ("--vlm", "openai:http://127.0.0.1:9/v1#qwen2.5-vl")  # nobody is asked
+    plan = ("eval", f"scene:{room}#1", *QUICK, *vlm, "--exam", exam, "--plan")
+    price = ("price.in_per_million=1",)
+    assert hypernav(*plan, "--out", tmp_path / "run", "--set", *SMALL[1:], *price) == 0
+    said = capsys.readouterr().err
+    assert "222 calls of the model, 111 in a search" in said
+    assert "in money" in said
+    assert "--reasoner geometric saves 5% of the calls" in said
+    assert not (tmp_path / "run").exists()
+    auto = ("--reasoner", "auto", "--out", tmp_path / "run")
+    assert hypernav(*plan, *auto) == 0
+    assert "210 calls of the model, 105 in a search" in capsys.readouterr().err
+
+
+def test_a_plan_without_an_exam_keeps_its_ten_episodes(room, tmp_path, capsys):
+    run = ("eval", f"scene:{room}#6", *QUICK, "--max-steps", "3", "--out", tmp_path)
+    assert hypernav(*run, "--plan") == 0
+    said = capsys.readouterr().err
+    assert "10 of 12 episodes done" in said
+    assert "by these 10 episodes:" in said
+    assert "no model is asked" in said
+    assert hypernav(*run) == 0
+    assert "10 of 12 episodes are done already" in capsys.readouterr().err
+
+
+def test_auto_without_an_exam_and_an_exam_of_another_model_are_refused(room, tmp_path, capsys):
+    plan = ("eval", f"scene:{room}#1", *QUICK, "--out", tmp_path / "run")
+    assert hypernav(*plan, "--reasoner", "auto") == 2
+    assert "--exam" in capsys.readouterr().err
+    other = ("--vlm", "openai:http://127.0.0.1:9/v1#llava", "--exam", write_exam(tmp_path))
+    assert hypernav(*plan, *other) == 2
+    assert "not of llava" in capsys.readouterr().err

@@ -7,12 +7,14 @@ from pathlib import Path
 import pytest
 
 from box_scenes import room_glb
+from eval_runs import write_exam
 from hypernav.cli.main import main
 from servers.scripted import ScriptedServer, closed_port
 from servers.truth import Truth, TruthfulBrain, watching
 
 QUICK = ("chat.first_wait_s=0.01", "chat.longest_wait_s=0.1", "chat.patience_s=5")
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120", *QUICK)
+MODEL = "scripted/Qwen2.5-VL-7B"
 START = ("--start", "1", "2", "180")
 
 
@@ -160,3 +162,16 @@ def test_answers_of_no_use_are_counted_in_one_line(
     find(glb, tmp_path, "--vlm", server.spec, "--max-steps", "3")
     said = " ".join(capsys.readouterr().err.split())
     assert "no answer of the model could be used: 3 × no box in the answer" in said
+
+
+def test_an_exam_decides_who_is_asked_and_is_kept_in_the_results(
+    glb: Path, tmp_path: Path, server: ScriptedServer
+):
+    exam = json.loads(write_exam(tmp_path).read_text()) | {"model": MODEL}
+    (tmp_path / "exam.json").write_text(json.dumps(exam))
+    who = ("--vlm", f"{server.spec}#{MODEL}", "--exam", tmp_path / "exam.json")
+    status, result = find(glb, tmp_path / "run", *who, "--reasoner", "auto")
+    assert (status, result["outcome"]) == (0, "found")
+    assert result["parts"]["reasoner"] == "geometric"
+    assert result["config"]["local"]["score_weights"] == [[1.0, 3.0]]
+    assert result["config"]["presence"]["calibration"] == [[0.0, 0.1], [1.0, 0.9]]

@@ -8,6 +8,7 @@ import pytest
 from exam_servers import Knower, Spoiled
 
 from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.exam_file import read_exam
 from hypernav.build.prompts import prompt_hashes
 from hypernav.core.errors import RunFolderError
 from hypernav.exam.bank import Bank, Sheet
@@ -16,7 +17,7 @@ from hypernav.exam.faults import faults_of
 from hypernav.exam.gathering import questions_of
 from hypernav.exam.marks import marks_of
 from hypernav.exam.questions import Answered, ExamQuestion, Kind
-from hypernav.exam.results import Examined, differences_of, write_results
+from hypernav.exam.results import Examined, differences_of, digest_of, write_results
 from hypernav.exam.sitting import ANSWERS, Progress, sit
 from hypernav.models.chat.vlm_spec import open_chat
 from servers.scripted import Personality, ScriptedServer
@@ -178,6 +179,17 @@ def test_page_and_json_hold_what_was_found(exam: Exam):
     assert result["cost"] > 0.0
     assert {one["kind"] for one in result["types"]} == {one.kind for one in answers}
     assert result["faults"][0]["check"] == "says yes"
+    taken = read_exam(exam.folder / "exam")  # as a search reads it
+    assert set(taken.costs) >= {"ground", "choose block", "verify"}
+    assert taken.worth.presence
+    assert taken.worth.boxes[-1][1] > 2.0
+
+
+def test_other_questions_have_another_digest(exam: Exam):
+    answers = exam.sit()
+    moved = answers[0].model_copy(update={"conditions": {"light": 0.123}})
+    assert digest_of(answers) == digest_of(list(answers))
+    assert digest_of([moved, *answers[1:]]) != digest_of(answers)
 
 
 def test_two_exams_are_compared_question_by_question(exam: Exam):

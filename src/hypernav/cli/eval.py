@@ -11,6 +11,8 @@ from rich.console import Console
 from rich.live import Live
 from rich.markup import escape
 
+from hypernav.build.choosing import choose_components
+from hypernav.build.exam_file import read_exam
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.outputs import check_folder
@@ -25,6 +27,12 @@ from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.datasets.benchmarks import benchmark_of
+from hypernav.evaluation.run_cost import (
+    cost_by_episodes,
+    cost_by_exam,
+    cost_lines,
+    kinds_asked,
+)
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.run_session import RunSession, available_cores
 from hypernav.evaluation.runner import RunProgress, check_scored, crash_of, run_episodes
@@ -38,6 +46,8 @@ from hypernav.models.chat.vlm_spec import parse_vlm_spec
 from hypernav.worlds.habitat.simulator import require_habitat
 
 _LINE_EVERY_S = 60.0
+_PLANNED_BY = 10
+"""Number of episodes by which a run without an exam is planned."""
 
 
 def run(options: Options) -> int:
@@ -55,9 +65,14 @@ def run(options: Options) -> int:
     check_folder(folder)
     console = Terminal(quiet=options.quiet)
     with crash_report(folder):
+        if options.plan and options.who.exam is not None:
+            _say_cost_by_exam(options, options.who.exam, console)
+            return ExitStatus.SUCCESS
         progress = evaluate(options, folder, console)
         for line in outcome_lines(progress, folder):
             console.print(line, soft_wrap=True)
+        if options.plan and progress.records:
+            _say_cost_by_episodes(options, progress, console)
         if progress.crashes:
             raise crash_of(progress)
         check_scored(progress)
@@ -98,9 +113,12 @@ def evaluate(
             console.print(f"{len(store.records)} of {len(episodes)} episodes are done already")
         pool = _pool(options, folder, plan.config)
         session = RunSession(store, worker_count(options))
+        now = episodes[:_PLANNED_BY] if options.plan else episodes
         try:
             with session:
-                return _watch(console, episodes, store, pool, session)
+                progress = _watch(console, now, store, pool, session)
+                progress.total = len(episodes)
+                return progress
         except KeyboardInterrupt:
             console.print(
                 f"interrupted; {len(store.records)} of {len(episodes)} episodes are safe in "
@@ -108,6 +126,30 @@ def evaluate(
                 soft_wrap=True,
             )
             raise
+
+
+def _say_cost_by_exam(options: Options, exam: Path, console: Console) -> None:
+    """Say what the run costs, and run nothing."""
+    who = options.who
+    if who.agent != "hypernav":
+        raise ConfigError(
+            f"--plan: an exam predicts searches of --agent hypernav, not of {who.agent}; without "
+            "--exam the first ten episodes tell"
+        )
+    plan, episodes = planned(options, console)
+    kinds = kinds_asked(choose_components(who.specs, presence=plan.config.presence.enabled))
+    cost = cost_by_exam(read_exam(exam), who.preset, plan.config, kinds)
+    for line in cost_lines(cost, len(episodes), worker_count(options), plan.config):
+        console.print(line, soft_wrap=True)
+
+
+def _say_cost_by_episodes(options: Options, progress: RunProgress, console: Console) -> None:
+    config = config_of(options)
+    kinds = kinds_asked(choose_components(options.who.specs, presence=config.presence.enabled))
+    cost = cost_by_episodes(progress.records, config, kinds)
+    console.print(f"by these {len(progress.records)} episodes:")
+    for line in cost_lines(cost, progress.total, worker_count(options), config):
+        console.print(line, soft_wrap=True)
 
 
 def worker_count(options: Options) -> int:

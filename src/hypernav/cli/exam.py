@@ -1,7 +1,8 @@
 """The command `hypernav exam`: questions with known answers for a model, and a page about it."""
 
 import time
-from contextlib import closing, nullcontext
+from collections.abc import Sequence
+from contextlib import ExitStack, closing, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -9,21 +10,26 @@ from typing import Any
 from rich.live import Live
 
 from hypernav.build.chat import model_words, wrap_chat
-from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.build.prompts import prompt_hashes
 from hypernav.cli.eval import folder_name
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.options.exam import Options
 from hypernav.cli.screen.terminal import Terminal
+from hypernav.cli.screen.warnings_shown import warnings_on
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import MOST_THREADS, check_option, layered
 from hypernav.core.errors import ConfigError
+from hypernav.core.files.folder_lock import folder_lock
 from hypernav.exam.bank import BANK_VERSION, Bank
-from hypernav.exam.examinee import Examinee
+from hypernav.exam.confusion import confusion_of
+from hypernav.exam.examinee import Examinee, check_named
 from hypernav.exam.gathering import questions_of
+from hypernav.exam.prediction import Prediction, predictions_of
 from hypernav.exam.questions import Answered
 from hypernav.exam.results import Examined, differences_of, write_comparison, write_results
+from hypernav.exam.searches import SEARCHES, mimics_of, run_searches, spread_episodes
 from hypernav.exam.sitting import FORECAST_AFTER, Progress, sit
 from hypernav.models.chat.ledger import Ledger
 from hypernav.models.chat.vlm_spec import parse_vlm_spec
@@ -32,6 +38,8 @@ _LINE_EVERY_S = 60.0
 _AT_ONCE = 4
 _WAITS = {"timeout_s", "patience_s", "first_wait_s", "longest_wait_s", "device"}
 """Values that say how long and where, not what is answered."""
+_PREDICTED: tuple[PresetName, ...] = ("default", "paper")
+"""Presets of the searches that are predicted."""
 _DRAWN = ("embodiment", "mapping", "overview", "arrows")
 """Sections on which the questions themselves depend."""
 EXCHANGES = "exchanges.jsonl"
@@ -49,6 +57,7 @@ def run(options: Options) -> int:
     """
     if options.at_once is not None:
         check_option("--at-once", options.at_once, (1, MOST_THREADS), "questions at a time")
+    check_option("--predict", options.predict, (0, 1000), "episodes")
     if options.compare is not None and options.config is not None:
         raise ConfigError("--compare names the two files; drop --config")
     folder = options.out or Path("runs") / folder_name(f"exam-{_name(options)}")
@@ -90,16 +99,48 @@ def _examined(
         reasoner=options.reasoner,
         segmenter=options.segmenter,
     )
+    check_named(specs)
     is_replay = options.vlm is not None and parse_vlm_spec(options.vlm).kind == "replay"
     record = None if options.vlm is None or is_replay else folder / EXCHANGES
-    chat, recording = wrap_chat(options.vlm, config.chat, Ledger(), record, resume=True)
-    with nullcontext() if recording is None else closing(recording):
+    with folder_lock(folder), warnings_on(console), ExitStack() as stack:
+        chat, recording = wrap_chat(options.vlm, config.chat, Ledger(), record, resume=True)
+        if recording is not None:
+            stack.enter_context(closing(recording))
         examinee = Examinee(config, specs, chat)
         examinee.check()
         bank = Bank(options.bank, options.size, examinee.kinds)
         examined = _described(options, config, bank, examinee, chat)
         answers = _watched(options, config, folder, bank, examinee, examined, console)
-        return answers, write_results(folder, examined, answers)
+        page = write_results(folder, examined, answers)  # before minutes of searches
+        if options.predict and options.compare is None:
+            predictions = _predicted(options, config, folder, answers, console)
+            page = write_results(folder, examined, answers, predictions)
+        return answers, page
+
+
+def _predicted(
+    options: Options,
+    config: HyPerNavConfig,
+    folder: Path,
+    answers: Sequence[Answered],
+    console: Terminal,
+) -> list[Prediction]:
+    """What searches with the model would reach; nothing if no such question was asked."""
+    confusion = confusion_of(answers)
+    if not (confusion.blocks or confusion.seen or confusion.presence):
+        return []
+    robot = {"embodiment": config.embodiment, "mapping": config.mapping}
+    configs = {name: preset(name).model_copy(update=robot) for name in _PREDICTED}
+    configs |= {options.preset: config} if options.preset in configs else {}
+    console.print(f"searching {options.predict} times with stand-ins that err like it …")
+    episodes = spread_episodes(config, options.predict)
+    with console.status("") as status:
+
+        def watch(done: int) -> None:
+            status.update(f"{done} of {len(episodes)} searches with stand-ins")
+
+        agents = mimics_of(confusion, configs)
+        return predictions_of(run_searches(agents, config, episodes, folder / SEARCHES, watch))
 
 
 def _watched(

@@ -78,11 +78,7 @@ class Examinee:
             for kind, (registry, spec, protocol) in named.items()
             if spec is not None
         }
-        if not self._choices:
-            raise ConfigError(
-                "name what is examined: --vlm openai:http://localhost:8000/v1, --detector, "
-                "--segmenter or --reasoner"
-            )
+        check_named(specs)
         for choice, _ in self._choices.values():
             if chat is None and asked_by(choice).get("chat", False):
                 raise ConfigError(f"{choice.spec} needs a chat model; name it with --vlm")
@@ -158,7 +154,7 @@ class Examinee:
         if question.kind == "presence":
             assert self._chat is not None
             return VlmPresenceCheck(self._chat, log, self._config.presence)
-        return self._made(question.kind, log, _truth(question))
+        return self._made(question.kind, log, truth_of(question))
 
     def _made(self, kind: Kind, log: ExchangeLog, truth: EpisodeTruth) -> Any:
         if kind in self._kept:
@@ -182,7 +178,20 @@ class Examinee:
         return made
 
 
-def _truth(question: ExamQuestion) -> EpisodeTruth:
+def check_named(specs: ComponentSpecs) -> None:
+    """Refuse an exam of nobody.
+
+    Raises:
+        ConfigError: Neither a model nor a component is named.
+    """
+    if not (specs.vlm or specs.detector or specs.segmenter or specs.reasoner):
+        raise ConfigError(
+            "name what is examined: --vlm openai:http://localhost:8000/v1, --detector, "
+            "--segmenter or --reasoner"
+        )
+
+
+def truth_of(question: ExamQuestion) -> EpisodeTruth:
     """The truth about one question, for stand-ins that know it."""
     truth, left_m = EpisodeTruth(), dict[tuple[float, float], float]()
     if isinstance(question.subject, Overview):

@@ -21,7 +21,7 @@ from hypernav.worlds.simulation import SimulatedWorld
 
 _CLEAR_SHARE = 0.002
 """Least share of the image that a thing must cover to be asked for."""
-_NEAR_M = 2.5  # median depth up to which a goal in a frame is near
+NEAR_M = 2.5  # median depth up to which a goal in a frame is near
 _CLOSE_BY_M, _FAR_AWAY_M = 4.0, 10.0
 """True paths, metres, up to which the goal is close by and from which it isn't; else not asked."""
 
@@ -41,7 +41,7 @@ def of_frame(
             true = [true_detection(truth, number) for number in seen]
             depth = observation.depth[true[0].mask]
             measured = depth[depth > 0.0]
-            near = measured.size > 0.5 * depth.size and np.median(measured) <= _NEAR_M
+            near = measured.size > 0.5 * depth.size and np.median(measured) <= NEAR_M
             stratum = "near" if near else "far"
             kinds: tuple[Kind, ...] = ("boxes", "mask") if near else ("boxes",)
             for kind in kinds:

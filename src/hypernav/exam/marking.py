@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool
 
+from hypernav.core.exploring.overview import Overview
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.trace import Exchange
 from hypernav.exam.questions import RIGHT_IOU, Answered, ExamQuestion
@@ -52,6 +53,7 @@ def marked(question: ExamQuestion, given: Given, exchanges: list[Exchange]) -> A
         options=options,
         right=sorted(question.right),
         costs={key: round(cost, 3) for key, cost in costs.items()},
+        travel=_travel(question),
         chosen=chosen,
         rule=question.rule,
         true_boxes=[_corners(box) for box in question.boxes],
@@ -66,6 +68,16 @@ def marked(question: ExamQuestion, given: Given, exchanges: list[Exchange]) -> A
         unusable=unusable,
         exchanges=exchanges,
     )
+
+
+def _travel(question: ExamQuestion) -> dict[str, float]:
+    if not isinstance(question.subject, Overview):
+        return {}
+    return {
+        str(block.number): round(block.travel_m, 3)
+        for block in question.subject.blocks
+        if str(block.number) in question.costs and np.isfinite(block.travel_m)
+    }
 
 
 def _score(

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import binomtest
 
+from hypernav.build.exam_file import Cost
+from hypernav.core.trace import Exchange
 from hypernav.evaluation.statistics import Comparison, Estimate, compare, mean_with_interval
-from hypernav.exam.questions import KINDS, Answered, Kind
+from hypernav.exam.questions import KINDS, STRATA, Answered, Kind
 
 _BINS = 5
 _LEAST_FOR_CALIBRATION = 20
@@ -107,6 +109,27 @@ def marks_of(answers: Sequence[Answered]) -> list[TypeMarks]:
     ]
 
 
+def costs_of(answers: Sequence[Answered]) -> dict[str, Cost]:
+    """What a question cost, by its kind as in traces; the crops of an image are questions."""
+    groups: dict[str, list[list[Exchange]]] = {}
+    for answer in answers:
+        calls = [one for one in answer.exchanges if one.by_model]
+        groups.setdefault("crop", []).extend([one] for one in calls if one.kind == "crop")
+        main = [one for one in calls if one.kind != "crop"]
+        if main:  # with all further questions about the same, such as a summary
+            groups.setdefault(main[0].kind, []).append(main)
+    return {
+        kind: Cost(
+            calls=float(np.mean([len(calls) for calls in asked])),
+            seconds=float(np.mean([sum(one.seconds for one in calls) for calls in asked])),
+            tokens_in=float(np.mean([sum(one.tokens_in for one in calls) for calls in asked])),
+            tokens_out=float(np.mean([sum(one.tokens_out for one in calls) for calls in asked])),
+        )
+        for kind, asked in groups.items()
+        if asked
+    }
+
+
 def rate(hits: int, count: int) -> Estimate:
     """A share with its 95% interval (Wilson); NaN if `count` is 0."""
     if not count:
@@ -125,7 +148,7 @@ def _marks(kind: Kind, answers: list[Answered]) -> TypeMarks:
         kind,
         KINDS[kind],
         count,
-        _share(answers),
+        share([one.score > 0.5 for one in answers], [one.scene for one in answers]),
         float(np.mean([one.chance for one in answers])),
         _mean(with_rule, lambda one: one.rule_score or 0.0) if with_rule else None,
         _against_rule(with_rule) if with_rule else None,
@@ -141,13 +164,13 @@ def _marks(kind: Kind, answers: list[Answered]) -> TypeMarks:
     )
 
 
-def _share(answers: Sequence[Answered]) -> Estimate:
-    """Share of right answers; the interval is the wider of bootstrap over buildings and Wilson's.
+def share(hits: Sequence[bool], scenes: Sequence[str]) -> Estimate:
+    """A share; its interval is the wider of the bootstrap over buildings and Wilson's.
 
-    The bootstrap alone has no width where all answers are right.
+    The bootstrap alone has no width where all or none are hits.
     """
-    drawn = _mean(answers, lambda one: one.score)
-    counted = rate(sum(one.score > 0.5 for one in answers), len(answers))
+    drawn = mean_with_interval([float(hit) for hit in hits], scenes)
+    counted = rate(sum(hits), len(hits))
     low, high = min(drawn.low, counted.low), max(drawn.high, counted.high)
     return Estimate(drawn.mean, low, high, drawn.count)
 
@@ -168,8 +191,10 @@ def _parts(answers: Sequence[Answered]) -> list[Part]:
     """Scores by stratum and kind of building, and for the halves of every condition."""
     groups: dict[str, list[Answered]] = {}
     for one in answers:
-        for name in (one.stratum, f"in {one.scene.partition(':')[0]}"):
-            groups.setdefault(name, []).append(one)
+        if (one.kind, one.stratum) in STRATA:
+            groups.setdefault(STRATA[one.kind, one.stratum], []).append(one)
+    for one in answers:
+        groups.setdefault(f"in {one.scene.partition(':')[0]}", []).append(one)
     for name, low, high in (
         ("distance_m", "goal nearer than {:.0f} m", "goal {:.0f} m away or more"),
         ("clutter", "fewer than {:.0f} things in view", "{:.0f} things in view or more"),
@@ -181,11 +206,10 @@ def _parts(answers: Sequence[Answered]) -> list[Part]:
             known = [one for one in answers if name in one.conditions]
             groups[low.format(middle)] = [o for o in known if o.conditions[name] < middle]
             groups[high.format(middle)] = [o for o in known if o.conditions[name] >= middle]
-    strata = {one.stratum for one in answers}
     return [
         Part(name, rate(sum(o.score > 0.5 for o in group), len(group)))
         for name, group in groups.items()
-        if group and strata != {name}
+        if group
     ]
 
 

@@ -28,6 +28,20 @@ KINDS: dict[Kind, str] = {
 }
 """The types of questions, in the words of the page."""
 
+STRATA: dict[tuple[Kind, str], str] = {
+    ("boxes", "near"): "the goal is at most 2.5 m away",
+    ("boxes", "far"): "the goal is farther away",
+    ("boxes", "absent"): "the goal is not in the image",
+    ("boxes", "look-alike"): "something alike is in the image, not the goal",
+    ("mask", "near"): "the goal is at most 2.5 m away",
+    ("presence", "there"): "the goal is there",
+    ("presence", "not there"): "something else is there",
+    ("presence", "look-alike"): "something alike is there",
+    ("near", "near"): "the goal is at most 4 m away",
+    ("near", "far"): "the goal is 10 m away or more",
+}
+"""Parts of the types that have some, in the words of the page."""
+
 EQUAL_M = 0.5
 """Difference in length up to which two paths are equally good, metres."""
 
@@ -88,6 +102,7 @@ class Answered(BaseModel):
         options: The options, in the order in which they were shown.
         right: Options that are right.
         costs: True length of the path by way of each option, metres; absent if there is no path.
+        travel: Length of the known path to each block, metres; empty for other questions.
         chosen: The option that was answered; None if the answer can't be used.
         rule: Answer of the geometric rule; empty if there is none.
         true_boxes: True boxes ``(x_min, y_min, x_max, y_max)``, pixels.
@@ -114,6 +129,7 @@ class Answered(BaseModel):
     options: list[str] = Field(default_factory=list)
     right: list[str] = Field(default_factory=list)
     costs: dict[str, float] = Field(default_factory=dict)
+    travel: dict[str, float] = Field(default_factory=dict)
     chosen: str | None = None
     rule: str = ""
     true_boxes: list[tuple[float, float, float, float]] = Field(default_factory=list)

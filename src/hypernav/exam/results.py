@@ -1,5 +1,6 @@
 """The results of an exam as JSON and page, and the paired comparison of two exams."""
 
+import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
@@ -8,14 +9,17 @@ from typing import Any
 
 import numpy as np
 
+from hypernav.build.exam_file import VERSION
 from hypernav.core.errors import OutputError
 from hypernav.core.files.whole_files import write_whole
 from hypernav.evaluation.checks.findings import Finding, State
 from hypernav.evaluation.statistics import Comparison, compare, holm
+from hypernav.exam.calibration import worth_of
 from hypernav.exam.faults import faults_of
-from hypernav.exam.marks import TypeMarks, marks_of
+from hypernav.exam.marks import TypeMarks, costs_of, marks_of
 from hypernav.exam.pictures import picture_of
-from hypernav.exam.questions import KINDS, Answered
+from hypernav.exam.prediction import Prediction
+from hypernav.exam.questions import KINDS, STRATA, Answered
 from hypernav.show.pages.templating import data_uri, page_environment, plain
 
 PAGE, RESULT = "index.html", "exam.json"
@@ -73,8 +77,19 @@ class Difference:
     gap: Comparison
 
 
-def write_results(folder: Path, examined: Examined, answers: Sequence[Answered]) -> Path:
+def write_results(
+    folder: Path,
+    examined: Examined,
+    answers: Sequence[Answered],
+    predictions: Sequence[Prediction] = (),
+) -> Path:
     """Write ``exam.json`` and the page.
+
+    Args:
+        folder: Folder of the exam.
+        examined: Who was examined.
+        answers: All answers.
+        predictions: What searches would reach, by preset.
 
     Returns:
         Path of the page, which is one file and needs no network.
@@ -84,11 +99,16 @@ def write_results(folder: Path, examined: Examined, answers: Sequence[Answered])
     """
     marks, cost = marks_of(answers), examined.cost(answers)
     faults = faults_of(answers, examined.model, examined.family)
+    questions = digest_of(answers)
     content = {
         "format": "hypernav-exam",
-        "version": 1,
+        "version": VERSION,
         **asdict(examined),
         "count": len(answers),
+        "questions": questions,
+        "worth": worth_of(answers).model_dump(mode="json"),
+        "predictions": [asdict(one) | {"leave_out": one.leave_out} for one in predictions],
+        "costs": {kind: one.model_dump() for kind, one in costs_of(answers).items()},
         "types": [asdict(one) | {"verdict": one.verdict} for one in marks],
         "faults": [asdict(one) for one in faults],
         "cost": cost,
@@ -96,10 +116,13 @@ def write_results(folder: Path, examined: Examined, answers: Sequence[Answered])
     page = page_environment("hypernav.evaluation", "hypernav.exam").get_template("exam.html.j2")
     text = page.render(
         examined=examined,
+        questions=questions,
         answers=answers,
         marks=marks,
+        predictions=predictions,
+        count=predictions[0].spl.count if predictions else 0,
         faults=faults,
-        lead=_lead(marks, faults),
+        lead=_lead(marks, faults, predictions),
         cost=cost,
         wrong=_examples(folder, _worst(answers)),
         right=_examples(folder, [one for one in answers if one.score][: _MOST_RIGHT * 40]),
@@ -112,6 +135,16 @@ def write_results(folder: Path, examined: Examined, answers: Sequence[Answered])
     except OSError as error:
         raise OutputError(f"{folder} cannot be written ({error.strerror or error})") from error
     return folder / PAGE
+
+
+def digest_of(answers: Sequence[Answered]) -> str:
+    """A hash of all questions with their true answers and what their images show.
+
+    Two exams with the same one asked the same, even if another version of the search or of the
+    drawing made the questions.
+    """
+    told = [(o.id, o.conditions, o.options, o.right, o.costs, o.true_boxes) for o in answers]
+    return hashlib.sha256(json.dumps(told).encode()).hexdigest()[:12]
 
 
 def differences_of(first: Sequence[Answered], second: Sequence[Answered]) -> list[Difference]:
@@ -158,13 +191,19 @@ def write_comparison(folder: Path, names: tuple[str, str], found: Sequence[Diffe
     return folder / PAGE
 
 
-def _lead(marks: Sequence[TypeMarks], faults: Sequence[Finding]) -> str:
+def _lead(
+    marks: Sequence[TypeMarks], faults: Sequence[Finding], predictions: Sequence[Prediction]
+) -> str:
     serious = sum(one.state is State.FAULT for one in faults)
     count = sum(one.count for one in marks)
     told = f"{count:,} questions about buildings that nobody has seen, with known answers. "
     told += {0: "No systematic fault is shown.", 1: "One systematic fault is shown."}.get(
         serious, f"{serious} systematic faults are shown."
     )
+    if predictions:
+        first = predictions[0]
+        told += f" Predicted: {first.success.mean:.0%} of goals found, SPL {first.spl.mean:.2f}"
+        return f"{told} with {first.preset}."
     block = next((one for one in marks if one.kind == "block"), None)
     return told if block is None else f"{told} For the choice of blocks: {block.verdict}"
 
@@ -197,7 +236,7 @@ def _examples(folder: Path, answers: Sequence[Answered]) -> list[dict[str, Any]]
                 "image": data_uri(path.read_bytes(), "image/webp"),
                 "words": KINDS[one.kind],
                 "goal": one.goal,
-                "stratum": one.stratum,
+                "part": STRATA.get((one.kind, one.stratum), ""),
                 "right": " or ".join(one.right) if one.right else truth,
                 "chosen": _chosen(one),
                 "regret_m": one.regret_m,

@@ -14,7 +14,6 @@ from typing import Any
 from pydantic import ValidationError
 
 from hypernav.core.errors import OutputError, RunFolderError
-from hypernav.core.files.folder_lock import folder_lock
 from hypernav.evaluation.store.run_files import append_line
 from hypernav.evaluation.store.run_store import keep_configuration
 from hypernav.exam.bank import Bank, Gather
@@ -76,7 +75,7 @@ def sit(
     """Ask all questions that have no answer yet.
 
     Args:
-        folder: Folder of the exam; one that was begun is continued.
+        folder: Folder of the exam, locked for it; one that was begun is continued.
         bank: The questions.
         gather: Makes the questions of a sheet.
         examinee: Components that are asked.
@@ -88,13 +87,12 @@ def sit(
         All answers, in the order of the bank.
 
     Raises:
-        RunFolderError: The folder is in use, of another exam, damaged, or can't be written.
+        RunFolderError: The folder is of another exam, damaged, or can't be written.
         OutputError: The image of a question can't be written.
         ModelUnavailableError: The model did not answer in time; the answers so far are on the disk.
     """
     with ExitStack() as stack:
         folder.mkdir(parents=True, exist_ok=True)
-        stack.enter_context(folder_lock(folder))
         keep_configuration(folder, configuration)
         done = {one.id: one for one in read_answers(folder)}
         order: list[str] = []

@@ -75,3 +75,13 @@ def test_an_outage_is_neither():
     check = VlmPresenceCheck(Parrot(ModelUnavailableError("gone")), ExchangeLog())
     with pytest.raises(ModelUnavailableError):
         check.is_present(VIEW, BED)
+
+
+@pytest.mark.parametrize(("text", "present"), [("yes", True), ("no", False)])
+def test_an_exam_brings_down_who_says_yes_too_often(text: str, present: bool):
+    def says(*calibration: tuple[float, float]) -> bool:
+        config = PresenceConfig(calibration=calibration)
+        return VlmPresenceCheck(Parrot(text), ExchangeLog(), config).is_present(VIEW, BED)
+
+    assert says((0.0, 0.1), (1.0, 0.9)) is present
+    assert says((0.0, 0.1), (1.0, 0.4)) is False

@@ -14,6 +14,7 @@ from hypernav.core.errors import ConfigError
 
 if TYPE_CHECKING:
     from hypernav.build.built_agent import BuiltAgent
+    from hypernav.build.exam_file import ExamFile
     from hypernav.build.presets import HyPerNavConfig
     from hypernav.core.embodiment import Embodiment
 
@@ -35,9 +36,12 @@ class AgentOptions:
     detector: str | None = None
     """Detector of the goal, in place of --vlm: ground-truth, yolox:PATH.onnx, zero-shot:ID, …"""
     reasoner: str | None = None
-    """What says where to go, in place of --vlm: geometric, …; for vlfm similarity:ID, …"""
+    """What says where to go, in place of --vlm: geometric, …; for vlfm similarity:ID, …; auto:
+    what --exam says."""
     segmenter: str | None = None
     """Segmenter of the pixels in a box: depth-cut, sam:ID or onnx-sam:ENC.onnx,DEC.onnx."""
+    exam: Path | None = None
+    """exam.json of hypernav exam about the model: answers count for what they are worth."""
     record: Path | None = None
     """File that records every exchange with the model of --vlm, for --vlm replay:FILE."""
     config: Path | None = None
@@ -49,15 +53,17 @@ class AgentOptions:
 
     @property
     def specs(self) -> ComponentSpecs:
-        """Specifications of agent, model, detector, reasoner and segmenter, as requested."""
-        return ComponentSpecs(
-            self.agent, self.vlm, self.detector, self.reasoner, self.segmenter, self.native
-        )
+        """Specifications of agent, model, detector, reasoner and segmenter.
+
+        Raises:
+            ConfigError: The reasoner is "auto", and no exam says which.
+        """
+        return self._examined()[0]
 
     @property
     def name(self) -> str:
         """Name of the agent for terminals and results; it says whether the mode is native."""
-        return self.specs.name
+        return self._requested.name
 
     def step_limit(self, default: int) -> int:
         """The step limit of native mode; else the default.
@@ -88,8 +94,29 @@ class AgentOptions:
         base = base if robot is None else base.model_copy(update={"embodiment": robot})
         base = native_config(self.agent, base) if self.native else base
         config = layered(base, file=self.config, assignments=self.set)
-        chosen = choose_components(self.specs, presence=config.presence.enabled)
+        specs, exam, unchecked = self._examined()
+        if exam is not None:
+            exam.check_is_of(specs)
+            config = exam.applied(config, unchecked=unchecked)
+        chosen = choose_components(specs, presence=config.presence.enabled)
         return with_own_sections(config, chosen)
+
+    @property
+    def _requested(self) -> ComponentSpecs:
+        return ComponentSpecs(
+            self.agent, self.vlm, self.detector, self.reasoner, self.segmenter, self.native
+        )
+
+    def _examined(self) -> "tuple[ComponentSpecs, ExamFile | None, bool]":
+        """The components, the exam, and whether it says not to check the presence of the goal."""
+        requested = self._requested
+        if self.exam is None and requested.reasoner != "auto":
+            return requested, None, False
+        from hypernav.build.exam_file import read_exam, without_auto
+
+        exam = None if self.exam is None else read_exam(self.exam)
+        specs, unchecked = without_auto(requested, exam, self.preset)
+        return specs, exam, unchecked
 
     def _check_preset(self) -> None:
         """Refuse the preset of another method, which would have no effect."""

@@ -50,5 +50,8 @@ class Options:
     0.1; reports show all others, too."""
     seed: int = 0
     """Seed of all noise."""
+    plan: bool = False
+    """Only say what the run would cost: by --exam, without any search; else by the first ten
+    episodes, which the same command without --plan doesn't run again."""
     quiet: bool = False
     """Print errors only."""

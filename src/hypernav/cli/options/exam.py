@@ -29,6 +29,9 @@ class Options:
     """Values of the method, which hold the words of its questions."""
     config: Path | None = None
     """YAML file with sections like those of result.json's config; only values that differ."""
+    predict: int = 40
+    """Number of episodes in which stand-ins that err like the model search, to predict what it
+    reaches: minutes, without the model. 0 predicts nothing."""
     compare: tuple[Path, Path] | None = None
     """Two such files: the model answers the same questions with both, and they are compared."""
     set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(

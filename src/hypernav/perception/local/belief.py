@@ -4,8 +4,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-import numpy as np
-
+from hypernav.core.curve import along
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
@@ -16,8 +15,10 @@ from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.shape.evidence import form_evidence
 from hypernav.perception.shape.kinds import KindShape
 
-_SCORES = (0.0, 0.1, 0.2, 0.3, 0.45, 0.6, 0.8, 0.95, 1.0)
-_WEIGHTS = (-0.8, -0.4, 0.0, 0.2, 1.2, 1.8, 2.3, 2.7, 5.0)
+_YOLOX = (
+    *((0.0, -0.8), (0.1, -0.4), (0.2, 0.0), (0.3, 0.2), (0.45, 1.2)),
+    *((0.6, 1.8), (0.8, 2.3), (0.95, 2.7), (1.0, 5.0)),
+)
 """Shifts of the log-odds by one image, by score: logarithms of how often YOLOX-nano gives the score
 to the goal, divided by how often to what it mistakes for it, in further views of both in training
 buildings (docs/results.md). Only a score near 1 counts more than was measured."""
@@ -55,24 +56,26 @@ class Sighting:
     Attributes:
         detection: The detection.
         area: Its goal area.
+        score_weight: Shift of the log-odds by its score.
         shape: Shift of the log-odds by its form in this image.
         measure: Measurement of its form, to be combined with those of other images; None without.
     """
 
     detection: Detection
     area: GoalArea
+    score_weight: float
     shape: float = 0.0
     measure: Measure | None = None
 
     @property
     def weight(self) -> float:
         """Shift of the log-odds by score and form; a form that fits counts for nothing."""
-        return weight_of(float(self.detection.score)) + _SHAPE_SHARE * min(self.shape, 0.0)
+        return self.score_weight + _SHAPE_SHARE * min(self.shape, 0.0)
 
 
-def weight_of(score: float) -> float:
-    """Shift of the log-odds by a detection with this score, 0 to 1."""
-    return float(np.interp(score, _SCORES, _WEIGHTS))
+def weight_of(detection: Detection, config: LocalConfig) -> float:
+    """Shift of the log-odds by the score of a detection, 0 to 1."""
+    return along(config.score_weights or _YOLOX, float(detection.score))
 
 
 def is_convincing(evidence: GoalEvidence, config: LocalConfig) -> bool:
@@ -199,6 +202,7 @@ def with_latest(
 
 def with_sightings(
     evidence: GoalEvidence,
+    config: LocalConfig,
     sightings: list[Sighting],
     others: list[Detection],
     observation: Observation,
@@ -208,6 +212,7 @@ def with_sightings(
 
     Args:
         evidence: The evidence before the image.
+        config: What scores are worth.
         sightings: Sightings of the goal in the image, in the detector's order.
         others: Detections of other things in the image.
         observation: The image.
@@ -234,7 +239,7 @@ def with_sightings(
         if weight is None and _is_missed(one, observation):
             weight = _MISSED
         if weight is not None:
-            weight -= _rivalry(one, others, observation)
+            weight -= _rivalry(one, others, observation, config)
             known[number] = one.with_look(observation.robot.xy, weight)
     kept = sorted(known.values(), key=lambda one: (one.number != evidence.chosen, -one.log_odds))
     after = replace(
@@ -274,13 +279,13 @@ def _is_missed(one: Target, observation: Observation) -> bool:
     return should_be_visible(area.seen_points, area.height_m, observation)
 
 
-def _rivalry(one: Target, others: list[Detection], observation: Observation) -> float:
+def _rivalry(
+    one: Target, others: list[Detection], observation: Observation, config: LocalConfig
+) -> float:
     """Log-odds that the surest detection of another thing in the same pixels takes away."""
     seen = one.area.seen_points
-    strongest = max(
-        (float(o.score) for o in others if seems_to_hold(o.box, seen, observation)), default=0.0
-    )
-    return _RIVAL_SHARE * max(weight_of(strongest), 0.0)
+    weights = [weight_of(o, config) for o in others if seems_to_hold(o.box, seen, observation)]
+    return _RIVAL_SHARE * max([0.0, *weights])
 
 
 def _best(evidence: GoalEvidence, robot: Pose2) -> int | None:

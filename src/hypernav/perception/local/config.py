@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field
 
 from hypernav.core.config import RoomConfig
+from hypernav.core.curve import Curve
 
 
 def _odd(side: int) -> int:
@@ -47,6 +48,9 @@ class LocalConfig(RoomConfig):
             for the goal.
         rejected_for_looks: Number of images for which a rejected target is not taken for the goal
             again, where target is "latest".
+        score_weights: Scores of boxes, in rising order, and how much an image with such a box
+            shifts the log-odds that this is the goal, as measured by an exam; empty takes what was
+            measured of YOLOX-nano.
     """
 
     published_segmenter: str = ""
@@ -60,3 +64,4 @@ class LocalConfig(RoomConfig):
     entry_reach_m: float = Field(default=0.8, ge=0.0, le=50.0)
     target: Literal["latest", "candidates"] = "candidates"
     rejected_for_looks: int = Field(default=40, ge=1, le=10_000)
+    score_weights: Curve = ()

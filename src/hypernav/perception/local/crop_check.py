@@ -8,6 +8,12 @@ from hypernav.core.goal import Goal
 from hypernav.core.labels import same_name
 from hypernav.perception.exchanges import yes_no_question
 
+CROP_WORDS = (
+    "What is the thing in the middle of this image: {wanted}{others} or something else? "
+    "Answer yes if it is {wanted}, else no."
+)
+"""The question about a crop."""
+
 _CONFUSIONS: tuple[tuple[str, ...], ...] = (
     ("shower curtain", "window curtain"),
     ("chair", "armchair", "stool"),
@@ -39,10 +45,7 @@ def crop_question(crop: Image, goal: Goal) -> Question:
     """Question whether a crop (RGB) shows the goal; things confused with it are alternatives."""
     wanted = goal.with_article
     others = "".join(f", {Goal(other).with_article}" for other in confusions(goal))
-    text = (
-        f"What is the thing in the middle of this image: {wanted}{others} or something else? "
-        f"Answer yes if it is {wanted}, else no."
-    )
+    text = CROP_WORDS.format(wanted=wanted, others=others)
     return yes_no_question("crop", text, crop)
 
 

@@ -23,6 +23,7 @@ from hypernav.perception.local.belief import (
     Sighting,
     before_a_look,
     is_rejected,
+    weight_of,
     with_latest,
     with_sightings,
 )
@@ -98,12 +99,13 @@ class LocalPerception:
                 reason = _REJECTED
             if area is not None and not (reason and config.target == "latest"):
                 form = self._form(detection, whole, observation, kind)
+                worth = weight_of(detection, config)
                 if form is None or kind is None:
-                    sightings.append(Sighting(detection, area))
+                    sightings.append(Sighting(detection, area, worth))
                 else:
                     shape = shape_evidence(form, kind).log_odds
                     measure = measure_of(form, area.centre, observation)
-                    sightings.append(Sighting(detection, area, shape, measure))
+                    sightings.append(Sighting(detection, area, worth, shape, measure))
             elif reason == _NO_DEPTH and detection.score >= least:
                 areas = evidence.rejected_areas
                 far_position = self._far_position(detection, observation, areas)
@@ -113,7 +115,7 @@ class LocalPerception:
             evidence = with_latest(evidence, sightings, observation)
         else:
             others = [one for one in detections if not one.is_goal]
-            evidence = with_sightings(evidence, sightings, others, observation, kind)
+            evidence = with_sightings(evidence, config, sightings, others, observation, kind)
         far_position = evidence.far_position
         if evidence.target is not None:
             far_position = None

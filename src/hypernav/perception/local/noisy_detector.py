@@ -161,7 +161,7 @@ class NoisyDetector:
             label = pixels.labels[number]
             if self._seems_goal(number, label, goal, rng):
                 true = true_detection(pixels, number)
-                if rng.random() >= self._quality.missed_at(_distance_to(true, observation)):
+                if rng.random() >= self._quality.missed_at(distance_to(true, observation)):
                     box = self._jittered(true.box, observation, rng)
                     score = self._score(rng, is_right=label.satisfies(goal))
                     detections.append(Detection(box, score, goal.thing))
@@ -218,7 +218,7 @@ def resembles(label: ObjectLabel, goal: Goal) -> bool:
     )
 
 
-def _distance_to(detection: Detection, observation: Observation) -> float:
+def distance_to(detection: Detection, observation: Observation) -> float:
     """Median depth of an object's pixels, metres; infinite where none has depth."""
     depth = observation.depth[detection.mask]
     measured = depth[depth > 0.0]

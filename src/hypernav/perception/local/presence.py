@@ -7,6 +7,7 @@ from pydantic import Field
 
 from hypernav.core.chat import Image, Question
 from hypernav.core.config import RoomConfig
+from hypernav.core.curve import Curve, along
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.perception.exchanges import YesNoAsker, yes_no_question
@@ -24,6 +25,8 @@ class PresenceConfig(RoomConfig):
             one; else the goal's text is filled in as it is.
         unsure: What an answer that is neither yes nor no counts as. "yes" trusts the detector.
         min_probability: Least probability of a "yes", where the model gives probabilities.
+        calibration: Told and true probabilities of "yes", in rising order, as measured by an exam;
+            empty takes the model at its word.
     """
 
     enabled: bool = True
@@ -31,6 +34,7 @@ class PresenceConfig(RoomConfig):
     right_articles: bool = True
     unsure: Literal["yes", "no"] = "no"
     min_probability: float = Field(default=0.5, gt=0.0, le=1.0)
+    calibration: Curve = ()
 
 
 def presence_question(config: PresenceConfig, image: Image, goal: Goal) -> Question:
@@ -62,4 +66,6 @@ class VlmPresenceCheck(YesNoAsker):
         yes = self.ask(question, f"taken for {self.config.unsure}")
         if yes is None:
             return self.config.unsure == "yes"
+        if self.config.calibration:
+            yes = along(self.config.calibration, yes)
         return yes >= self.config.min_probability

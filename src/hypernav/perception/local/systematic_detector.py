@@ -1,9 +1,5 @@
 """A stand-in for a real detector that errs on the same things and from the same sides each time."""
 
-import hashlib
-import math
-from statistics import NormalDist
-
 import numpy as np
 
 from hypernav.core.errors import ConfigError
@@ -18,12 +14,21 @@ from hypernav.perception.local.ground_truth import (
     true_labels,
     visible_objects,
 )
+from hypernav.perception.local.persistence import (
+    SAME_NAME_SAID,
+    SAME_THING_FOUND,
+    STANDARD_NORMAL,
+    is_cut_off,
+    latent,
+    normal,
+    size_bin,
+    uniform,
+    view_of,
+)
 
 LEVELS = {"good": 0.2, "fair": 0.5, "poor": 1.0}
 """Share of YOLOX-nano's errors that a level makes."""
 
-_NORMAL = NormalDist()
-_SECTORS = 8
 _PLACE_M = 1.0
 _PLACES_SEEN = 30.0
 """Places of a building, cubes of 1 m, that a view shows on average; it scales their error rate."""
@@ -36,20 +41,9 @@ _STRIDE = 4
 #         --scenes houses:3100 offices:3100 shops:3100 SMALL_HOUSE.glb houses:3101 … shops:3108
 #     python benchmarks/persistent_errors.py bank
 
-_SIDES_PX = (30.0, 60.0, 120.0, 240.0)
-"""Square root of the area of a thing's box where a bin of size ends, pixels of 640×480."""
-
 _FOUND_WHOLE = (0.06, 0.29, 0.54, 0.70, 1.0)
 _FOUND_CUT_OFF = (0.0, 0.18, 0.25, 0.58, 0.57)
 """Shares of views in which a thing of a known kind is found, by bin of size."""
-
-_SAME_THING_FOUND = 0.7
-"""Correlation between views of whether one thing is found: at this value a thing that is found in
-one view is found in about 58% of its others, as by YOLOX."""
-
-_SAME_NAME_SAID = 0.45
-"""The same for wrong names: at a rate of 0.06, what is said in one view is said in 23% of the
-others, as by YOLOX."""
 
 _TAKEN_FOR: dict[tuple[str, str], float] = {
     ("computer monitor", "tv"): 0.282,
@@ -152,7 +146,7 @@ class SystematicDetector:
         found = []
         for number in visible_objects(truth):
             label, true = truth.labels[number], true_detection(truth, number)
-            view = _view_of(true, observation)
+            view = view_of(true, observation)
             is_right = label.satisfies(goal)
             key = (number, label.category, *label.attributes, goal.text)
             if _shows(key, view, *self._chance(label, goal, true.box, observation)):
@@ -165,15 +159,15 @@ class SystematicDetector:
     ) -> tuple[float, float]:
         """Probability that such a thing is reported, and the correlation between its views."""
         if label.satisfies(goal):
-            size, is_cut = _size_bin(box, observation), _is_cut_off(box, observation)
+            size, is_cut = size_bin(box, observation), is_cut_off(box, observation)
             found = (_FOUND_CUT_OFF if is_cut else _FOUND_WHOLE)[size]
-            return 1.0 - self._share * (1.0 - found), _SAME_THING_FOUND
+            return 1.0 - self._share * (1.0 - found), SAME_THING_FOUND
         taken = [
             rate
             for (thing, said), rate in _TAKEN_FOR.items()
             if same_name(said, goal.thing) and label.is_named(thing)
         ]
-        return self._share * max(taken, default=_TAKEN_FOR_ANY_OTHER), _SAME_NAME_SAID
+        return self._share * max(taken, default=_TAKEN_FOR_ANY_OTHER), SAME_NAME_SAID
 
     def _taken_places(
         self, truth: LabelledPixels, observation: Observation, goal: Goal
@@ -192,7 +186,7 @@ class SystematicDetector:
         found = []
         for place, cube in enumerate(places.tolist()):
             key = (*cube, goal.text)
-            if _uniform((*key, "building")) >= rate / _PLACES_SEEN:
+            if uniform((*key, "building")) >= rate / _PLACES_SEEN:
                 continue
             mine = owner == place
             if mine.sum() >= MIN_AREA_SHARE * ids.size:
@@ -203,65 +197,15 @@ class SystematicDetector:
         return found
 
 
-def _view_of(true: Detection, observation: Observation) -> tuple[int, int, bool]:
-    """Side from which a thing is seen, bin of its box's size, and whether the image cuts it off.
-
-    The side is the sector of the direction from the thing to the camera.
-    """
-    assert true.mask is not None
-    rows, columns = np.nonzero(true.mask)
-    depth = observation.depth[rows, columns]
-    measured = is_measured(depth)
-    towards = float(np.median(columns)) + 0.5
-    bearing = observation.robot.yaw + observation.camera.bearing_of(towards)
-    if measured.any():
-        point = observation.camera.unproject_pixels(
-            np.array([int(np.median(rows))]),
-            np.array([int(np.median(columns))]),
-            float(np.median(depth[measured])),
-        )
-        x, y, _ = observation.camera_to_map.apply(point)[0]
-        eye = observation.camera_to_map.translation
-        bearing = math.atan2(float(y - eye[1]), float(x - eye[0]))
-    sector = int(bearing / (2.0 * math.pi) * _SECTORS // 1) % _SECTORS
-    return sector, _size_bin(true.box, observation), _is_cut_off(true.box, observation)
-
-
-def _size_bin(box: Box, observation: Observation) -> int:
-    side = math.sqrt(box.area) * 640.0 / observation.camera.width
-    return int(np.searchsorted(_SIDES_PX, side, side="right"))
-
-
-def _is_cut_off(box: Box, observation: Observation) -> bool:
-    height, width = observation.depth.shape
-    return box.x_min < 1 or box.y_min < 1 or box.x_max > width - 1 or box.y_max > height - 1
-
-
 def _shows(
     key: tuple[object, ...], view: tuple[object, ...], chance: float, persistence: float
 ) -> bool:
-    """Whether a thing is reported in a view.
-
-    A part is drawn for the thing and a part for the view. Both are normal, so that any chance can
-    be had with any persistence (a Gaussian copula).
-    """
+    """Whether a thing is reported in a view."""
     if not 0.0 < chance < 1.0:
         return chance >= 1.0
-    own, seen = _normal(key), _normal((*key, *view))
-    drawn = math.sqrt(persistence) * own + math.sqrt(1.0 - persistence) * seen
-    return drawn < _NORMAL.inv_cdf(chance)
+    return latent(key, view, persistence) < STANDARD_NORMAL.inv_cdf(chance)
 
 
 def _score(key: tuple[object, ...], is_right: bool) -> float:
     mean, sd = (_RIGHT_SCORE, _RIGHT_SCORE_SD) if is_right else (_WRONG_SCORE, _WRONG_SCORE_SD)
-    return float(np.clip(mean + sd * _normal((*key, "score")), _LEAST_SCORE, 1.0))
-
-
-def _normal(key: tuple[object, ...]) -> float:
-    return _NORMAL.inv_cdf(_uniform(key))
-
-
-def _uniform(key: tuple[object, ...]) -> float:
-    """A number in (0, 1) that a key always gives."""
-    digest = hashlib.blake2b(repr(key).encode(), digest_size=7).digest()
-    return (int.from_bytes(digest, "big") + 0.5) / 2.0**56
+    return float(np.clip(mean + sd * normal((*key, "score")), _LEAST_SCORE, 1.0))

@@ -25,6 +25,9 @@ _PAST = (
     "free floor, dark is walls and furniture, grey is not yet explored; the arrow is the robot and "
     "the blue line its path."
 )
+DIRECTION_WORDS = f"{_PROMPT}\n{_PAST}"
+"""The question about directions."""
+
 _ABSENT = ("explore", "not visible", "no sign", "cannot see", "can't see", "not see", "absent")
 _LEAST_CHANCE = 0.4
 """Chance of the goal in the kind of room in a direction, from which on that direction is chosen;

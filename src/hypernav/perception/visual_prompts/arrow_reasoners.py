@@ -31,6 +31,9 @@ _SEVERAL = (
     "go to, to find a {goal}? Explain nothing.{facts} Answer with their numbers, the best first, "
     'as JSON: {{"actions": [NUMBER, …]}}'
 )
+ARROW_WORDS = f"{_ONE}\n{_SEVERAL}"
+"""The questions about one arrow and about several."""
+
 _OBJECT = re.compile(r"\{[^{}]*\}")
 _NUMBERS = re.compile(r"-?\d+")
 

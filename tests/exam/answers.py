@@ -1,0 +1,53 @@
+"""Answers of an exam, made by hand."""
+
+from hypernav.exam.questions import Answered, Kind
+
+TRUE_BOX = (20.0, 20.0, 60.0, 80.0)
+SIZE = (160, 120)
+
+
+def answered(kind: Kind, stratum: str, number: int = 0, **values: object) -> Answered:
+    """An answer; what isn't said is empty."""
+    base = {"id": f"houses:1/0/{kind}/{stratum}/bed/{number}", "scene": "houses:1", "goal": "bed"}
+    return Answered.model_validate(
+        base | {"kind": kind, "stratum": stratum, "score": 0.0, "image_size": SIZE} | values
+    )
+
+
+def boxed(stratum: str, box: tuple[float, ...] | None, score: float = 1.0) -> Answered:
+    """An answer with this box, or without any."""
+    there = stratum in {"near", "far"}
+    hit = box is not None and box[0] < 60.0
+    return answered(
+        "boxes",
+        stratum,
+        true_boxes=[TRUE_BOX] if there else [],
+        boxes=[] if box is None else [box],
+        probability=None if box is None else score,
+        overlap=(1.0 if hit else 0.0) if there else None,
+        conditions={"clutter": 4.0},
+    )
+
+
+def checked(stratum: str, said: str | None, probability: float | None = None) -> Answered:
+    """An answer to the question whether the goal is there."""
+    right = ["yes" if stratum == "there" else "no"]
+    return answered(
+        "presence",
+        stratum,
+        chosen=said,
+        right=right,
+        probability=probability,
+        options=["yes", "no"],
+    )
+
+
+def chose(option: int | None, costs: dict[str, float]) -> Answered:
+    """An answer to the question which block to go to."""
+    return answered(
+        "block",
+        "map",
+        chosen=None if option is None else str(option),
+        options=list(costs),
+        costs=costs,
+    )

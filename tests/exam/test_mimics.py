@@ -1,0 +1,157 @@
+"""Stand-ins err as the exam's answers did, and the same way about a thing each time."""
+
+import math
+from collections import Counter
+
+import numpy as np
+import pytest
+from answers import SIZE, TRUE_BOX, boxed, checked, chose
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.exploring.overview import Block, BlockChoice, Overview
+from hypernav.core.geometry.boxes import Box
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.labels import ObjectLabel
+from hypernav.exam.confusion import BoxAnswer, better_shares, confusion_of
+from hypernav.exam.mimics import Asked, MimicDetector, MimicPresence, MimicReasoner
+from hypernav.perception.explorers.map_question import VlmReasonerConfig
+from images import thing_before_wall
+
+BED = Goal("bed")
+THINGS = 60
+ELSEWHERE = (100.0, 10.0, 140.0, 40.0)
+COSTS = {"1": 5.0, "2": 9.0, "3": 12.0}
+
+sides = st.floats(1.0, 150.0)
+
+
+def seen(category: str, number: int, yaw: float = 0.2):
+    """A view of the thing of a number, near by."""
+    label = ObjectLabel(category, attributes=(str(number),))
+    return thing_before_wall(box=(40, 30, 90, 80), robot=Pose2(0.0, 0.0, yaw), label=label)
+
+
+def detector(*answers) -> MimicDetector:
+    return MimicDetector(confusion_of(answers), Asked())
+
+
+def share(mimic: MimicDetector, category: str) -> float:
+    return float(np.mean([bool(mimic.detect(seen(category, k), BED)) for k in range(THINGS)]))
+
+
+def choices(*answers, times: int = 200) -> Counter[int | None]:
+    """How often each block is chosen; the truly best is 1, then 2, then 3; the rule takes 2."""
+    truth = EpisodeTruth()
+    blocks = [Block(k, 0.0, 0.0, 2.0, 50, 30, (10.0 * k, 0.0), 0.0) for k in (3, 1, 2)]
+    truth.tell(rng=np.random.default_rng(0), path_left_m=lambda x, _y: x)
+    overview = Overview(lambda *_: np.zeros((8, 8, 3), np.uint8), tuple(blocks), Pose2(0, 0, 0))
+
+    class Rule:
+        def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
+            return BlockChoice(2, "the rule")
+
+    mimic = MimicReasoner(confusion_of(answers), truth, VlmReasonerConfig(), Rule(), Asked())
+    return Counter(mimic.choose(overview, BED, frozenset()).number for _ in range(times))
+
+
+@given(st.dictionaries(st.integers(1, 20), st.floats(0.0, 50.0), min_size=1, max_size=10))
+def test_the_best_option_has_no_better_ones_and_shares_rise_with_the_path(costs):
+    shares = better_shares(costs)
+    assert shares[min(costs, key=lambda one: costs[one])] == 0.0
+    assert all(0.0 <= one <= 1.0 for one in shares.values())
+    in_order = [shares[one] for one in sorted(costs, key=lambda one: costs[one])]
+    assert in_order == sorted(in_order)
+
+
+@given(st.tuples(sides, sides), st.tuples(sides, sides))
+def test_a_perfect_box_stays_perfect_about_every_other_thing(corner, size):
+    width, height = 400, 400
+    (x, y), (w, h) = corner, size
+    true = Box(x, y, x + w, y + h)
+    perfect = confusion_of([boxed("near", TRUE_BOX)]).seen[0]
+    box = perfect.about(true, width, height)
+    assert box is not None
+    assert box.iou(true) == pytest.approx(1.0)
+
+
+def test_a_box_elsewhere_stays_where_it_was_in_the_image():
+    wrong = confusion_of([boxed("near", ELSEWHERE)]).seen[0]
+    assert wrong.is_elsewhere
+    box = wrong.about(Box(0.0, 0.0, 5.0, 5.0), *SIZE)
+    assert box is not None
+    assert (box.x_min, box.y_min, box.x_max, box.y_max) == pytest.approx(ELSEWHERE)
+    assert BoxAnswer().about(Box(0.0, 0.0, 5.0, 5.0), *SIZE) is None
+
+
+def test_goals_are_missed_as_often_as_in_the_exam():
+    half = [boxed("near", TRUE_BOX), boxed("near", None)]
+    never = [boxed("absent", None)]
+    assert share(detector(boxed("near", TRUE_BOX), *never), "bed") == 1.0
+    assert share(detector(boxed("near", None), *never), "bed") == 0.0
+    assert abs(share(detector(*half, *never), "bed") - 0.5) < 4.0 * math.sqrt(0.25 / THINGS)
+
+
+def test_other_things_are_taken_for_the_goal_only_if_the_exam_had_such_boxes():
+    sees = boxed("near", TRUE_BOX)
+    honest = detector(sees, boxed("absent", None), boxed("look-alike", None))
+    confused = detector(sees, boxed("absent", None), boxed("look-alike", ELSEWHERE))
+    assert share(honest, "sofa") == share(honest, "oven") == 0.0
+    assert share(confused, "sofa") == 1.0
+    assert share(confused, "oven") == 0.0
+
+
+def test_an_answer_about_a_thing_does_not_change_while_the_view_does_not():
+    mimic = detector(boxed("near", TRUE_BOX), boxed("near", None), boxed("absent", None))
+    answers = [[bool(mimic.detect(seen("bed", k), BED)) for _ in range(3)] for k in range(20)]
+    assert all(len(set(one)) == 1 for one in answers)
+    assert {one[0] for one in answers} == {True, False}
+
+
+def test_errors_belong_to_things_more_than_to_sides():
+    mimic = detector(boxed("near", TRUE_BOX), boxed("near", None), boxed("absent", None))
+    yaws = [2.0 * math.pi * k / 8 + 0.2 for k in range(8)]
+    found = np.array(
+        [[bool(mimic.detect(seen("bed", k, yaw), BED)) for yaw in yaws] for k in range(40)]
+    )
+    p = found.mean()
+    assert found.mean(axis=1).var() > 3.0 * p * (1.0 - p) / len(yaws)
+
+
+def test_presence_is_answered_by_what_is_there():
+    confusion = confusion_of(
+        [checked("there", "yes"), checked("look-alike", "yes"), checked("not there", "no")]
+    )
+    mimic = MimicPresence(confusion, Asked(), unsure_is_yes=False)
+    assert mimic.is_present(seen("bed", 0), BED)
+    assert mimic.is_present(seen("sofa", 0), BED)
+    assert not mimic.is_present(seen("oven", 0), BED)
+
+
+@pytest.mark.parametrize("unsure", [True, False])
+def test_an_unusable_answer_counts_as_configured(unsure: bool):
+    confusion = confusion_of([checked("there", None), checked("not there", "no")])
+    assert MimicPresence(confusion, Asked(), unsure).is_present(seen("bed", 0), BED) is unsure
+
+
+def test_blocks_are_as_far_from_the_best_as_in_the_exam():
+    assert set(choices(chose(1, COSTS))) == {1}
+    assert set(choices(chose(3, COSTS))) == {3}
+    mixed = choices(chose(1, COSTS), chose(2, COSTS))
+    assert set(mixed) == {1, 2}
+    assert abs(mixed[1] - 100) < 4.0 * math.sqrt(50)
+
+
+def test_where_no_block_could_be_read_the_rule_chooses():
+    assert set(choices(chose(None, COSTS))) == {2}
+
+
+def test_questions_are_counted():
+    mimic = MimicDetector(
+        confusion_of([boxed("near", TRUE_BOX), boxed("absent", None)]), Asked(), 2
+    )
+    mimic.detect(seen("bed", 0), BED)
+    mimic.detect(seen("oven", 0), BED)
+    assert mimic.asked == {"ground": 2, "crop": 1}
