@@ -16,8 +16,8 @@ from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import (
     BUMP_PERSISTENCE,
-    DROP_M,
     CHUNK_CELLS,
+    DROP_M,
     HIT_WEIGHT,
     MAX_EVIDENCE,
     MAX_SIDE_M,
@@ -58,7 +58,7 @@ class TopDownMap:
     lowers it. So a look over a low table does not clear the table, and a table that is carried away
     disappears.
 
-    Where rays pass below the floor there is none: the head of stairs, a drop. Such a cell is occupied.
+    A cell where rays pass below the floor, as at the head of stairs, is occupied: it has none.
 
     The map has no fixed size: it grows by chunks of cells, in all directions, aligned to the
     ``map`` frame.
