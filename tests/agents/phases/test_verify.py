@@ -20,6 +20,7 @@ from small_worlds import small_config
 
 GOING_NEARER = "here is the table, going nearer"
 SHORT_STEPS = {"motion": {"forward_m": 0.25, "turn_angle_deg": 30.0}}
+SCREEN_M = 0.55
 TABLE = np.array([[7.0, 1.0], [8.5, 3.0]])
 
 
@@ -94,3 +95,34 @@ def test_the_check_is_not_asked_again_on_the_last_steps():
     steps, _ = search_for_the_table(2.0, Boxes(), presence=presence)
     assert GOING_NEARER in {step.reason for step in steps}
     assert presence.asked == 1
+
+
+class SeesNoFartherThanTheScreen(GroundTruthDetector):
+    """Sees what is there, but nothing where a screen stands right before the camera."""
+
+    def detect(self, observation, goal):
+        is_screened = float(observation.depth.max()) <= SCREEN_M
+        return [] if is_screened else super().detect(observation, goal)
+
+
+@pytest.mark.parametrize("sees_first", [True, False])
+def test_it_leaves_a_position_from_which_something_hides_the_goal(sees_first):
+    config = small_config(
+        search={"see_before_stop": sees_first, "verify_view": "current"}, embodiment=SHORT_STEPS
+    )
+    presence = SaysYes()
+    agent = build_search(config, SeesNoFartherThanTheScreen(), ExchangeLog(), presence=presence)
+    world = meeting_table()
+    start = Pose2(2.0, 2.0, 0.0)
+    episode = episode_from(start, "table", max_steps=150)
+    observation = world.reset(episode)
+    agent.reset(episode.goal)
+    events = []
+    while (action := agent.act(observation)) not in (Action.STOP, None):
+        events += agent.last_step.events
+        observation = world.step(action)
+        here = np.array(world.pose.xy)
+        if not presence.asked and np.linalg.norm(here - here.clip(*TABLE)) < 1.1:
+            depth = np.full_like(observation.depth, SCREEN_M)
+            observation = replace(observation, depth=depth)
+    assert ("goal area not in sight from here" in events) == sees_first
