@@ -151,8 +151,7 @@ def bare_pass(observation: Observation, counts: NDArray[np.uint16]) -> int:
 def distinct_voxels(depth, start, across, down, counts):
     touched = np.empty(depth.size, dtype=np.int32)
     near, far = np.float32(0.5), np.float32(5.0)
-    hole, drops = np.full(2, -np.inf, dtype=np.float32), np.zeros((1, 1), dtype=np.uint8)
-    n = count_points(depth, near, far, start, across, down, 400, 32, hole, counts, touched, drops)
+    n = count_points(depth, near, far, start, across, down, 400, 32, counts, touched)
     for i in range(n):
         counts[touched[i]] = 0
     return n

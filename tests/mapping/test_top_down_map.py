@@ -252,44 +252,6 @@ def test_what_is_too_near_to_be_measured_is_kept():
     assert not lost
 
 
-UPSTAIRS = [  # floor up to x = 2, then stairs down, in a well with a wall at its end
-    ((-30.0, -30.0, -0.3), (2.0, 30.0, 0.0)),
-    *(((2.0 + 0.28 * k, -0.6, -3.0), (2.28 + 0.28 * k, 0.6, -0.18 * (k + 1))) for k in range(8)),
-    ((2.0, -0.8, -3.0), (4.5, -0.6, 1.5)),
-    ((2.0, 0.6, -3.0), (4.5, 0.8, 1.5)),
-    ((4.3, -0.8, -3.0), (4.5, 0.8, 1.5)),
-]
-TOWARDS_STAIRS = [Pose2(0.1 * k, 0.0, 0.0) for k in range(-2, 6)]
-
-
-def test_where_rays_pass_below_the_floor_there_is_none():
-    grid = map_of(UPSTAIRS, TOWARDS_STAIRS).grid
-    drop = grid.cells_of(np.array([[x, y] for x in (2.3, 2.8, 3.3) for y in (-0.3, 0.0, 0.3)]))
-    assert (grid.cells[tuple(drop.T)] == Cell.OCCUPIED).all()
-    before = grid.cells_of(np.array([[1.9, y] for y in (-0.4, 0.0, 0.4)]))
-    assert (grid.cells[tuple(before.T)] == Cell.FREE).all()
-
-
-def test_a_step_down_is_no_drop():
-    lower = [((-30.0, -30.0, -1.0), (2.0, 30.0, 0.0)), ((2.0, -30.0, -1.0), (30.0, 30.0, -0.2))]
-    assert len(points(map_of(lower, [HERE]), Cell.OCCUPIED)) == 0
-
-
-def test_a_few_points_below_the_floor_are_noise():
-    view = view_of([FLOOR], HERE)
-    view.depth[170:172, 150:154] *= 1.5
-    world_map = TopDownMap(CONFIG, EMBODIMENT)
-    world_map.integrate(view)
-    assert len(points(world_map, Cell.OCCUPIED)) == 0
-
-
-def test_where_the_robot_stands_there_is_a_floor():
-    robot = Pose2(2.6, 0.0, 0.0)
-    world_map = map_of(UPSTAIRS, TOWARDS_STAIRS)
-    world_map.integrate(view_of([FLOOR], robot))
-    assert world_map.grid.state_at(*robot.xy) == Cell.FREE
-
-
 def test_the_robot_stands_on_free_floor():
     world_map = map_of([FLOOR, TABLE], [HERE])
     world_map.integrate(view_of([FLOOR], Pose2(2.4, 0.0, 0.0)))

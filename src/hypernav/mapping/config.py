@@ -25,9 +25,6 @@ its increase per metre of depth, since depth noise grows with depth."""
 BUMP_PERSISTENCE = 30
 """Number of frames that must show the floor of a bumped cell before the bump is forgotten; a robot
 often bumps into what its camera cannot see."""
-DROP_M = 0.25
-"""Depth below the floor, metres, from which a point shows that its ray passed no floor; less is
-noise, or a step down."""
 CHUNK_CELLS = 128
 """Side of the chunks that the map grows by, so that it seldom has to be copied."""
 MAX_SIDE_M = 500.0
@@ -47,8 +44,8 @@ class HeightBand(NamedTuple):
 
 
 def memory_of(cells: int, band: HeightBand) -> int:
-    """Memory of this many cells of a map, bytes: one per voxel, and eight per cell."""
-    return cells * (band.layers + 8)
+    """Memory of this many cells of a map, bytes: one per voxel, and seven per cell."""
+    return cells * (band.layers + 7)
 
 
 class MappingConfig(RoomConfig):

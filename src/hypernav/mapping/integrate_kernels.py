@@ -11,13 +11,11 @@ type in it is renamed:
 - ``arrays``, the map, rows along y and columns along x: ``evidence`` uint8 (rows, columns, layers)
   of every voxel of the height band; ``raised`` uint32 bit mask of the layers that have evidence;
   ``seen`` uint8, 1 where the cell was seen to be free floor or the robot stood; ``bumps`` uint8,
-  clear views until a bump is forgotten; ``drops`` uint8, points seen below the floor through the
-  cell; ``cells`` uint8, the outcome, values of `Cell`
+  clear views until a bump is forgotten; ``cells`` uint8, the outcome, values of `Cell`
 - ``window``: row and column in the map, rows, columns
 - ``lens``: fx, fy, cx, cy, pixels, then limits of the sensor's range, both exclusive, metres
 - ``pose``: the upper three rows of the matrix from the ``map`` to the optical frame, flat
 - ``sizes``: side of a cell, height of a voxel, bottom of the height band, metres
-- ``hole``: height of the floor, and that of a point from which there is none, in layers
 - ``weights``: fewest points of a hit, evidence of a hit, evidence of a pass, evidence from which a
   cell is occupied, largest evidence
 - ``margins``: metres, and metres per metre, that a ray must end behind a voxel to have passed it
@@ -30,8 +28,6 @@ from numba.extending import register_jitable
 from hypernav.core.geometry import depth as depth_rule
 
 UNKNOWN, FREE, OCCUPIED = 0, 1, 2
-DROP_POINTS = 10
-"""Points seen below the floor through a cell from which there is no floor in it."""
 BELIEVED_RANGES = 3.0
 """Depth, as a multiple of the sensor's largest depth, from which it is not believed."""
 BELIEVED_M = 65.5
@@ -41,9 +37,7 @@ is_measured = register_jitable(no_cfunc_wrapper=True)(depth_rule.is_measured)
 
 
 @register_jitable(no_cfunc_wrapper=True)
-def count_points(
-    depth, nearest, farthest, start, across, down, columns, layers, hole, counts, touched, drops
-):
+def count_points(depth, nearest, farthest, start, across, down, columns, layers, counts, touched):
     """Count the points in every voxel of the window.
 
     Args:
@@ -55,11 +49,8 @@ def count_points(
         down: float32 (height, 3), change per metre of depth for the pixel's row, in voxels.
         columns: Number of columns of the window.
         layers: Number of layers of voxels in the height band.
-        hole: float32, heights of the floor, and of a point from which there is none, in layers.
         counts: uint16, flat (row, column, layer) of the window, zero on entry.
         touched: int32, receives the indices of the counts that are no longer zero.
-        drops: uint8 (rows, columns) of the window: points below the floor whose rays passed the
-            floor's plane there.
 
     Returns:
         Number of touched voxels.
@@ -74,11 +65,6 @@ def count_points(
             if not is_measured(d, nearest, farthest):
                 continue
             h = z0 + d * (bz + across[u, 2])
-            if h < hole[1] and z0 > hole[0]:
-                d *= (z0 - hole[0]) / (z0 - h)
-                row = int(y0 + d * (by + across[u, 1]))
-                column = int(x0 + d * (bx + across[u, 0]))
-                drops[row, column] = min(drops[row, column] + 1, 255)
             if h < np.float32(0.0) or h >= top:
                 continue
             column = int(x0 + d * (bx + across[u, 0]))
@@ -96,7 +82,7 @@ def count_points(
 @register_jitable(no_cfunc_wrapper=True)
 def add_hits(counts, touched, n, window, weights, arrays):
     """Add evidence to the voxels that enough of the counted points hit."""
-    evidence, raised, _, _, _, cells = arrays
+    evidence, raised, _, _, cells = arrays
     fewest, hit, _, enough, most = weights
     row0, column0, _, columns = window
     layers = evidence.shape[2]
@@ -115,9 +101,9 @@ def add_hits(counts, touched, n, window, weights, arrays):
 
 
 @register_jitable(no_cfunc_wrapper=True)
-def state_of(evidence, seen, bumps, drops, row, column, enough):
+def state_of(evidence, seen, bumps, row, column, enough):
     """State of a cell, from all that is known about it."""
-    if bumps[row, column] > 0 or drops[row, column] >= DROP_POINTS:
+    if bumps[row, column] > 0:
         return OCCUPIED
     for k in range(evidence.shape[2]):
         if evidence[row, column, k] >= enough:
@@ -230,7 +216,7 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
     above the floor first, then up the height band and, for a camera above it, up to the camera.
     After the ``window`` come x and y of its corner, metres. The ``arrays`` are changed in place.
     """
-    evidence, raised, seen, bumps, drops, cells = arrays
+    evidence, raised, seen, bumps, cells = arrays
     row0, column0, rows, columns, x0, y0 = window
     layers = evidence.shape[2]
     top = max(sizes[2] + layers * sizes[1], heights[-1])
@@ -242,10 +228,10 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
             if not in_sight(depth.shape[1], lens, pose, x, y, 0.0, top):
                 continue
             column = column0 + j
-            changed = drops[row, column] >= DROP_POINTS
+            changed = False
             floor = sees_floor(depth, lens, pose, x, y, heights)
             if floor > 0:
-                changed = changed or seen[row, column] == 0
+                changed = seen[row, column] == 0
                 seen[row, column] = 1
                 if floor == 2 and bumps[row, column] > 0:
                     bumps[row, column] -= 1
@@ -263,7 +249,7 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
                         raised[row, column] &= ~bit
                     changed = True
             if changed:
-                cells[row, column] = state_of(evidence, seen, bumps, drops, row, column, weights[3])
+                cells[row, column] = state_of(evidence, seen, bumps, row, column, weights[3])
 
 
 @register_jitable(no_cfunc_wrapper=True)
@@ -272,7 +258,7 @@ def free_footprint(robot, arrays):
 
     With a radius of 0, none are freed.
     """
-    evidence, raised, seen, bumps, drops, cells = arrays
+    evidence, raised, seen, bumps, cells = arrays
     row, column, radius = robot
     if radius <= 0.0:
         return
@@ -284,7 +270,6 @@ def free_footprint(robot, arrays):
                     evidence[i, j, k] = 0
                 raised[i, j] = 0
                 bumps[i, j] = 0
-                drops[i, j] = 0
                 seen[i, j] = 1
                 cells[i, j] = FREE
 
@@ -300,7 +285,6 @@ def integrate_frame(
     corner,
     robot,
     sizes,
-    hole,
     weights,
     margins,
     counts,
@@ -317,20 +301,8 @@ def integrate_frame(
     start, across, down = rays
     nearest, farthest = np.float32(lens[4]), np.float32(lens[5])
     layers = arrays[0].shape[2]
-    rows, columns = slice(window[0], window[0] + window[2]), slice(window[1], window[1] + window[3])
     n = count_points(
-        depth,
-        nearest,
-        farthest,
-        start,
-        across,
-        down,
-        window[3],
-        layers,
-        hole,
-        counts,
-        touched,
-        arrays[4][rows, columns],
+        depth, nearest, farthest, start, across, down, window[3], layers, counts, touched
     )
     add_hits(counts, touched, n, window, weights, arrays)
     sweep_window(

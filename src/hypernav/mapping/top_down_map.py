@@ -17,7 +17,6 @@ from hypernav.core.observation import Observation
 from hypernav.mapping.config import (
     BUMP_PERSISTENCE,
     CHUNK_CELLS,
-    DROP_M,
     HIT_WEIGHT,
     MAX_EVIDENCE,
     MAX_SIDE_M,
@@ -27,7 +26,7 @@ from hypernav.mapping.config import (
     MappingConfig,
     memory_of,
 )
-from hypernav.mapping.integrate_kernels import DROP_POINTS, FREE, OCCUPIED, UNKNOWN, integrate_frame
+from hypernav.mapping.integrate_kernels import FREE, OCCUPIED, UNKNOWN, integrate_frame
 
 
 class _Arrays(NamedTuple):
@@ -37,7 +36,6 @@ class _Arrays(NamedTuple):
     raised: UInt32[np.ndarray, "rows columns"]
     seen: UInt8[np.ndarray, "rows columns"]
     bumps: UInt8[np.ndarray, "rows columns"]
-    drops: UInt8[np.ndarray, "rows columns"]
     cells: UInt8[np.ndarray, "rows columns"]
 
 
@@ -57,8 +55,6 @@ class TopDownMap:
     each with its own evidence. Points raise a voxel's evidence; a ray that passes through a voxel
     lowers it. So a look over a low table does not clear the table, and a table that is carried away
     disappears.
-
-    A cell where rays pass below the floor, as at the head of stairs, is occupied: it has none.
 
     The map has no fixed size: it grows by chunks of cells, in all directions, aligned to the
     ``map`` frame.
@@ -82,11 +78,6 @@ class TopDownMap:
         self._arrays = _empty_arrays(0, 0, self._band.layers)
         self._allocate(0, 0, 1, 1)
         self._sizes = (config.cell_size_m, config.voxel_height_m, self._band.bottom_m)
-        per_layer = 1.0 / config.voxel_height_m
-        self._hole = (
-            np.float32(-self._band.bottom_m * per_layer),
-            np.float32((-DROP_M - self._band.bottom_m) * per_layer),
-        )
         self._weights = (
             config.min_points,
             HIT_WEIGHT,
@@ -189,7 +180,6 @@ class TopDownMap:
                 max(radius_m / size - 0.5, 0.5) if config.free_footprint else 0.0,
             ),
             self._sizes,
-            self._hole,
             self._weights,
             self._margins,
             self._counts,
@@ -226,7 +216,6 @@ class TopDownMap:
         arrays = self._arrays
         bumped = arrays.bumps > 0
         occupied = (arrays.evidence[bumped] >= OCCUPIED_EVIDENCE).any(axis=1)
-        occupied |= arrays.drops[bumped] >= DROP_POINTS
         free = np.where(arrays.seen[bumped] > 0, FREE, UNKNOWN)
         arrays.cells[bumped] = np.where(occupied, OCCUPIED, free)
         arrays.bumps[bumped] = 0
@@ -324,7 +313,6 @@ def _empty_arrays(rows: int, columns: int, layers: int) -> _Arrays:
         raised=np.zeros((rows, columns), dtype=np.uint32),
         seen=np.zeros((rows, columns), dtype=np.uint8),
         bumps=np.zeros((rows, columns), dtype=np.uint8),
-        drops=np.zeros((rows, columns), dtype=np.uint8),
         cells=np.zeros((rows, columns), dtype=np.uint8),
     )
 
