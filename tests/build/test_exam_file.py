@@ -8,6 +8,7 @@ import pytest
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.exam_file import read_exam, without_auto
 from hypernav.build.presets import preset
+from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
 
 SERVER = "openai:http://localhost:8000/v1"
@@ -111,3 +112,20 @@ def test_a_missing_and_a_cut_file_are_refused(tmp_path: Path):
     path.write_bytes(path.read_bytes()[:-20])
     with pytest.raises(ConfigError, match="or damaged"):
         read_exam(path)
+
+
+@pytest.mark.parametrize(
+    "own", ["presence.calibration=[[0.5, 0.9]]", "local.score_weights=[[0.5, 2.0]]"]
+)
+def test_two_answers_to_what_an_answer_is_worth_are_refused(tmp_path: Path, own: str):
+    config = layered(preset("default"), assignments=(own,))
+    with pytest.raises(ConfigError, match="leave one of the two out"):
+        read_exam(written(tmp_path)).applied(config, unchecked=False)
+
+
+def test_auto_takes_the_reasoner_that_was_examined(tmp_path: Path):
+    exam = read_exam(written(tmp_path))
+    who = exam.who | {"block": "random"}
+    other = exam.model_copy(update={"who": who})
+    chosen, _ = without_auto(ComponentSpecs(reasoner="auto"), other, "paper")
+    assert chosen.reasoner == "random"

@@ -23,7 +23,7 @@ VERSION = 2
 
 
 class _Part(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="ignore")
+    model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
 
 class Worth(_Part):
@@ -55,7 +55,7 @@ class Predicted(_Part):
     steps: float
     asked: dict[str, float]
     seconds: float
-    leave_out: tuple[str, ...] = ()
+    leave_out: tuple[Literal["block", "presence"], ...] = ()
 
 
 class Cost(_Part):
@@ -134,7 +134,15 @@ class ExamFile(_Part):
         Args:
             config: The configuration.
             unchecked: Whether the presence of the goal is not checked.
+
+        Raises:
+            ConfigError: The configuration says already what answers are worth.
         """
+        if config.presence.calibration or config.local.score_weights:
+            raise ConfigError(
+                "--exam says what answers are worth, and so do presence.calibration and "
+                "local.score_weights; leave one of the two out"
+            )
         presence = {"calibration": self.worth.presence}
         presence |= {"enabled": False} if unchecked else {}
         local = {"score_weights": self.worth.boxes}
@@ -167,7 +175,8 @@ def read_exam(path: Path) -> ExamFile:
         where = ".".join(map(str, first["loc"])) or "the file"
         raise ConfigError(
             f"--exam {path} is no exam of this version, or damaged ({where}: {first['msg']}); "
-            "the same hypernav exam writes it again without asking anything twice"
+            "the same hypernav exam writes a damaged one again without asking anything twice; for "
+            "another version sit it anew, in another --out"
         ) from error
 
 
@@ -195,6 +204,6 @@ def without_auto(
             "--reasoner auto does what an exam says: name one with a prediction, such as --exam "
             "runs/exam-…/exam.json"
         )
-    by_rule = specs.vlm is None or "block" in predicted.leave_out
-    reasoner = "geometric" if by_rule else "vlm"
+    examined = "geometric" if exam is None else exam.who.get("block", "geometric")
+    reasoner = "geometric" if "block" in predicted.leave_out else examined
     return replace(specs, reasoner=reasoner), "presence" in predicted.leave_out

@@ -28,7 +28,14 @@ from hypernav.exam.examinee import Examinee, check_named
 from hypernav.exam.gathering import questions_of
 from hypernav.exam.prediction import Prediction, predictions_of
 from hypernav.exam.questions import Answered
-from hypernav.exam.results import Examined, differences_of, write_comparison, write_results
+from hypernav.exam.results import (
+    PAGE,
+    RESULT,
+    Examined,
+    differences_of,
+    write_comparison,
+    write_results,
+)
 from hypernav.exam.searches import SEARCHES, mimics_of, run_searches, spread_episodes
 from hypernav.exam.sitting import FORECAST_AFTER, Progress, sit
 from hypernav.models.chat.ledger import Ledger
@@ -111,8 +118,11 @@ def _examined(
         bank = Bank(options.bank, options.size, examinee.kinds)
         examined = _described(options, config, bank, examinee, chat)
         answers = _watched(options, config, folder, bank, examinee, examined, console)
-        page = write_results(folder, examined, answers)  # before minutes of searches
-        if options.predict and options.compare is None:
+        predicts = options.predict > 0 and options.compare is None
+        page = folder / PAGE
+        if not predicts or not (folder / RESULT).exists():  # before minutes of searches
+            page = write_results(folder, examined, answers)
+        if predicts:
             predictions = _predicted(options, config, folder, answers, console)
             page = write_results(folder, examined, answers, predictions)
         return answers, page

@@ -123,7 +123,9 @@ def cost_by_episodes(
         tokens_in=sum(one.tokens_in for one in records) / count,
         tokens_out=sum(one.tokens_out for one in records) / count,
         seconds=sum(one.seconds.get("total", 0.0) for one in records) / count,
-        images=_images_at_destinations(config, calls.get("choose block", 0.0)),
+        images=_images_at_destinations(
+            config, sum(one.questions.get("choose block", 0) for one in records) / count
+        ),
     )
 
 
@@ -154,7 +156,7 @@ def cost_lines(cost: SearchCost, count: int, workers: int, config: HyPerNavConfi
     lines += [
         f"{switch} saves {share:.0%} of the calls"
         for switch, share in cost.saved_by().items()
-        if share >= 0.005
+        if share >= 0.005 and not (switch == FEWER_LOOKS and config.search.looks != "always")
     ]
     return lines
 

@@ -59,9 +59,10 @@ def _boxes(answers: Sequence[Answered]) -> list[tuple[float, bool]]:
 def _true_probabilities(told: Sequence[tuple[float, bool]]) -> Curve:
     """Told values with the probability that it is so, if it were so in half of all cases.
 
-    The probability never falls with the value (isotonic regression). Half a case is added to either
-    side of every step, so that few answers make nothing certain. Answers without a box, whose value
-    is negative, have no point of their own.
+    The probability never falls with the value (isotonic regression). Half a case of the side with
+    fewer answers is added to both sides of every step, so that few answers make nothing certain,
+    and an answer that is as frequent on both sides is worth nothing. Answers without a box, whose
+    value is negative, have no point of their own.
     """
     said, so = np.round([v for v, _ in told], 3), np.array([is_so for _, is_so in told], dtype=bool)
     counts = (int(so.sum()), int((~so).sum()))
@@ -71,13 +72,13 @@ def _true_probabilities(told: Sequence[tuple[float, bool]]) -> Curve:
     weights = np.bincount(where, np.where(so, 1.0 / counts[0], 1.0 / counts[1]))
     rises = np.bincount(where, np.where(so, 1.0 / counts[0], 0.0)) / weights
     blocks = isotonic_regression(rises, weights=weights).blocks
-    points = []
+    half, points = 0.5 / min(counts), []
     for first, last in itertools.pairwise(blocks.tolist()):
         mine = (where >= first) & (where < last)
         if not (mine & (said >= 0.0)).any():
             continue
-        yes = (so[mine].sum() + 0.5) / (counts[0] + 1.0)
-        no = ((~so[mine]).sum() + 0.5) / (counts[1] + 1.0)
+        yes = so[mine].sum() / counts[0] + half
+        no = (~so[mine]).sum() / counts[1] + half
         points.append((float(said[mine & (said >= 0.0)].mean()), float(yes / (yes + no))))
     highest = np.maximum.accumulate([p for _, p in points]).tolist()
     return tuple((v, round(p, 4)) for (v, _), p in zip(points, highest, strict=True))

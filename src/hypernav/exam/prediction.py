@@ -38,8 +38,12 @@ class Prediction:
 
     @property
     def leave_out(self) -> tuple[Kind, ...]:
-        """The questions that are better not asked: the search is no worse without them."""
-        return tuple(k for k, gap in self.without.items() if gap.difference.mean >= 0.0)
+        """The questions that are better not asked: the search is no worse without them.
+
+        Where it finds nothing with or without a question, nothing is said.
+        """
+        least = 0.0 if self.spl.mean > 0.0 else 1e-9
+        return tuple(k for k, gap in self.without.items() if gap.difference.mean >= least)
 
 
 def predictions_of(episodes: Sequence[SearchedEpisode]) -> list[Prediction]:
