@@ -22,8 +22,8 @@ from small_episodes import episode_from
 
 CAMERA = CameraConfig(width=32, height=24)
 TURN_DEG = 10.0
-MESH_ERROR_M = 0.3
-"""Height of a mesh over treads: a voxel of 0.2 m, and some more."""
+MESH_ERROR_M = 0.35
+"""Height of a mesh over treads: a voxel of 0.2 m, and most of a step."""
 
 
 @cache
