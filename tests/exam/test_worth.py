@@ -69,7 +69,14 @@ def test_boxes_that_miss_the_goal_are_false_ones():
     good = worth_of([boxed("near", TRUE_BOX), boxed("absent", None)] * 20).boxes[0][1]
     bad = worth_of([boxed("near", ELSEWHERE), boxed("absent", None)] * 20).boxes[0][1]
     assert good > 2.0
-    assert bad <= 0.0
+    assert bad == pytest.approx(0.0)  # no box never counts for more, and it tells nothing here
+
+
+def test_low_scores_that_miss_the_goal_speak_against_it():
+    answers = [boxed("near", TRUE_BOX, 0.9), boxed("near", ELSEWHERE, 0.3), boxed("absent", None)]
+    low, high = worth_of(answers * 20).boxes
+    assert low[1] < -0.5
+    assert high[1] > 2.0
 
 
 def test_few_answers_tell_nothing():

@@ -22,8 +22,10 @@ from small_episodes import episode_from
 
 CAMERA = CameraConfig(width=32, height=24)
 TURN_DEG = 10.0
-MESH_ERROR_M = 0.35
-"""Height of a mesh over treads: a voxel of 0.2 m, and most of a step."""
+MESH_ERROR_M = 0.3
+"""Height of a mesh over treads: a voxel of 0.2 m, and some more."""
+MESH_CELL_M = 0.05
+"""Side of a mesh's cells, to which it knows the edges of treads."""
 
 
 @cache
@@ -60,11 +62,16 @@ def walk(world: SimulatedWorld, start: Position, end: Position) -> list[Position
 
 
 def heights_above_ground(world: SimulatedWorld, positions: list[Position]) -> np.ndarray:
-    """Heights of positions above what lies under the cameras there."""
+    """Heights of positions above what lies under the cameras there, to within a cell."""
+    rays = RayCaster(world.scene)
     eyes = np.array(positions, dtype=np.float32)
     eyes[:, 2] += np.float32(CAMERA.height_m)
     down = np.tile(np.array([0.0, 0.0, -1.0], dtype=np.float32), (len(eyes), 1))
-    return RayCaster(world.scene).distances(eyes, down, 3.0) - CAMERA.height_m
+    beside = [(0.0, 0.0), *((x, y) for x in (-1.0, 1.0) for y in (-1.0, 1.0))]
+    offsets = np.array([(x, y, 0.0) for x, y in beside], dtype=np.float32) * MESH_CELL_M / 2.0
+    heights = np.stack([rays.distances(eyes + one, down, 3.0) for one in offsets])
+    heights -= CAMERA.height_m
+    return heights[np.abs(heights).argmin(axis=0), np.arange(len(eyes))]
 
 
 @pytest.mark.slow
