@@ -50,6 +50,29 @@ def test_what_is_broken_is_written_again(tmp_path: Path, content, caplog):
     assert same(kept_arrays(tmp_path, "x", never), ARRAYS)
 
 
+def test_arrays_that_are_not_those_that_were_kept_are_written_again(tmp_path: Path, caplog):
+    def lose(home: Path) -> None:
+        (home / "a.npy").unlink()
+
+    def swap(home: Path) -> None:
+        np.save(home / "a.npy", ARRAYS["a"].T.copy())
+
+    def add(home: Path) -> None:
+        np.save(home / "b.npy", ARRAYS["a"])
+
+    def forget(home: Path) -> None:
+        (home / "arrays.json").unlink()
+
+    for number, damage in enumerate((lose, swap, add, forget)):
+        name = f"x-{number}"
+        kept_arrays(tmp_path, name, lambda: ARRAYS)
+        damage(tmp_path / name)
+        caplog.clear()
+        assert same(kept_arrays(tmp_path, name, lambda: ARRAYS), ARRAYS)
+        assert "is broken" in caplog.text
+        assert same(kept_arrays(tmp_path, name, never), ARRAYS)
+
+
 def test_nobody_sees_a_folder_that_is_half_written(tmp_path: Path):
     def write(folder: Path) -> None:
         (folder / "first").write_text("1")

@@ -1,11 +1,12 @@
 """Arrays that are computed once and kept in the cache, mapped into memory when they are needed.
 
 They are in a folder of their own, which is written under another name and then renamed, so that
-it is never seen incomplete. Broken arrays are computed and written again; without a writable
-cache nothing is kept.
+it is never seen incomplete. A list beside them says which they are. Arrays that are broken, or not
+those of the list, are computed and written again; without a writable cache nothing is kept.
 """
 
 import hashlib
+import json
 import logging
 import shutil
 import tempfile
@@ -14,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+_LIST = "arrays.json"
 _LOGGER = logging.getLogger(__name__)
 
 
@@ -33,7 +35,7 @@ def kept_arrays(
     home = folder / name
     try:
         if home.is_dir():
-            return {path.stem: mapped_array(path) for path in sorted(home.glob("*.npy"))}
+            return _read(home)
     except (OSError, ValueError) as error:
         _LOGGER.warning("%s is broken (%s) and is written again", home, error)
     arrays = compute()
@@ -84,6 +86,26 @@ def digest_of(sources: Iterable[Path]) -> str:
     return digest.hexdigest()[:16]
 
 
+def _read(folder: Path) -> dict[str, np.ndarray]:
+    """The arrays of a folder.
+
+    Raises:
+        OSError: A file cannot be read.
+        ValueError: They are not those that were kept.
+    """
+    listed = json.loads((folder / _LIST).read_text(encoding="utf-8"))
+    arrays = {path.stem: mapped_array(path) for path in sorted(folder.glob("*.npy"))}
+    if _listed(arrays) != listed:
+        raise ValueError(f"its arrays are not those of {_LIST}")
+    return arrays
+
+
 def _save(folder: Path, arrays: Mapping[str, np.ndarray]) -> None:
     for name, array in arrays.items():
         np.save(folder / f"{name}.npy", array)
+    (folder / _LIST).write_text(json.dumps(_listed(arrays)), encoding="utf-8")
+
+
+def _listed(arrays: Mapping[str, np.ndarray]) -> dict[str, list[str | int]]:
+    """Type and shape of every array by its name."""
+    return {name: [array.dtype.str, *array.shape] for name, array in arrays.items()}
