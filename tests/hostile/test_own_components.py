@@ -10,9 +10,9 @@ from hostile.commands import check, run, start, wait
 pytestmark = pytest.mark.slow
 
 MODULE = """
-import os, sys, threading, time
+import os, signal, sys, threading, time
 import numpy as np
-from hypernav import Box, Detection
+from hypernav import Action, Box, Detection
 
 class Exits:
     def reset(self, goal): pass
@@ -20,6 +20,17 @@ class Exits:
 
 class Leaves(Exits):
     def act(self, observation): os._exit(0)
+
+class Crashes(Exits):
+    def act(self, observation): os.kill(os.getpid(), signal.SIGSEGV)
+
+class Wanders(Exits):
+    def act(self, observation):
+        os.chdir("/")
+        return Action.STOP
+
+class Attributes(Exits):
+    act = 5
 
 class Lingers(Exits):
     def act(self, observation):
@@ -102,7 +113,12 @@ def test_what_is_no_component_is_the_users_mistake(folder):
 
 
 @pytest.mark.parametrize(
-    ("agent", "did"), [("Exits", "act ended the program"), ("Leaves", "ended")]
+    ("agent", "did"),
+    [
+        ("Exits", "act ended the program"),
+        ("Leaves", "ended"),
+        ("Crashes", r"its process was killed by signal 11 (SIGSEGV)"),
+    ],
 )
 def test_an_evaluation_never_takes_it_for_the_simulators_fault(agent, did, folder):
     command = ["eval", "scene:room.glb#2", "--out", "out", "--workers", "1", *SMALL]
@@ -111,6 +127,21 @@ def test_an_evaluation_never_takes_it_for_the_simulators_fault(agent, did, folde
     check(ended, 70, f"--agent mine:{agent}: {did}")
     assert not (folder / "out" / "episodes.jsonl").exists()
     assert len(json.loads((folder / "out" / "sessions.jsonl").read_text())["crashes"]) == 3
+
+
+def test_an_agent_whose_method_is_none_is_the_users_mistake(folder):
+    options = ["--scene", "room.glb", "--out", "out", "--agent", "mine:Attributes", *SMALL]
+    check(run(["find", "lamp", *options], folder), 2, "mine:Attributes is no Agent: it has no act")
+
+
+def test_a_working_directory_that_it_changes_moves_no_results(folder):
+    options = ["--scene", "room.glb", "--out", "out", "--agent", "mine:Wanders", *SMALL]
+    ended = run(["find", "lamp", *options], folder)
+    assert ended.status == 1
+    assert "open out/index.html" in ended.out
+    assert {"index.html", "result.json", "episode.mp4"} <= {
+        path.name for path in (folder / "out").iterdir()
+    }
 
 
 def test_a_thread_that_it_forgets_keeps_no_process_alive(folder):

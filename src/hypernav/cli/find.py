@@ -117,9 +117,10 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
             reasoner=parts.reasoner_words,
             step_limit=steps,
         )
+        # Absolute, since a component of the user's own may change the working directory.
         with (
             folder_lock(folder),
-            EpisodeRecorder(folder, **asdict(info)) as recorder,
+            EpisodeRecorder(folder.absolute(), **asdict(info)) as recorder,
             opened_views(options.views, info, recorder) as views,
         ):
             stopped_by = _search(search, views, console, status, goal.text)
@@ -142,7 +143,10 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
                 stopped_by = stopped_by or unwritten
                 status.stop()
                 if not isinstance(stopped_by, ModelSetupError):
-                    _say(console, goal, outcome, folder)
+                    _say(console, goal, outcome)
+                    if (recorder.folder / "index.html").exists():
+                        page = escape(str(folder / "index.html"))
+                        console.print(f"  open {page}", soft_wrap=True)
                     _warn(console, outcome, recorder)
             if not isinstance(stopped_by, Terminated | ModelSetupError):
                 views.stay(console)
@@ -212,7 +216,7 @@ def _warn(console: Console, result: EpisodeResult, recorder: EpisodeRecorder) ->
         console.print(line, soft_wrap=True)
 
 
-def _say(console: Console, goal: Goal, result: EpisodeResult, folder: Path) -> None:
+def _say(console: Console, goal: Goal, result: EpisodeResult) -> None:
     metrics = result.metrics
     console.print(OUTCOME_WORDS[result.outcome].format(goal=escape(goal.thing)))
     if result.detail:
@@ -226,7 +230,6 @@ def _say(console: Console, goal: Goal, result: EpisodeResult, folder: Path) -> N
         f"  {result.steps} steps, {', '.join(lengths)}, SPL {metrics.spl:.2f}, "
         f"{result.seconds['total']:.0f} s"
     )
-    console.print(f"  open {escape(str(folder / 'index.html'))}", soft_wrap=True)
 
 
 def _live_line(step: EpisodeStep, goal: str) -> str:

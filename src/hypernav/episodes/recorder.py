@@ -173,6 +173,10 @@ class EpisodeRecorder:
             )
             if not self._attempt(name, write)
         ]
+        if missing and not self.folder.is_dir():
+            raise OutputError(
+                f"{self.folder} was removed while the search ran; search again to have its files"
+            )
         if missing:
             raise OutputError(
                 f"{self.folder}: {', '.join(missing)} could not be written; is the disk full? All "

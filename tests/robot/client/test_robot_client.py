@@ -1,18 +1,23 @@
 """What a client does when the server is late, lost or wrong, and when someone presses stop."""
 
+import math
 import threading
 from contextlib import closing
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from hypernav.core.actions import Action
 from hypernav.core.errors import (
+    ContractError,
     LinkLostError,
     RequestRefusedError,
     RobotLinkError,
     SensorError,
     ServerUnreachableError,
 )
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.robot.client.links import HttpServer, ServerAddress
 from hypernav.robot.client.robot_client import Patience, RobotClient
 from hypernav.robot.client.watchdog import Watchdog
@@ -257,3 +262,36 @@ def test_a_token_is_sent_and_never_shown(tmp_path):
     address = ServerAddress.of("http://a:1", tmp_path / "token")
     assert address.headers == {"Authorization": "Bearer secret"}
     assert "secret" not in str(address) + repr(address)
+
+
+@pytest.mark.parametrize("answer", [None, True, "DONE"])
+def test_a_motion_that_says_nothing_of_itself_is_named(answer):
+    robot, link = StandIn(), Script(go(0))
+    robot.execute = lambda action: answer
+    with pytest.raises(ContractError, match=f"returned {answer!r}; expected Executed.DONE"):
+        list(RobotClient(robot, link))
+    assert link.given_up
+
+
+def test_a_robot_that_observes_nothing_is_named():
+    robot, link = StandIn(), Script(end(0))
+    robot.observe = lambda: None
+    with pytest.raises(ContractError, match="observe returned None; expected a Sensed"):
+        list(RobotClient(robot, link))
+    assert link.given_up
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"odometry": Pose2(math.nan, 0.0, 0.0)}, r"odometry: .* got Pose2\(x=nan"),
+        ({"odom_to_map": Pose2(0.0, 0.0, math.inf)}, r"odom_to_map: .* yaw=inf"),
+        ({"camera_to_base": Transform(np.eye(3), np.full(3, np.nan))}, "camera_to_base"),
+        ({"stamp_s": 1.7e18}, r"seconds from 0 to 1e\+12, got 1\.7e\+18"),
+    ],
+)
+def test_what_a_robot_cannot_have_sensed_is_one_line(changes, words):
+    sensed = StandIn().observe()
+    with pytest.raises(SensorError, match=words) as raised:
+        replace(sensed, **changes)
+    assert "\n" not in str(raised.value)

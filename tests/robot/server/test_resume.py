@@ -2,6 +2,8 @@
 
 import json
 import shutil
+import struct
+import zlib
 
 import pytest
 
@@ -104,11 +106,17 @@ def test_a_search_killed_between_its_last_answer_and_its_end_is_over(tmp_path, s
 def test_a_damaged_search_does_not_keep_others_from_going_on(tmp_path, caplog):
     with robot_server(tmp_path) as link:
         damaged, good = link.open(), link.open()
+        unread = link.open()
+        link.observe(unread, body_of(0))
     (tmp_path / "searches" / damaged.rpartition("/")[2] / "search.json").write_text("{")
+    steps = tmp_path / "searches" / unread.rpartition("/")[2] / "steps.bin"
+    text = b"no decision"
+    steps.write_bytes(struct.pack("<II", len(text), zlib.crc32(text)) + text)
     (tmp_path / "searches" / "stray").mkdir()
     with robot_server(tmp_path) as link:
         assert link.call("GET", good).status == 200
         assert link.call("GET", damaged).status == 404
+        assert link.call("GET", unread).status == 404
     assert "cannot be taken up" in caplog.text
     caplog.clear()
 

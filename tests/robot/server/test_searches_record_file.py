@@ -81,3 +81,13 @@ def test_cutting_keeps_the_first_records(tmp_path):
 def test_a_folder_in_its_place_is_an_error(tmp_path):
     with pytest.raises(RunFolderError, match="cannot be written"):
         RecordFile(tmp_path)
+
+
+def test_zeros_after_the_last_record_are_no_records(tmp_path):
+    path = tmp_path / "file"
+    path.write_bytes(written(path) + bytes(4096))
+    file = RecordFile(path)
+    assert all_of(file) == RECORDS
+    file.append(b"new", sync=False)
+    assert all_of(file) == [*RECORDS, b"new"]
+    file.close()

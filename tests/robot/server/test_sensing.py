@@ -86,7 +86,55 @@ def test_possible_motions_are_taken(action, after):
 
 
 @pytest.mark.parametrize(
-    ("turned", "words"), [(-TURN, r"\+30°.* -30°.*REP 103"), (math.degrees(TURN), "radians")]
+    ("step", "yaw", "words"),
+    [
+        ((-0.5, 0.0), 0.0, r"forward.* 0\.50 m at 180° to its heading.*REP 103"),
+        ((0.0, 0.5), 0.0, "at 90° to its heading"),
+        ((0.5, 0.0), 2.0, "at 115° to its heading"),
+    ],
+)
+def test_steps_in_another_direction_are_named(step, yaw, words):
+    robot, at = Robot(), np.zeros(2)
+    robot.senses((*at, yaw))
+    for _ in range(2):
+        at += step
+        robot.senses((*at, yaw), Action.MOVE_FORWARD)
+        robot.senses((*at, yaw + TURN), Action.TURN_LEFT)  # turns in between change nothing
+        robot.senses((*at, yaw), Action.TURN_RIGHT)
+    at += step
+    with pytest.raises(SensorError, match=words):
+        robot.senses((*at, yaw), Action.MOVE_FORWARD)
+
+
+def test_steps_that_never_happen_are_named_though_turns_do():
+    robot = Robot()
+    robot.senses()
+    yaw = 0.0
+    for _ in range(39):
+        robot.senses((0.0, 0.0, yaw), Action.MOVE_FORWARD, blocked=True)
+        yaw += TURN
+        robot.senses((0.0, 0.0, yaw), Action.TURN_LEFT)
+    with pytest.raises(SensorError, match="40 steps in a row"):
+        robot.senses((0.0, 0.0, yaw), Action.MOVE_FORWARD, blocked=True)
+
+
+def test_a_room_that_looks_the_same_from_two_sides_is_no_frozen_camera():
+    robot = Robot()
+    robot.senses()
+    seen = robot.depth
+    robot.senses((0.0, 0.0, TURN), Action.TURN_LEFT)
+    robot.new_images()
+    robot.depth = seen
+    robot.senses((0.0, 0.0, 2 * TURN), Action.TURN_LEFT, is_new=False)
+
+
+@pytest.mark.parametrize(
+    ("turned", "words"),
+    [
+        (2 * TURN, r"\+30°.* \+60°"),
+        (-TURN, r"\+30°.* -30°.*REP 103"),
+        (math.degrees(TURN), "radians"),
+    ],
 )
 def test_turns_of_another_sign_or_unit_are_named(turned, words):
     robot = Robot()
@@ -129,7 +177,7 @@ def test_a_robot_that_never_moves_is_named():
     robot = Robot()
     for _ in range(40):
         robot.senses(told=Action.MOVE_FORWARD, blocked=robot.count > 0)
-    with pytest.raises(SensorError, match="40 motions in a row"):
+    with pytest.raises(SensorError, match="40 steps in a row"):
         robot.senses(told=Action.MOVE_FORWARD, blocked=True)
 
 

@@ -144,6 +144,17 @@ def test_stop_answers_what_is_pending_and_all_that_comes(link, script):
     assert link.call("POST", f"{search}/close").json["ending"] == "stopped"
 
 
+def test_a_reason_that_cannot_be_written_stops_all_the_same(link):
+    searches = link.open(), link.open()
+    body = rb'{"reason": "half a \ud800 character"}'
+    for path in (f"{searches[0]}/stop", "/v1/stop"):
+        assert link.call("POST", path, body).status == 200
+    for search in searches:
+        status = link.call("GET", search)
+        assert (status.status, status.json["ending"]) == (200, "stopped")
+    assert r"half a \ud800 character" in link.call("GET", searches[0]).json["detail"]
+
+
 def test_a_search_over_is_answered_by_stop(link, script):
     script.length = 1
     search = link.open()
@@ -255,6 +266,16 @@ def test_a_key_belongs_to_one_goal(link):
     refused = link.call("POST", "/v1/searches", request | {"embodiment": robot})
     assert refused.status == 409
     assert "a search for 'door'" in refused.json["message"]
+
+
+def test_a_key_belongs_to_one_robot(link):
+    link.open("door", key="robot-7-tuesday")
+    robot = BoxRoom().embodiment.model_dump()
+    robot["camera"]["height_m"] += 0.1
+    request = {"goal": "door", "key": "robot-7-tuesday", "labels": True, "embodiment": robot}
+    refused = link.call("POST", "/v1/searches", request)
+    assert refused.status == 409
+    assert "another body, camera or step" in refused.json["message"]
 
 
 def test_labels_that_were_promised_must_come(link):

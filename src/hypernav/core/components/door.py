@@ -76,7 +76,12 @@ def check_protocol(thing: object, protocol: type, *, name: str) -> None:
         ContractError: Methods are missing; the message names them.
     """
     wanted = [member for member in dir(protocol) if not member.startswith("_")]
-    missing = [member for member in wanted if not hasattr(thing, member)]
+    missing = [
+        member
+        for member in wanted
+        if not hasattr(thing, member)
+        or (callable(getattr(protocol, member)) and not callable(getattr(thing, member)))
+    ]
     if missing:
         raise ContractError(
             f"{name} is no {protocol.__name__}: it has no {' and no '.join(missing)}; "

@@ -34,6 +34,11 @@ def write_whole(path: Path, content: str | bytes) -> None:
 
 
 def _unwritable(path: Path, error: OSError) -> RunFolderError:
+    if not path.parent.is_dir():
+        return RunFolderError(
+            f"{path.parent} was removed while the run wrote to it, with the episodes up to now; "
+            "put it back and run the same command again, or begin anew"
+        )
     return RunFolderError(
         f"{path} cannot be written ({error.strerror or error}); every episode up to now is safe. "
         "Free some space, then run the same command again: it resumes from here"

@@ -30,6 +30,8 @@ ONE_THREAD = {
 }
 _PYTHON_FAILED = 1
 _COMPONENT_FAILED = 76
+_FAULTS = (signal.SIGSEGV, signal.SIGBUS, signal.SIGILL, signal.SIGFPE, signal.SIGABRT)
+"""Signals by which a program's own mistake ends it; others come from outside."""
 _TERMINATE_TIMEOUT_S = 5.0
 
 
@@ -114,14 +116,20 @@ class ProcessPool:
         started.process.join()
         started.pipe.close()
         code = started.process.exitcode
+        own = " or ".join(own_components(self._job))
         if code is not None and code < 0:
-            return Lost(worker, f"killed by signal {-code} ({_signal_name(-code)})")
+            killed = f"killed by signal {-code} ({_signal_name(-code)})"
+            if not own or -code not in _FAULTS:
+                return Lost(worker, killed)
+            return Crashed(worker, f"{own}: its process was {killed}", is_own=True)
         said = started.said()
         if code == _PYTHON_FAILED and "Traceback" in said:
             return Crashed(worker, said)
         if code != _COMPONENT_FAILED:
-            own = " or ".join(own_components(self._job)) or "native code"
-            said += f"\n{own}: ended the process of a worker with status {code}, as os._exit does"
+            said += (
+                f"\n{own or 'native code'}: ended the process of a worker with status {code}, as "
+                "os._exit does"
+            )
         return Crashed(worker, said, is_own=True)
 
 

@@ -1,6 +1,5 @@
 """The contract of a robot: what a search asks of it."""
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -16,6 +15,7 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import LabelledPixels, Observation
+from hypernav.robot.wire.values import LATEST_S
 
 _ORIGIN = Pose2(0.0, 0.0, 0.0)
 
@@ -63,8 +63,17 @@ class Sensed:
                 "Sensed.depth: expected height × width of type float32, metres, got "
                 f"{' × '.join(map(str, self.depth.shape))} of type {self.depth.dtype}"
             )
-        if not (math.isfinite(self.stamp_s) and self.stamp_s >= 0.0):
-            raise SensorError(f"Sensed.stamp_s: expected seconds from 0 on, got {self.stamp_s}")
+        if not 0.0 <= self.stamp_s <= LATEST_S:
+            raise SensorError(
+                f"Sensed.stamp_s: expected seconds from 0 to {LATEST_S:g}, got {self.stamp_s:g}"
+            )
+        for name, pose in (("odometry", self.odometry), ("odom_to_map", self.odom_to_map)):
+            if not isinstance(pose, Pose2) or not np.isfinite([pose.x, pose.y, pose.yaw]).all():
+                raise SensorError(
+                    f"Sensed.{name}: expected a Pose2 of finite numbers, got {pose!r:.80}"
+                )
+        if self.camera_to_base is not None and not np.isfinite(self.camera_to_base.matrix).all():
+            raise SensorError("Sensed.camera_to_base: expected finite numbers")
 
     def observation(self, camera: PinholeCamera, camera_to_base: Transform) -> Observation:
         """The same data as an agent's observation.

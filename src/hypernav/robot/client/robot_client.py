@@ -13,6 +13,7 @@ from types import TracebackType
 
 from hypernav.core.actions import Action
 from hypernav.core.errors import (
+    ContractError,
     LinkLostError,
     RequestRefusedError,
     SensorError,
@@ -133,7 +134,7 @@ class RobotClient:
             end.callback(self._robot.stop)
             end.callback(self._stopped.set)  # ends the attempts of the thread in the pool
             while not self._stopped.is_set():
-                sensed = self._robot.observe()
+                sensed = _sensed(self._robot)
                 blocked = last is not None and self._failed(last, sensed.odometry)
                 with self.watchdog:
                     answer = pool.submit(self._answer, sensed, blocked)
@@ -198,9 +199,15 @@ class RobotClient:
         """Make a motion, unless stop was pressed."""
         self._moving.set()
         try:
-            return Executed.STOPPED if self._stopped.is_set() else motion()
+            executed = Executed.STOPPED if self._stopped.is_set() else motion()
         finally:
             self._moving.clear()
+        if not isinstance(executed, Executed):
+            raise ContractError(
+                f"{type(self._robot).__name__}: a motion returned {executed!r}; expected "
+                "Executed.DONE, Executed.BLOCKED or Executed.STOPPED"
+            )
+        return executed
 
     def _failed(self, last: ClientStep, now: Pose2) -> bool:
         """Whether a motion did not happen: the robot says so, or its odometry does."""
@@ -276,6 +283,20 @@ class RobotClient:
         if refusal.status in (429, 503):
             return False
         raise refusal
+
+
+def _sensed(robot: Robot) -> Sensed:
+    """What a robot senses now.
+
+    Raises:
+        ContractError: It is something else.
+    """
+    sensed = robot.observe()
+    if not isinstance(sensed, Sensed):
+        raise ContractError(
+            f"{type(robot).__name__}: observe returned {sensed!r:.60}; expected a Sensed"
+        )
+    return sensed
 
 
 def _is_path(path: Sequence[tuple[float, float]]) -> bool:

@@ -80,7 +80,7 @@ class Searches:
 
         Raises:
             RequestRefusedError: Images are too large, there are too many searches, or the key is
-                that of a search for another goal.
+                that of a search for another goal or by another robot.
             HyPerNavError: No such agent can be built, or the goal can never be found.
         """
         stops = self._stops
@@ -228,6 +228,12 @@ def _same(search: Search, request: OpenSearch) -> Search:
     goal = search.record.request.goal
     if goal != request.goal:
         message = f"this key is that of a search for {goal!r}; make up another one"
+        raise RequestRefusedError(message, error="key", status=409)
+    if search.record.request.robot != request.robot:
+        message = (
+            "this key is that of a search by a robot with another body, camera or step; make up "
+            "another one"
+        )
         raise RequestRefusedError(message, error="key", status=409)
     return search
 

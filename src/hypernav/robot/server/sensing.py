@@ -2,6 +2,7 @@
 
 import hashlib
 import math
+from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +17,7 @@ from hypernav.robot.wire.frames import PackedObservation
 from hypernav.robot.wire.requests import ObservationFacts
 from hypernav.robot.wire.values import PlanarPose
 
+_MOTIONS = (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.TURN_RIGHT)
 _MOVED_M, _TURNED_RAD = 0.1, math.radians(5.0)
 """Smallest motion after which the images must be new."""
 _MOST_IDENTICAL = 5
@@ -26,15 +28,19 @@ _JUMP_M = 1.0
 _PACE_M_S, _FARTHEST_M = 1.5, 20.0
 """Speed at which it may be driven between two observations, and the longest such motion."""
 _MOST_WRONG = 3
-"""Number of turns in a row that may be others than those ordered: somebody may push the robot."""
+"""Number of turns, or steps, in a row that aren't those ordered: somebody may push the robot."""
 _WRONG_SHARE = 0.6
-"""Share of a turn that odometry must show in the wrong direction to have the wrong sign."""
+"""Share of a motion that odometry must show in the wrong direction to have the wrong sign."""
 _OTHER_TURN_RAD = math.radians(60.0)
 """Angle by which a turn may differ from the one that was ordered."""
+_FURTHER_SHARE, _FURTHER_RAD = 0.9, math.radians(20.0)
+"""Share of a turn, and least angle, by which it may go further than it was ordered."""
+_ASIDE_RAD = math.radians(70.0)
+"""Greatest angle between the robot's heading and the direction in which a step moves it."""
 _METRES_RANGES = 3.0
 """Multiple of the camera's range from which on a depth cannot be in metres."""
 _MOST_BLOCKED = 40
-"""Number of motions in a row that may fail."""
+"""Number of steps, or turns, in a row that may fail."""
 _MOST_BLIND = 24
 """Number of images without depth in a row after which a search ends."""
 
@@ -69,7 +75,9 @@ class Sensing:
         self._robot = robot
         self._last: ObservationFacts | None = None
         self._images: dict[bytes, _Image] = {}
-        self._identical = self._blocked = self._wrong = 0
+        self._identical = 0
+        self._blocked: Counter[bool] = Counter()  # failed in a row: turns, and steps
+        self._wrong: Counter[bool] = Counter()  # others than ordered in a row: turns, and steps
 
     def check(self, packed: PackedObservation, seen: Observation, told: Action | None) -> None:
         """Look at the next observation.
@@ -86,16 +94,18 @@ class Sensing:
         self._check_depth(seen)
         if last is not None:
             _check_time(last, facts)
-            self._check_motion(last, facts)
-            self._check_turn(last, facts, told)
+            self._check_motion(last, facts, told)
+            self._check_direction(last, facts, told)
         self._check_images(packed, seen)
 
     def note(self, packed: PackedObservation, seen: Observation, told: Action | None) -> None:
         """Remember an observation; one of before a restart of the server isn't checked again."""
         facts, lens = packed.header, self._robot.camera
-        if self._last is not None and (turn := self._ordered(facts, told)) is not None:
-            is_wrong = _is_other(self._last, facts, turn)
-            self._wrong = self._wrong + 1 if is_wrong else 0
+        if self._last is not None and told in _MOTIONS:
+            turns = told is not Action.MOVE_FORWARD
+            is_wrong = not facts.blocked and self._is_other(self._last, facts, told)
+            self._wrong[turns] = self._wrong[turns] + 1 if is_wrong else 0
+            self._blocked[turns] = self._blocked[turns] + 1 if facts.blocked else 0
         digests = _digests(packed)
         self._identical = self._identical + 1 if self._repeats(digests, facts) else 0
         for one in digests:
@@ -104,7 +114,6 @@ class Sensing:
             self._images[one] = _Image(facts.sequence, pose)
         sees = is_measured(seen.depth, lens.min_depth_m, lens.max_depth_m).any()
         self.blind = 0 if sees else self.blind + 1
-        self._blocked = self._blocked + 1 if facts.blocked else 0
         self._last = facts
 
     def _check_depth(self, seen: Observation) -> None:
@@ -132,6 +141,8 @@ class Sensing:
             before = self._images.get(digest)
             if before is None or not _moved(before.pose, pose) or np.ptp(image) == 0:
                 continue  # one of a single colour, or without any return, may come again
+            if before.sequence < number - 1 and not all(one in self._images for one in digests):
+                continue  # in simulation a room may look the same from two sides
             moved_m, turned = _motion(before.pose, pose)
             raise SensorError(
                 f"the {name} of observation {number} is that of observation {before.sequence}, "
@@ -149,7 +160,9 @@ class Sensing:
         known = [self._images.get(one) for one in digests]
         return all(one is not None and one.sequence == facts.sequence - 1 for one in known)
 
-    def _check_motion(self, before: ObservationFacts, now: ObservationFacts) -> None:
+    def _check_motion(
+        self, before: ObservationFacts, now: ObservationFacts, told: Action | None
+    ) -> None:
         motion = self._robot.motion
         moved_m, _ = _motion(before.base_to_odom, now.base_to_odom)
         driven_m = min(_PACE_M_S * (now.stamp_s - before.stamp_s), _FARTHEST_M)
@@ -159,37 +172,52 @@ class Sensing:
                 f"{motion.forward_m:g} m and {now.stamp_s - before.stamp_s:.1f} s; it may drift, "
                 "but not jump: what localisation finds belongs in odom_to_map"
             )
-        if now.blocked and self._blocked + 1 >= _MOST_BLOCKED:
+        turns = told is not Action.MOVE_FORWARD
+        if now.blocked and told in _MOTIONS and self._blocked[turns] + 1 >= _MOST_BLOCKED:
             raise SensorError(
-                f"{_MOST_BLOCKED} motions in a row did not happen, according to the robot or its "
-                "odometry; does it move, and does its odometry show it?"
+                f"{_MOST_BLOCKED} {'turns' if turns else 'steps'} in a row did not happen, "
+                "according to the robot or its odometry; does it move, and does its odometry show "
+                "it?"
             )
 
-    def _check_turn(
+    def _check_direction(
         self, before: ObservationFacts, now: ObservationFacts, told: Action | None
     ) -> None:
-        turn = self._ordered(now, told)
-        if turn is None or self._wrong + 1 < _MOST_WRONG or not _is_other(before, now, turn):
+        """Refuse several motions in a row that odometry shows as others than those ordered."""
+        if told not in _MOTIONS or now.blocked or not self._is_other(before, now, told):
             return
-        _, turned = _motion(before.base_to_odom, now.base_to_odom)
+        if self._wrong[told is not Action.MOVE_FORWARD] + 1 < _MOST_WRONG:
+            return
+        moved_m, turned = _motion(before.base_to_odom, now.base_to_odom)
+        if told is Action.MOVE_FORWARD:
+            aside = math.degrees(abs(_aside(before.base_to_odom, now.base_to_odom)))
+            raise SensorError(
+                f"the robot was told to drive forward, and its odometry moved {moved_m:.2f} m at "
+                f"{aside:.0f}° to its heading, {_MOST_WRONG} times in a row; x is forward and y to "
+                "the left at yaw 0 (REP 103)"
+            )
         raise SensorError(
-            f"the robot was told to turn {math.degrees(turn):+.0f}°, and its odometry turned "
-            f"{math.degrees(turned):+.0f}°, {_MOST_WRONG} times in a row something else than it "
-            "was told; yaw is in radians and grows to the left (REP 103)"
+            f"the robot was told to turn {math.degrees(self._turn(told)):+.0f}°, and its odometry "
+            f"turned {math.degrees(turned):+.0f}°, {_MOST_WRONG} times in a row something else "
+            "than it was told; yaw is in radians and grows to the left (REP 103)"
         )
 
-    def _ordered(self, facts: ObservationFacts, told: Action | None) -> float | None:
-        """The angle that the robot should have turned, radians; None if it had not to turn."""
-        turn = math.radians(self._robot.motion.turn_angle_deg)
-        angles = {Action.TURN_LEFT: turn, Action.TURN_RIGHT: -turn}
-        return None if facts.blocked or told is None else angles.get(told)
+    def _is_other(self, before: ObservationFacts, now: ObservationFacts, told: Action) -> bool:
+        """Whether odometry shows a motion of another direction, or a turn of another size."""
+        moved_m, turned = _motion(before.base_to_odom, now.base_to_odom)
+        if told is Action.MOVE_FORWARD:
+            is_long = moved_m > _WRONG_SHARE * self._robot.motion.forward_m
+            return is_long and abs(_aside(before.base_to_odom, now.base_to_odom)) > _ASIDE_RAD
+        turn = self._turn(told)
+        is_mirrored = turned * turn < 0.0 and abs(turned) > _WRONG_SHARE * abs(turn)
+        too_far = math.copysign(1.0, turn) * wrap_angle(turned - turn)
+        is_far = too_far > max(_FURTHER_SHARE * abs(turn), _FURTHER_RAD)
+        return is_mirrored or is_far or abs(too_far) > _OTHER_TURN_RAD
 
-
-def _is_other(before: ObservationFacts, now: ObservationFacts, turn: float) -> bool:
-    """Whether a turn has another sign than the one that was ordered, or a very different size."""
-    _, turned = _motion(before.base_to_odom, now.base_to_odom)
-    is_mirrored = turned * turn < 0.0 and abs(turned) > _WRONG_SHARE * abs(turn)
-    return is_mirrored or abs(wrap_angle(turned - turn)) > _OTHER_TURN_RAD
+    def _turn(self, told: Action) -> float:
+        """The angle of a turn, radians, positive to the left."""
+        angle = math.radians(self._robot.motion.turn_angle_deg)
+        return angle if told is Action.TURN_LEFT else -angle
 
 
 def _check_time(before: ObservationFacts, now: ObservationFacts) -> None:
@@ -217,6 +245,13 @@ def _motion(before: PlanarPose, now: PlanarPose) -> tuple[float, float]:
     """Length and angle of a motion by odometry, metres and radians."""
     length_m = math.dist((before.x, before.y, before.z), (now.x, now.y, now.z))
     return length_m, wrap_angle(now.yaw - before.yaw)
+
+
+def _aside(before: PlanarPose, now: PlanarPose) -> float:
+    """Angle from the robot's mean heading to the direction of its motion, radians."""
+    _, turned = _motion(before, now)
+    direction = math.atan2(now.y - before.y, now.x - before.x)
+    return wrap_angle(direction - before.yaw - turned / 2.0)
 
 
 def _moved(before: PlanarPose, now: PlanarPose) -> bool:

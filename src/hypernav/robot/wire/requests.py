@@ -12,7 +12,8 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.goal import MAX_GOAL_LENGTH
 from hypernav.core.labels import ObjectLabel
-from hypernav.robot.wire.values import LONGEST_WAIT_S, Message, PlanarPose, RigidMatrix
+from hypernav.core.text.visible_text import visible
+from hypernav.robot.wire.values import LATEST_S, LONGEST_WAIT_S, Message, PlanarPose, RigidMatrix
 
 _MOST_IMAGE_BYTES = 100_000_000
 _MOST_REASON = 200
@@ -107,7 +108,7 @@ class ObservationFacts(Message):
     """
 
     sequence: int = Field(ge=0, le=MOST_STEPS, strict=True)
-    stamp_s: float = Field(ge=0.0, le=1e12)
+    stamp_s: float = Field(ge=0.0, le=LATEST_S)
     base_to_odom: PlanarPose
     odom_to_map: PlanarPose = PlanarPose()
     camera_to_base: RigidMatrix | None = None
@@ -182,7 +183,7 @@ class StopRequest(BaseModel):
             said = text
         if isinstance(said, dict):
             said = said.get("reason", "")
-        words = " ".join(said.split()) if isinstance(said, str) else ""
+        words = " ".join(visible(said).split()) if isinstance(said, str) else ""
         return StopRequest(reason=words[:_MOST_REASON])
 
 

@@ -15,6 +15,8 @@ FARTHEST_M = 500.0
 """Largest coordinate of a pose, metres."""
 MAP_REACH_M = 150.0
 """Largest coordinate of a robot in the ``map`` frame, metres: maps must fit into memory."""
+LATEST_S = 1e12
+"""Greatest time of an observation, seconds."""
 LONGEST_WAIT_S = 30.0
 """Longest time that the server keeps a request waiting, seconds."""
 

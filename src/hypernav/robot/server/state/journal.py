@@ -162,8 +162,16 @@ class Journal:
         return packed.header.colour.format, packed.colour
 
     def step(self, number: int) -> StepRecord:
-        """A decision."""
-        return StepRecord.model_validate_json(self._steps.read(number))
+        """A decision.
+
+        Raises:
+            RunFolderError: It is damaged on the disk.
+        """
+        record = self._steps.read(number)
+        try:
+            return StepRecord.model_validate_json(record)
+        except ValidationError as error:
+            raise _damaged(self._steps.path, error) from error
 
     def trace_lines(self, since: int) -> Iterator[str]:
         """The traces of the decisions as JSON, from a number on."""
@@ -222,7 +230,11 @@ def _read(path: Path, model: type[_Model]) -> _Model:
     except OSError as error:
         raise RunFolderError(f"cannot read {path}: {error.strerror}") from error
     except (ValidationError, HyPerNavError) as error:
-        raise RunFolderError(f"{path} was damaged: {' '.join(str(error).split())[:200]}") from error
+        raise _damaged(path, error) from error
+
+
+def _damaged(path: Path, error: Exception) -> RunFolderError:
+    return RunFolderError(f"{path} was damaged: {' '.join(str(error).split())[:200]}")
 
 
 def _write_whole(path: Path, content: BaseModel) -> None:

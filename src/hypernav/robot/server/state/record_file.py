@@ -45,7 +45,7 @@ class RecordFile:
         """Write a record, completely or not at all.
 
         Args:
-            record: Its bytes.
+            record: Its bytes; an empty record at the end of the file does not last.
             sync: Whether to wait until it, and all before it, are on the disk. Without that they
                 survive a crash of this program, but not a loss of power.
 
@@ -106,6 +106,8 @@ def _whole_records(file: AppendOnlyFile) -> Iterator[int]:
         end = at + _HEADER.size + length
         if end > file.size:
             return
+        if length == 0 and not any(file.read(at, file.size - at)):
+            return  # zeros to the end are what a loss of power leaves
         if end == file.size and zlib.crc32(file.read(at + _HEADER.size, length)) != checksum:
             return
         at = end
