@@ -40,8 +40,8 @@ _MOST_TEXTURES_MB = 8_000.0
 class WarpRenderer:
     """Draws a scene on a GPU; satisfies `hypernav.core.world.Renderer`.
 
-    Without a GPU, the same code runs on one core of the CPU, several times slower than
-    `CpuRenderer`: for tests, not for work.
+    Without a GPU, the same code runs on one core of the CPU, ten times slower than `CpuRenderer`:
+    for tests, not for work.
 
     Attributes:
         device: Warp's name of the device, such as ``cuda:0`` or ``cpu``.
@@ -209,7 +209,7 @@ def _best_device(warp: ModuleType) -> str:
     if warp.is_cuda_available():
         return "cuda:0"
     _LOGGER.warning(
-        "Warp finds no CUDA device and draws on its CPU back end, several times slower than the "
+        "Warp finds no CUDA device and draws on its CPU back end, ten times slower than the "
         "renderer 'cpu'"
     )
     return "cpu"
