@@ -20,8 +20,11 @@ from hypernav.worlds.drawing.light_kernels import gather_light
 from hypernav.worlds.scenes.scene import Scene
 
 RAYS = 48
+"""Directions in which a node looks for light."""
 REACH_M = 2.0
+"""Distance beyond which a hit does not block light."""
 CONTRAST = 1.5
+"""Exponent of the light; above 1 deepens the shade."""
 _MAX_NODES = 8_000_000
 _BATCH = 512
 _STATE = 7
