@@ -20,8 +20,8 @@ test: $(VENV)/.installed-dev  ## the tests, in a few minutes
 slow: $(VENV)/.installed-dev  ## the longer checks
 	$(BIN)/pytest -n auto -m slow --timeout 600
 
-test-vlm: $(VLM)/.installed  ## the tests with real, tiny networks; installs the CPU build of torch
-	$(VLM)/bin/pytest tests/local_vlm --timeout 600
+test-vlm: $(VLM)/.installed  ## the tests with real, tiny networks, and of the GPU renderer; installs the CPU build of torch
+	$(VLM)/bin/pytest tests/local_vlm tests/worlds/drawing/test_warp_renderer.py --timeout 600
 
 lint: $(VENV)/.installed-dev $(VENV)/.installed-docs  ## style, types, and who may import whom
 	$(BIN)/ruff format --check .
@@ -81,7 +81,7 @@ $(VLM)/.installed: pyproject.toml
 	$(VLM)/bin/python -m pip install --quiet torch==2.13.0
 	$(VLM)/bin/python -m pip install --quiet transformers==5.23.0 accelerate openai
 	$(VLM)/bin/python -m pip install --quiet --no-deps torchvision==0.28.0
-	$(VLM)/bin/python -m pip install --quiet --editable '.[bags,ros2,onnx,hm3d,robot,foxglove,rerun]' --group dev
+	$(VLM)/bin/python -m pip install --quiet --editable '.[bags,ros2,onnx,hm3d,robot,foxglove,rerun,gpu]' --group dev
 	touch $@
 
 clean:

@@ -6,7 +6,8 @@ from pathlib import Path
 from hypernav.build.component_specs import WorldName
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.errors import SceneError
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.worlds.drawing.choice import SceneRenderer, renderer_of
+from hypernav.worlds.drawing.renderer import RenderConfig
 from hypernav.worlds.habitat.path_finder import HabitatSurface
 from hypernav.worlds.habitat.simulator import HabitatRenderer, navmesh_of
 from hypernav.worlds.scenes.scene import Scene
@@ -23,7 +24,7 @@ class OpenedWorld:
     """
 
     world: SimulatedWorld
-    renderer: CpuRenderer | HabitatRenderer
+    renderer: SceneRenderer | HabitatRenderer
 
 
 def open_world(
@@ -39,13 +40,13 @@ def open_world(
 
     Raises:
         SceneError: The robot fits nowhere, or habitat-sim can't open the scene.
-        MissingExtraError: habitat-sim is not installed.
+        MissingExtraError: habitat-sim is not installed, or what the renderer needs.
     """
     mesh = Path(scene_id)
     if config.world.navmesh == "file" and mesh.is_file():  # also of a house that was exported
         scene = replace(scene, navmesh=navmesh_of(scene, mesh))
     if name == "native":
-        renderer = CpuRenderer(scene, RenderConfig(threads=1))
+        renderer = renderer_of(scene, config.world.renderer, RenderConfig(threads=1))
         world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
         return OpenedWorld(world, renderer)
     if not mesh.is_file():

@@ -11,6 +11,10 @@ NavmeshChoice = Literal["auto", "file", "robot"]
 one computed as by habitat-sim, also for a generated building whose stairs the robot climbs; "file",
 always the file's; or "robot", always a computed one."""
 
+RendererName = Literal["cpu", "warp"]
+"""What draws a scene: "cpu", a rasterizer on all cores; or "warp", rays on an NVIDIA GPU (extra
+``gpu``)."""
+
 CELL_M = 0.05
 """Default side of the walkable surface's cells, metres, as in Habitat's navigation meshes."""
 
@@ -69,6 +73,9 @@ class SimulationConfig(RoomConfig):
             metres; None takes the camera's. Set it to compare different cameras.
         floor_z: Height of the storey's floor in the scene frame, metres; None takes the largest
             storey. A navigation mesh has all storeys.
+        renderer: What draws the scene; depth and instances are the same, colours differ at edges.
+            "warp" needs the extra ``gpu``, and is for a machine with an NVIDIA GPU. habitat-sim
+            draws its own images.
     """
 
     sliding: bool = False
@@ -78,3 +85,4 @@ class SimulationConfig(RoomConfig):
     cell_m: float = Field(default=CELL_M, ge=0.01, le=0.5)
     judge_eye_m: float | None = Field(default=None, gt=0.0, le=10.0)
     floor_z: float | None = Field(default=None, ge=-1000.0, le=1000.0)
+    renderer: RendererName = "cpu"

@@ -18,8 +18,8 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.world import Instance, Position, RenderedView, Renderer
 from hypernav.worlds.config import SimulationConfig
+from hypernav.worlds.drawing.choice import renderer_of
 from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.goal_objects import named_as_goals
 from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
 from hypernav.worlds.navmesh.surface import NavmeshSurface
@@ -62,19 +62,19 @@ class SimulatedWorld:
             scene: The scene that the robot is in.
             config: How the robot is simulated.
             embodiment: Body, camera and motion of the robot; by default Habitat's HM3D robot.
-            renderer: Renderer of the scene; by default a `CpuRenderer`.
+            renderer: Renderer of the scene; by default the one that the configuration names.
             walkable: The surface on which the robot can stand; by default the navigation
                 mesh that the configuration names, or computed from the scene where it has none.
 
         Raises:
             SceneError: The robot fits nowhere, or the navigation mesh can't be read or computed.
-            MissingExtraError: Embree is not installed.
+            MissingExtraError: Embree is not installed, or what the renderer needs.
         """
         self.scene = scene
         self.config: SimulationConfig = config or SimulationConfig()
         self.embodiment: Embodiment = embodiment or Embodiment()
         self.walkable: WalkableSurface = walkable or self._surface_at(self.config.floor_z)
-        self._renderer = renderer or CpuRenderer(scene)
+        self._renderer = renderer or renderer_of(scene, self.config.renderer)
         # A renderer may have a ray caster of the scene, so that no second one is built.
         self._rays: RayCaster = getattr(self._renderer, "rays", None) or RayCaster(scene)
         self.regions: GoalRegions = self._regions_on(self.walkable)

@@ -42,7 +42,7 @@ from hypernav.robot.simulation.person import PersonConfig
 from hypernav.robot.wire.replies import SearchEnding, SearchOpened
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.worlds.config import NoiseConfig
-from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.drawing.choice import renderer_of
 from hypernav.worlds.simulation import SimulatedWorld
 
 _PACE = 5.0
@@ -207,7 +207,7 @@ def _placed(
     world = config.world
     if options.noise:
         world = world.model_copy(update={"noise": _NOISE})
-    renderer = CpuRenderer(scene)
+    renderer = renderer_of(scene, world.renderer)
     with closing(SimulatedWorld(scene, world, config.embodiment, renderer=renderer)) as opened:
         pace = _PACE if options.motion == "continuous" else None
         yield SimulatedBase(opened, renderer, mishaps, pace=pace)

@@ -27,7 +27,7 @@ from hypernav.robot.simulation.base import SimulatedBase
 from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.robot.wire.waiting import GivenGoal, is_robot_name
-from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.drawing.choice import renderer_of
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
@@ -55,7 +55,7 @@ def run(options: Wait) -> int:
     console, rng = Terminal(quiet=options.quiet), np.random.default_rng(options.seed)
     with console.status("loading the building …") as status:
         scene = load_scene(options.scene)
-        renderer = CpuRenderer(scene)
+        renderer = renderer_of(scene, config.world.renderer)
         world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
         with closing(world), closing(HttpServer(address)) as server:
             base = SimulatedBase(world, renderer, pace=_PACE)

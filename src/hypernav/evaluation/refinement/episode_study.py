@@ -26,7 +26,7 @@ from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.refinement import eroded, projected
-from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.drawing.choice import SceneRenderer
 from hypernav.worlds.simulation import SimulatedWorld
 
 
@@ -74,7 +74,7 @@ class EpisodeStudy:
         self._truth = GroundTruthDetector()
 
     def frames(
-        self, episode: Episode, world: SimulatedWorld, renderer: CpuRenderer
+        self, episode: Episode, world: SimulatedWorld, renderer: SceneRenderer
     ) -> Iterator[Frame]:
         """Drive an episode; yields the frames that show the goal within the range of depth.
 
@@ -100,7 +100,7 @@ class EpisodeStudy:
             camera_to_scene = world.camera_to_scene
 
     def run(
-        self, episode: Episode, world: SimulatedWorld, renderer: CpuRenderer
+        self, episode: Episode, world: SimulatedWorld, renderer: SceneRenderer
     ) -> list[AreaRecord]:
         """Drive an episode; one record for every kind of box and mask that its frames gave."""
         records: dict[tuple[BoxSource, MaskSource], AreaRecord] = {}

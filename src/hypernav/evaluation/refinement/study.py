@@ -15,7 +15,8 @@ from hypernav.core.episodes.episode import Episode
 from hypernav.evaluation.refinement.area_record import AreaRecord, EpisodeAreas
 from hypernav.evaluation.refinement.episode_study import EpisodeStudy
 from hypernav.evaluation.store.record_file import RecordFile
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.worlds.drawing.choice import SceneRenderer, renderer_of
+from hypernav.worlds.drawing.renderer import RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
 
 
@@ -61,14 +62,14 @@ class _OpenScene:
 
     def __init__(self, config: HyPerNavConfig) -> None:
         self._config = config
-        self._opened: tuple[str, SimulatedWorld, CpuRenderer] | None = None
+        self._opened: tuple[str, SimulatedWorld, SceneRenderer] | None = None
 
-    def of(self, scene_id: str) -> tuple[SimulatedWorld, CpuRenderer]:
+    def of(self, scene_id: str) -> tuple[SimulatedWorld, SceneRenderer]:
         if self._opened is None or self._opened[0] != scene_id:
             if self._opened is not None:
                 self._opened[1].close()
             scene, config = load_scene(scene_id), self._config
-            renderer = CpuRenderer(scene, RenderConfig(threads=1))
+            renderer = renderer_of(scene, config.world.renderer, RenderConfig(threads=1))
             world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
             self._opened = (scene_id, world, renderer)
         return self._opened[1:]

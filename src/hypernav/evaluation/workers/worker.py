@@ -32,7 +32,7 @@ from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.workers.searcher import searcher_of
 from hypernav.perception.exchanges import unusable_answers
-from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.drawing.choice import SceneRenderer
 from hypernav.worlds.habitat.simulator import HabitatRenderer
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
@@ -226,7 +226,7 @@ class _OpenScene:
 
     scene_id: str
     world: SimulatedWorld
-    renderer: CpuRenderer | HabitatRenderer
+    renderer: SceneRenderer | HabitatRenderer
 
     def image_from(self, camera_to_scene: Transform) -> Image:
         """What the camera sees from a true pose, in colours."""

@@ -20,7 +20,7 @@ from hypernav.robot.client.robot import Sensed
 from hypernav.robot.driving.base import DepthView
 from hypernav.robot.motion.velocity import Velocity
 from hypernav.robot.simulation.person import Person, PersonConfig, drawn_into
-from hypernav.worlds.drawing.renderer import CpuRenderer
+from hypernav.worlds.drawing.choice import SceneRenderer
 from hypernav.worlds.noise import noisy_depth
 from hypernav.worlds.simulation import SimulatedWorld
 
@@ -84,7 +84,7 @@ class SimulatedBase:
     def __init__(
         self,
         world: SimulatedWorld,
-        renderer: CpuRenderer,
+        renderer: SceneRenderer,
         mishaps: MishapConfig | None = None,
         *,
         pace: float | None = None,

@@ -17,10 +17,14 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int64, UInt8
 
 from hypernav.worlds.drawing.light_kernels import gather_light
+from hypernav.worlds.scenes.scene import Scene
 
-_RAYS = 48
-_REACH_M = 2.0
-_CONTRAST = 1.5
+RAYS = 48
+"""Directions in which a node looks for light."""
+REACH_M = 2.0
+"""Distance beyond which a hit does not block light."""
+CONTRAST = 1.5
+"""Exponent of the light; above 1 deepens the shade."""
 _MAX_NODES = 8_000_000
 _BATCH = 512
 _STATE = 7
@@ -60,16 +64,11 @@ class LightGrid:
             cell_m: Distance between nodes; grows for scenes that would need too many.
             cast: Function that measures distances in the scene.
         """
-        margin = 3.0
-        while np.prod((high - low) / cell_m + 2 * margin + 1) > _MAX_NODES:
-            cell_m *= 1.25
-        size = np.ceil((high - low) / cell_m + 2 * margin).astype(int) + 1
-        self.cell_m = cell_m
-        self.origin = low - margin * cell_m
-        self.nodes = np.zeros((int(size[2]), int(size[1]), int(size[0]), 8), dtype=np.uint8)
+        self.origin, self.cell_m, shape = extent_of_grid(low, high, cell_m)
+        self.nodes = np.zeros((*shape, 8), dtype=np.uint8)
         self._cast = cast
-        self._directions = _even_directions(_RAYS)
-        self._sky = _sky_light(self._directions)
+        self._directions = even_directions(RAYS)
+        self._sky = sky_light(self._directions)
 
     def bake(self, cells: Int64[np.ndarray, "cells"], pool: ThreadPoolExecutor) -> None:
         """Compute the unknown ones of the eight nodes around each cell.
@@ -94,16 +93,41 @@ class LightGrid:
         # All positions along one direction, then the next: neighbouring rays take similar paths.
         origins = np.tile(positions, (len(self._directions), 1))
         directions = np.repeat(self._directions, len(positions), axis=0)
-        distances = self._cast(origins, directions, _REACH_M)
+        distances = self._cast(origins, directions, REACH_M)
         light = np.empty((len(positions), 6), dtype=np.uint8)
         shape = (len(self._directions), len(positions))
         gather_light(
-            distances.reshape(shape), self._directions, self._sky, _REACH_M, _CONTRAST, light
+            distances.reshape(shape), self._directions, self._sky, REACH_M, CONTRAST, light
         )
         return light
 
 
-def _even_directions(count: int) -> Float32[np.ndarray, "count 3"]:
+def box_of(scene: Scene) -> tuple[Float64[np.ndarray, "3"], Float64[np.ndarray, "3"]]:
+    """Lowest and highest corner of a scene's triangles, metres."""
+    used = np.zeros(len(scene.vertices), dtype=bool)
+    used[scene.faces.ravel()] = True
+    corners = scene.vertices[used].astype(np.float64)
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def extent_of_grid(
+    low: Float64[np.ndarray, "3"], high: Float64[np.ndarray, "3"], cell_m: float
+) -> tuple[Float64[np.ndarray, "3"], float, tuple[int, int, int]]:
+    """Position of the first node, distance of the nodes, and their number along z, y and x.
+
+    Args:
+        low: Lowest corner of the scene, metres.
+        high: Highest corner.
+        cell_m: Distance between nodes; grows for scenes that would need too many.
+    """
+    margin = 3.0
+    while np.prod((high - low) / cell_m + 2 * margin + 1) > _MAX_NODES:
+        cell_m *= 1.25
+    size = np.ceil((high - low) / cell_m + 2 * margin).astype(int) + 1
+    return low - margin * cell_m, cell_m, (int(size[2]), int(size[1]), int(size[0]))
+
+
+def even_directions(count: int) -> Float32[np.ndarray, "count 3"]:
     """Directions spread evenly over the sphere (Fibonacci lattice)."""
     index = np.arange(count) + 0.5
     z = 1.0 - 2.0 * index / count
@@ -112,7 +136,7 @@ def _even_directions(count: int) -> Float32[np.ndarray, "count 3"]:
     return np.stack([across * np.cos(angle), across * np.sin(angle), z], axis=1).astype(np.float32)
 
 
-def _sky_light(directions: Float32[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n"]:
+def sky_light(directions: Float32[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n"]:
     """Light from every direction of an empty room, at most 1.
 
     Brightest from above. A little brighter from one side, not parallel to the axes, so that the

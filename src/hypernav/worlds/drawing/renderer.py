@@ -30,8 +30,8 @@ from hypernav.worlds.drawing.shading import PendingRays, Rays, Shader
 from hypernav.worlds.scenes.scene import Scene
 
 _BAND_ROWS = 24
-# Three points that, with the centre, are spread evenly in both directions of a pixel.
-_OFFSETS = np.array([[-0.35, -0.15], [0.15, -0.35], [0.25, 0.35]])
+OFFSETS = np.array([[-0.35, -0.15], [0.15, -0.35], [0.25, 0.35]])
+"""``(right, down)`` from a pixel's centre: with it, spread evenly in both directions of a pixel."""
 
 
 _Level = Annotated[int, Field(ge=0, le=255)]
@@ -167,17 +167,17 @@ class CpuRenderer:
         pixels = np.empty(frame.depth[rows].size, dtype=np.int64)
         count = find_edges(frame.rgb, frame.ids, frame.depth, rows.start, rows.stop, pixels)
         pixels = pixels[:count].copy()
-        samples = np.empty((count, len(_OFFSETS), 3), dtype=np.uint8)
+        samples = np.empty((count, len(OFFSETS), 3), dtype=np.uint8)
         if count == 0:
             return _Edges(pixels, samples, None)
-        rays = replace(self._buffers(count * len(_OFFSETS)), rgb=samples.reshape(-1, 3))
+        rays = replace(self._buffers(count * len(OFFSETS)), rgb=samples.reshape(-1, 3))
         fill_rays_around(
             frame.camera_rows,
             camera.cx,
             camera.cy,
             camera.width,
             pixels,
-            _OFFSETS,
+            OFFSETS,
             rays.origins,
             rays.directions,
         )
@@ -215,21 +215,26 @@ class _Frame:
     @staticmethod
     def empty(camera: PinholeCamera, camera_to_scene: Transform) -> "_Frame":
         shape = (camera.height, camera.width)
-        rotation = camera_to_scene.rotation
-        rows = [
-            camera_to_scene.translation,
-            rotation[:, 2],
-            rotation[:, 0] / camera.fx,
-            rotation[:, 1] / camera.fy,
-        ]
         return _Frame(
             camera,
-            np.array(rows, dtype=np.float64),
+            camera_rows(camera, camera_to_scene),
             np.empty((*shape, 3), dtype=np.uint8),
             np.empty(shape, dtype=np.float32),
             np.empty(shape, dtype=np.int32),
             np.empty(shape, dtype=np.int32),
         )
+
+
+def camera_rows(camera: PinholeCamera, camera_to_scene: Transform) -> Float64[np.ndarray, "4 3"]:
+    """A camera as the kernels take it, see `geometry_kernels.fill_rays`."""
+    rotation = camera_to_scene.rotation
+    rows = [
+        camera_to_scene.translation,
+        rotation[:, 2],
+        rotation[:, 0] / camera.fx,
+        rotation[:, 1] / camera.fy,
+    ]
+    return np.array(rows, dtype=np.float64)
 
 
 def _bands(height: int, rows: int) -> list[slice]:

@@ -16,7 +16,7 @@ from hypernav.worlds.drawing.base_color_kernels import (
     find_holes,
 )
 from hypernav.worlds.drawing.geometry_kernels import POINT, SURFACE_COLUMNS, locate, measure
-from hypernav.worlds.drawing.light_grid import LightGrid
+from hypernav.worlds.drawing.light_grid import LightGrid, box_of
 from hypernav.worlds.drawing.light_kernels import TONE_STEPS, light
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.drawing.textures import linear_to_srgb, textures_of
@@ -117,17 +117,12 @@ class Shader:
         """
         self._caster = caster
         self._geometry = _Geometry.of(scene)
-        self._materials = _Materials.of(scene)
+        self._materials = MaterialArrays.of(scene)
         self._textures = textures_of(scene, texture_budget_mb)
         self._has_holes = any(material.opaque is not None for material in scene.materials)
-        used = np.zeros(len(scene.vertices), dtype=bool)
-        used[scene.faces.ravel()] = True
-        corners = scene.vertices[used].astype(np.float64)
-        self._grid = LightGrid(
-            corners.min(axis=0), corners.max(axis=0), light_cell_m, caster.distances
-        )
+        self._grid = LightGrid(*box_of(scene), light_cell_m, caster.distances)
         self._shares = np.array(shares, dtype=np.float64)
-        self._tone = _tone_curve(exposure)
+        self._tone = tone_curve(exposure)
         self._background = np.array(background, dtype=np.uint8)
 
     def shade(
@@ -289,14 +284,17 @@ class _Geometry(NamedTuple):
         return _Geometry(*(np.ascontiguousarray(array) for array in arrays))
 
 
-class _Materials(NamedTuple):
+class MaterialArrays(NamedTuple):
+    """Materials in the form that the kernels take, see `base_color_kernels`."""
+
     face: Int32[np.ndarray, "faces"]
     flags: UInt8[np.ndarray, "materials"]
     color: Float32[np.ndarray, "materials 3"]
     wrap: UInt8[np.ndarray, "materials 2"]
 
     @staticmethod
-    def of(scene: Scene) -> "_Materials":
+    def of(scene: Scene) -> "MaterialArrays":
+        """The materials of a scene."""
         face = np.ascontiguousarray(scene.face_material)
         flags = np.zeros(len(scene.materials), dtype=np.uint8)
         for number, material in enumerate(scene.materials):
@@ -304,7 +302,7 @@ class _Materials(NamedTuple):
             flags[number] |= FLAG_CUTOUT * (material.opaque is not None)
         colored = np.any(scene.colors != 255, axis=(1, 2))
         flags[np.unique(face[colored])] |= FLAG_COLORED
-        return _Materials(
+        return MaterialArrays(
             face,
             flags,
             np.array([material.color for material in scene.materials], dtype=np.float32),
@@ -312,7 +310,7 @@ class _Materials(NamedTuple):
         )
 
 
-def _tone_curve(exposure: float) -> UInt8[np.ndarray, "steps"]:
+def tone_curve(exposure: float) -> UInt8[np.ndarray, "steps"]:
     """SRGB codes of light 0 to 1: proportional, with a soft shoulder at the top."""
     shown = np.arange(TONE_STEPS) / (TONE_STEPS - 1) * exposure
     over = np.maximum(shown - _KNEE, 0.0) / (1.0 - _KNEE)
