@@ -138,7 +138,7 @@ def test_a_working_directory_that_it_changes_moves_no_results(folder):
     options = ["--scene", "room.glb", "--out", "out", "--agent", "mine:Wanders", *SMALL]
     ended = run(["find", "lamp", *options], folder)
     assert ended.status == 1
-    assert "open out/index.html" in ended.out
+    assert "open out/index.html" in ended.err
     assert {"index.html", "result.json", "episode.mp4"} <= {
         path.name for path in (folder / "out").iterdir()
     }
