@@ -26,8 +26,9 @@ _SPARE_MB = 2000
 """Address space beyond the limit of memory: a child shall be seen to exceed that, not fail."""
 
 _POLL_S = 0.003
-_STARTS_THREADS = "hypernav.show.views.rerun_"
-"""The modules that import rerun, which starts threads; no command here records for it."""
+_LEFT_OUT = ("hypernav.show.views.rerun_", "hypernav.worlds.drawing.warp_")
+"""Modules that import rerun, which starts threads, and Warp, which need not be installed; no
+command here uses them."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ def preload() -> None:
     import hypernav
 
     for module in pkgutil.walk_packages(hypernav.__path__, "hypernav."):
-        if not module.name.startswith(_STARTS_THREADS):
+        if not module.name.startswith(_LEFT_OUT):
             importlib.import_module(module.name)
     for name in ("av", "cv2", "PIL.PngImagePlugin", "scipy.ndimage"):
         importlib.import_module(name)
