@@ -24,6 +24,7 @@ from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.warnings_shown import warnings_on
 from hypernav.core.config import MOST_THREADS, check_option
 from hypernav.core.episodes.episode import MAX_STEPS, Episode
+from hypernav.core.episodes.life import lives_of
 from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.datasets.benchmarks import benchmark_of
@@ -35,7 +36,13 @@ from hypernav.evaluation.run_cost import (
 )
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.run_session import RunSession, available_cores
-from hypernav.evaluation.runner import RunProgress, check_scored, crash_of, run_episodes
+from hypernav.evaluation.runner import (
+    RunProgress,
+    begin_again,
+    check_scored,
+    crash_of,
+    run_episodes,
+)
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.store.scene_files import keep_scenes
 from hypernav.evaluation.workers.process_pool import ProcessPool
@@ -101,7 +108,7 @@ def evaluate(
     with RunStore(folder, plan.configuration(episodes)) as store:
         if heading:
             console.print(heading)
-        if again := store.withdraw(lambda record: not record.counts):
+        if again := begin_again(episodes, store):
             console.print(f"{again} episodes that don't count are run again")
         with console.status("looking at the files of the scenes …") as status:
             keep_scenes(
@@ -113,7 +120,8 @@ def evaluate(
             console.print(f"{len(store.records)} of {len(episodes)} episodes are done already")
         pool = _pool(options, folder, plan.config)
         session = RunSession(store, worker_count(options))
-        now = episodes[:_PLANNED_BY] if options.plan else episodes
+        lives = lives_of(episodes)[:_PLANNED_BY] if options.plan else lives_of(episodes)
+        now = [episode for life in lives for episode in life.episodes]
         try:
             with session:
                 progress = _watch(console, now, store, pool, session)
@@ -240,6 +248,8 @@ def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:
         scenes_dir=options.scenes_dir,
         world=options.world,
         benchmark=options.benchmark,
+        max_life_steps=None if benchmark is None else benchmark.max_life_steps,
+        fresh_memory=options.fresh_memory,
     )
 
 
@@ -272,6 +282,7 @@ def _pool(options: Options, folder: Path, config: HyPerNavConfig) -> WorkerPool:
         seed=options.seed,
         save=options.save,
         world=options.world,
+        fresh_memory=options.fresh_memory,
     )
     return ProcessPool(job) if options.ray is None else RayPool(job, options.ray)
 

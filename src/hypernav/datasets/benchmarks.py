@@ -26,6 +26,7 @@ class Benchmark:
         scenes: Folders of its scenes below the folder of all scenes, the preferred one first.
         where: Where to get episodes and scenes, for people.
         max_steps: Step limit.
+        max_life_steps: Step limit of a life, where episodes are those of lives; None for none.
         success_distance_m: Geodesic distance to a view point within which a STOP counts, metres.
         words: Names of the goals by category of the files, where the two differ.
         asks_as_in_files: Whether goals are named as in the files, even if the data set has names of
@@ -44,6 +45,7 @@ class Benchmark:
     scenes: tuple[str, ...] = ()
     where: str = ""
     max_steps: int = MAX_STEPS
+    max_life_steps: int | None = None
     success_distance_m: float = SUCCESS_DISTANCE_M
     words: Mapping[str, str] = field(default_factory=dict)
     asks_as_in_files: bool = False

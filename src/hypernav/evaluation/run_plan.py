@@ -54,6 +54,8 @@ class RunPlan:
         scenes_dir: Folder of the scenes that an episode file names; None takes the file's own.
         world: Simulator that the episodes run in.
         benchmark: Benchmark that was asked for by name; None follows the data set's own.
+        max_life_steps: Maximum number of steps of a whole life; None for no limit of its own.
+        fresh_memory: Whether the memory is emptied before each goal of a life.
     """
 
     dataset: str
@@ -66,6 +68,8 @@ class RunPlan:
     scenes_dir: Path | None = None
     world: WorldName = "native"
     benchmark: BenchmarkName | None = None
+    max_life_steps: int | None = None
+    fresh_memory: bool = False
 
     def episodes(self, progress: Progress | None = None) -> list[Episode]:
         """The chosen episodes of the data set, with the limits of this run.
@@ -94,7 +98,11 @@ class RunPlan:
             words={} if own is None or as_in_files else own.words,
         )
         check_scenes(chosen)
-        limits = {"max_steps": self.max_steps, "success_distance_m": self.success_distance_m}
+        limits = {
+            "max_steps": self.max_steps,
+            "success_distance_m": self.success_distance_m,
+            "max_life_steps": self.max_life_steps,
+        }
         return [replace(episode, **limits) for episode in chosen]
 
     def configuration(self, episodes: Sequence[Episode]) -> dict[str, Any]:
@@ -127,8 +135,17 @@ class RunPlan:
                 "config": self.config.model_dump(mode="json"),
             }
             | named
+            | self._lives(episodes)
             | self._navmeshes(episodes)
         )
+
+    def _lives(self, episodes: Sequence[Episode]) -> dict[str, Any]:
+        """Number, memory and limit of the lives; empty if the episodes belong to none."""
+        lives = {(episode.scene_id, episode.life) for episode in episodes if episode.life}
+        if not lives:
+            return {}
+        memory = "emptied before each goal" if self.fresh_memory else "kept between goals"
+        return {"lives": {"count": len(lives), "memory": memory, "max_steps": self.max_life_steps}}
 
     def _navmeshes(self, episodes: Sequence[Episode]) -> dict[str, Any]:
         """Number of scans with the file's own navmesh, and with one computed for the robot.

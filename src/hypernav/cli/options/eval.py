@@ -50,6 +50,8 @@ class Options:
     0.1; reports show all others, too."""
     seed: int = 0
     """Seed of all noise."""
+    fresh_memory: bool = False
+    """Empty the memory before each goal of a life, to measure what the memory is worth."""
     plan: bool = False
     """Only say what the run would cost: by --exam, without any search; else by the first ten
     episodes, which the same command without --plan doesn't run again."""
