@@ -22,6 +22,7 @@ from hypernav.cli.options.eval import Options
 from hypernav.cli.screen.eval_table import outcome_lines, progress_line, progress_table
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.warnings_shown import warnings_on
+from hypernav.core.components.abilities import remembers
 from hypernav.core.config import MOST_THREADS, check_option
 from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.episodes.life import lives_of
@@ -212,7 +213,26 @@ def planned(options: Options, console: Console) -> tuple[RunPlan, list[Episode]]
         benchmark = benchmark_of(options.dataset, options.benchmark)
         for caveat in () if benchmark is None else benchmark.caveats:
             console.print(f"[yellow]{escape(caveat)}[/]", soft_wrap=True)
-        return replace(plan, who=_who(options, config, episodes, console)), episodes
+        plan = replace(plan, who=_who(options, config, episodes, console))
+    _say_lives(plan, episodes, console)
+    return plan, episodes
+
+
+def _say_lives(plan: RunPlan, episodes: Sequence[Episode], console: Console) -> None:
+    """Say how many lives there are, and what becomes of their memory.
+
+    Raises:
+        ConfigError: A fresh memory was asked for, and there are no lives.
+    """
+    if lives := plan.lives(episodes):
+        console.print(
+            f"{lives['count']} lives with {len(episodes)} goals, memory {lives['memory']}"
+        )
+    elif plan.fresh_memory:
+        raise ConfigError(
+            f"--fresh-memory: the episodes of {plan.dataset} belong to no lives, so each begins "
+            "without memory anyway; leave it out"
+        )
 
 
 def config_of(options: Options) -> HyPerNavConfig:
@@ -268,10 +288,16 @@ def _who(
             visible.append(goal.text)
         except GoalError as error:
             first_error = first_error or error
+    keeps_memory = remembers(parts.agent)
     parts.close()
     if first_error is not None:
         raise GoalError(f"{first_error}; choose others: --goals '{','.join(visible)}'")
-    return options.who.describe(parts)
+    forgets = (
+        {}
+        if keeps_memory or not any(episode.life for episode in episodes)
+        else {"keeps_memory": False}
+    )
+    return options.who.describe(parts) | forgets
 
 
 def _pool(options: Options, folder: Path, config: HyPerNavConfig) -> WorkerPool:

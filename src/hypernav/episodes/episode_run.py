@@ -9,8 +9,8 @@ import numpy as np
 
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
-from hypernav.core.components.abilities import BuiltForRobot
-from hypernav.core.components.protocols import Agent, ExplainsItself, Remembers
+from hypernav.core.components.abilities import BuiltForRobot, remembers
+from hypernav.core.components.protocols import Agent, ExplainsItself
 from hypernav.core.episodes.episode import Episode, Outcome
 from hypernav.core.episodes.metrics import EpisodeMetrics
 from hypernav.core.episodes.truth import EpisodeTruth
@@ -129,7 +129,7 @@ class EpisodeRun:
             told.tell(
                 rng=None if rng is None else rng.spawn(1)[0], path_left_m=true_paths(self.trial)
             )
-        if goes_on and isinstance(agent, Remembers):
+        if goes_on and remembers(agent):
             agent.reset(episode.goal, agent.memory)
         else:
             agent.reset(episode.goal)

@@ -135,17 +135,20 @@ class RunPlan:
                 "config": self.config.model_dump(mode="json"),
             }
             | named
-            | self._lives(episodes)
+            | ({"lives": lives} if (lives := self.lives(episodes)) else {})
             | self._navmeshes(episodes)
         )
 
-    def _lives(self, episodes: Sequence[Episode]) -> dict[str, Any]:
+    def lives(self, episodes: Sequence[Episode]) -> dict[str, Any]:
         """Number, memory and limit of the lives; empty if the episodes belong to none."""
         lives = {(episode.scene_id, episode.life) for episode in episodes if episode.life}
         if not lives:
             return {}
-        memory = "emptied before each goal" if self.fresh_memory else "kept between goals"
-        return {"lives": {"count": len(lives), "memory": memory, "max_steps": self.max_life_steps}}
+        if self.fresh_memory:
+            memory = "emptied before each goal"
+        else:
+            memory = "kept between goals" if self.who.get("keeps_memory", True) else "none is kept"
+        return {"count": len(lives), "memory": memory, "max_steps": self.max_life_steps}
 
     def _navmeshes(self, episodes: Sequence[Episode]) -> dict[str, Any]:
         """Number of scans with the file's own navmesh, and with one computed for the robot.

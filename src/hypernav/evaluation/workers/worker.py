@@ -14,9 +14,9 @@ from hypernav.build.component_specs import ComponentSpecs, WorldName
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.worlds import open_world
-from hypernav.core.components.abilities import Closes
+from hypernav.core.components.abilities import Closes, remembers
 from hypernav.core.components.door import SIMULATOR_ERRORS
-from hypernav.core.components.protocols import Agent, Remembers
+from hypernav.core.components.protocols import Agent
 from hypernav.core.episodes.episode import Episode, Outcome
 from hypernav.core.episodes.life import Life
 from hypernav.core.geometry.transforms import Transform
@@ -129,7 +129,8 @@ class EpisodeWorker:
         try:
             scene = self._scene_of(episode.scene_id)
             scene.renderer.colours = self._searcher.looks_at_colours or self._job.save == "videos"
-            goes_on = number > 1 and self._keeps_memory
+            keeps_memory = not self._job.fresh_memory and remembers(self._searcher.agent)
+            goes_on = number > 1 and keeps_memory
             if number > 1 and not goes_on:
                 world = scene.world
                 episode = replace(episode, start=world.pose, start_z=world.position[2])
@@ -145,11 +146,6 @@ class EpisodeWorker:
         except SIMULATOR_ERRORS as error:
             said = f"{type(error).__name__}: {error}"
             return unmeasured_record(episode, Outcome.SIMULATOR_ERROR, said, goal_number=number)
-
-    @property
-    def _keeps_memory(self) -> bool:
-        """Whether what was learned is kept for the next goal; asked after a first search."""
-        return not self._job.fresh_memory and isinstance(self._searcher.agent, Remembers)
 
     def close(self) -> None:
         """Close scene and agent; no episode is run afterwards."""
