@@ -12,10 +12,10 @@ import time
 import pytest
 
 from eval_runs import SMALL, timeless_lines, write_exam, write_room
-from hypernav.cli.eval import worker_count
 from hypernav.cli.main import main
 from hypernav.cli.options.agent import AgentOptions
 from hypernav.cli.options.eval import Options
+from hypernav.cli.run_choice import worker_count
 from hypernav.evaluation.run_session import available_cores
 
 QUICK = ("--workers", "1", "--max-steps", "30", *SMALL)

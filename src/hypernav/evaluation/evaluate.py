@@ -59,7 +59,7 @@ def evaluate(
     check_option("seed", plan.seed, (0, MOST_SEED), "a seed is 0 or more")
     own = dict.fromkeys(("preset", "detector", "reasoner"), ITS_OWN)
     plan = replace(plan, who={"agent": factory_name(make_agent), **own} | plan.who)
-    episodes = plan.episodes()
+    plan, episodes = plan.chosen()
     job = Job(
         folder=folder,
         config=plan.config,

@@ -12,7 +12,7 @@ from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.failures.classification import RULES, Failure
 from hypernav.evaluation.protocol import PROTOCOLS, StopRule
 from hypernav.evaluation.record import EpisodeRecord
-from hypernav.evaluation.report import lives, report_text, tables
+from hypernav.evaluation.report import goat_rules, lives, report_text, tables
 from hypernav.evaluation.report.costs import call_axis, costs
 from hypernav.evaluation.report.published_results import PUBLISHED
 from hypernav.evaluation.report.run_data import RunData
@@ -77,6 +77,10 @@ def _content(folder: Path, runs: Sequence[RunData], pairs: Sequence[tables.Pair]
             (run, lives.paired_by_goal_number(runs[0], run)) for run in runs[1:] if lived
         ],
         "lives": [(run, lives.life_records(run)) for run in runs if lived],
+        "goat_rules": list(goat_rules.GOAT_RULES),
+        "goat": [
+            (run, goat_rules.by_goal_type(run)) for run in runs if goat_rules.follows_goat(run)
+        ],
         "own": [tables.own_protocol(run) for run in runs],
         "metres": list(zip(runs, tables.metres(runs), strict=True)),
         "failures": tables.failures(runs),

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from hypernav.datasets.goal_types import goal_type_words
 from hypernav.episodes.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.evaluation.failures.classification import MISPLACED_M, Failure
 from hypernav.evaluation.report.run_data import RunData
@@ -116,6 +117,12 @@ def warnings(runs: Sequence[RunData]) -> list[str]:
                 f"{run.name} has a single scene: its intervals say nothing about other scenes."
             )
     found += [
+        f"{run.name} leaves out {goal_type_words(out)} of GOAT-Bench, so its numbers are of "
+        "another selection than published ones."
+        for run in runs
+        if (out := run.configuration.get("goal_types", {}).get("left_out"))
+    ]
+    found += [
         f"{run.name}: its agent keeps no memory, so every goal of a life is a search of its own."
         for run in runs
         if not run.who.get("keeps_memory", True)
@@ -209,10 +216,9 @@ def _life_lines(run: RunData) -> list[tuple[str, str]]:
     return [
         (
             "Lives",
-            f"{count:,} {'life' if count == 1 else 'lives'}, each of several goals in one building; "
-            f"memory: {lives['memory']}; a goal is searched from where the robot stands, and its "
-            "shortest path counts from there"
-            + (f"; at most {limit:,} steps a life" if limit else ""),
+            f"{count:,} {'life' if count == 1 else 'lives'} of several goals each; memory: "
+            f"{lives['memory']}; a goal is searched from where the robot stands, and its shortest "
+            "path counts from there" + (f"; at most {limit:,} steps a life" if limit else ""),
         )
     ]
 
