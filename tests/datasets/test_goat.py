@@ -106,7 +106,7 @@ def _text(path):
 
 
 def test_goals_of_other_types_are_counted(tmp_path):
-    kept, left_out = of_types(goals(tmp_path), goal_types_in(None))
+    kept, left_out = of_types(goals(tmp_path), goal_types_in(""))
     assert [e.episode_id for e in kept] == ["0.1", "0.2", "0.5"]
     assert left_out == {"image": 1, LONG_DESCRIPTION: 1}
     assert goal_type_words({"image": 1, "object": 1200}) == "1 image goal, 1,200 category goals"

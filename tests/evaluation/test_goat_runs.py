@@ -106,6 +106,13 @@ def test_goal_types_are_chosen_and_image_goals_refused(benchmark_data, tmp_path,
     assert [r.episode_id for r in read_records(tmp_path / "run")] == ["0.2"]
 
 
+def test_a_plan_of_a_program_leaves_image_goals_out_too(benchmark_data):
+    plan, episodes = RunPlan(f"goat:{benchmark_data}#val_seen", benchmark="ovon").chosen()
+    assert [e.group for e in episodes] == ["object", "description", "object"]
+    assert plan.left_out == {"image": 1}
+    assert RunPlan("scene:builtin#1", benchmark="goat").chosen()[0].goal_types == ()
+
+
 def test_other_data_sets_have_no_goal_types(benchmark_data, capsys):
     assert hypernav("eval", f"ovon:{benchmark_data}#val_seen", "--goal-types", "object") == 2
     assert "of one type" in capsys.readouterr().err

@@ -129,4 +129,4 @@ def test_a_report_says_that_an_agent_keeps_no_memory(tmp_path):
     folder = written(tmp_path / "run", goals(), keeps_memory=False)
     page = write_report(folder, load_runs([folder])).read_text()
     assert "its agent keeps no memory" in page
-    assert "memory: none is kept" in page
+    assert "memory: none, the agent keeps none" in page

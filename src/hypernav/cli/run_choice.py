@@ -15,7 +15,7 @@ from hypernav.core.config import MOST_THREADS, check_option
 from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.errors import ConfigError, GoalError
-from hypernav.datasets.benchmarks import Benchmark, benchmark_of
+from hypernav.datasets.benchmarks import benchmark_of
 from hypernav.datasets.goal_types import goal_type_words, goal_types_in
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.run_session import available_cores
@@ -135,16 +135,18 @@ def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:
         benchmark=options.benchmark,
         max_life_steps=None if benchmark is None else benchmark.max_life_steps,
         fresh_memory=options.fresh_memory,
-        goal_types=_goal_types(options, benchmark),
+        goal_types=_goal_types(options),
     )
 
 
-def _goal_types(options: Options, benchmark: Benchmark | None) -> tuple[str, ...]:
-    if benchmark is not None and benchmark.goal_types:
-        return goal_types_in(options.goal_types)
-    if options.goal_types is not None:
+def _goal_types(options: Options) -> tuple[str, ...]:
+    """The goal types that were asked for; empty for the default."""
+    if options.goal_types is None:
+        return ()
+    own = benchmark_of(options.dataset)
+    if own is None or not own.goal_types:
         raise ConfigError(f"--goal-types: the goals of {options.dataset} are of one type")
-    return ()
+    return goal_types_in(options.goal_types)
 
 
 def _who(

@@ -18,14 +18,12 @@ _WORDS = {
 }
 
 
-def goal_types_in(text: str | None) -> tuple[str, ...]:
-    """The goal types that an option names, separated by commas; all that can be run if None.
+def goal_types_in(text: str) -> tuple[str, ...]:
+    """The goal types that an option names, separated by commas; all that can be run if none.
 
     Raises:
         EpisodeError: There is no such type, or its goals can't be run.
     """
-    if text is None:
-        return RUNNABLE
     named = tuple(dict.fromkeys(part.strip() for part in text.split(",") if part.strip()))
     if "image" in named:
         raise EpisodeError(

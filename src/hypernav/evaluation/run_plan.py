@@ -19,7 +19,7 @@ from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.datasets.benchmarks import benchmark_of
-from hypernav.datasets.goal_types import of_types
+from hypernav.datasets.goal_types import RUNNABLE, of_types
 from hypernav.evaluation.protocol import StopRule
 from hypernav.worlds.navmesh.robot_navmesh import is_computed
 from hypernav.worlds.scans.layout import ScanFiles
@@ -57,7 +57,8 @@ class RunPlan:
         benchmark: Benchmark that was asked for by name; None follows the data set's own.
         max_life_steps: Maximum number of steps of a whole life; None for no limit of its own.
         fresh_memory: Whether the memory is emptied before each goal of a life.
-        goal_types: Types of the goals to run, where the benchmark has several; else empty.
+        goal_types: Types of the goals to run, where the data set has several; by default all that
+            can be run, which `chosen` fills in.
         left_out: Numbers of the goals of other types, filled in by `chosen`.
     """
 
@@ -87,7 +88,7 @@ class RunPlan:
             progress: Function that is called with the progress of loading.
 
         Returns:
-            This plan with the numbers of what it leaves out, and the episodes.
+            This plan with the goal types that it runs and leaves out, and the episodes.
 
         Raises:
             EpisodeError: There is no such data set, the selection is empty, or a scene is missing.
@@ -105,9 +106,10 @@ class RunPlan:
         )
         words = {} if own is None or as_in_files else own.words
         asked, left_out = self.selection, dict[str, int]()
-        if self.goal_types:  # what is left out is counted in the chosen episodes and scenes
+        types = self.goal_types or (RUNNABLE if own is not None and own.goal_types else ())
+        if types:  # what is left out is counted in the chosen episodes and scenes
             chosen = select(chosen, part=asked.episodes, scenes=asked.scenes)
-            chosen, left_out = of_types(chosen, self.goal_types)
+            chosen, left_out = of_types(chosen, types)
             asked = Selection(goals=asked.goals)
         chosen = select(
             chosen, part=asked.episodes, scenes=asked.scenes, goals=asked.goals, words=words
@@ -118,7 +120,7 @@ class RunPlan:
             "success_distance_m": self.success_distance_m,
             "max_life_steps": self.max_life_steps,
         }
-        plan = replace(self, left_out=left_out)
+        plan = replace(self, goal_types=types, left_out=left_out)
         return plan, [replace(episode, **limits) for episode in chosen]
 
     def configuration(self, episodes: Sequence[Episode]) -> dict[str, Any]:
@@ -164,8 +166,10 @@ class RunPlan:
             return {}
         if self.fresh_memory:
             memory = "emptied before each goal"
+        elif self.who.get("keeps_memory", True):
+            memory = "kept between goals"
         else:
-            memory = "kept between goals" if self.who.get("keeps_memory", True) else "none is kept"
+            memory = "none, the agent keeps none"
         return {"count": len(lives), "memory": memory, "max_steps": self.max_life_steps}
 
     def _navmeshes(self, episodes: Sequence[Episode]) -> dict[str, Any]:

@@ -32,7 +32,7 @@ def load_episodes(
 
     Args:
         dataset: ``houses-val``, ``houses-ovon``, ``houses-train[#FIRST:END]``, the same
-            of ``offices`` and ``shops``,
+            of ``offices`` and ``shops``, ``houses-life-val`` and the like,
             ``scene:SCENE[#STARTS]``, where SCENE is what ``hypernav find --scene`` understands,
             ``habitat:FILE``, or a published benchmark: ``hm3d:DIR[#SPLIT]``, ``mp3d:…``,
             ``ovon:…``.

@@ -16,8 +16,9 @@ class Options:
 
     dataset: tyro.conf.Positional[str]
     """houses-val, houses-ovon, houses-train[#FIRST:END], offices-…, shops-…, crowded-train,
-    storeys-…, scene:GLB[#STARTS], habitat:FILE, hm3d:DIR[#SPLIT], mp3d:DIR[#SPLIT],
-    ovon:DIR[#SPLIT] or goat:DIR[#SPLIT]."""
+    storeys-…, houses-life-val, houses-life-train, offices-life-…, storeys-life-…,
+    scene:GLB[#STARTS], habitat:FILE, hm3d:DIR[#SPLIT], mp3d:DIR[#SPLIT], ovon:DIR[#SPLIT] or
+    goat:DIR[#SPLIT]."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agent."""
     out: Path | None = None

@@ -58,9 +58,9 @@ class GoalTypeRow:
     scores: list[RuleScore | None]
 
 
-def follows_goat(run: RunData) -> bool:
-    """Whether a run is one of GOAT-Bench."""
-    return run.benchmark is not None and run.benchmark.name == "goat"
+def has_goal_types(run: RunData) -> bool:
+    """Whether a run's data set is GOAT-Bench, the only one with several types of goals."""
+    return "goal_types" in run.configuration
 
 
 def by_goal_type(run: RunData) -> list[GoalTypeRow]:

@@ -79,7 +79,7 @@ def _content(folder: Path, runs: Sequence[RunData], pairs: Sequence[tables.Pair]
         "lives": [(run, lives.life_records(run)) for run in runs if lived],
         "goat_rules": list(goat_rules.GOAT_RULES),
         "goat": [
-            (run, goat_rules.by_goal_type(run)) for run in runs if goat_rules.follows_goat(run)
+            (run, goat_rules.by_goal_type(run)) for run in runs if goat_rules.has_goal_types(run)
         ],
         "own": [tables.own_protocol(run) for run in runs],
         "metres": list(zip(runs, tables.metres(runs), strict=True)),
