@@ -43,6 +43,13 @@ def runs(room, tmp_path_factory):
     return folder
 
 
+def test_a_memory_can_only_be_emptied_where_there_are_lives(room, tmp_path, capsys):
+    command = ("eval", f"scene:{room}#1", *QUICK, "--fresh-memory", "--out", tmp_path / "run")
+    assert hypernav(*command) == 2
+    assert "belong to no lives" in capsys.readouterr().err
+    assert not (tmp_path / "run" / "episodes.jsonl").exists()
+
+
 def test_a_run_leaves_its_episodes_and_its_configuration(runs):
     lines = timeless_lines(runs / "hypernav")
     assert [line["goal"] for line in lines] == ["bed", "sofa"]
