@@ -40,6 +40,14 @@ def test_a_whole_folder_is_well(data, capsys):
     assert not any(line.startswith("FAULT") for line in lines)
 
 
+def test_goals_of_goat_bench_that_cannot_be_run_are_counted(data, capsys):
+    _, lines = examine(capsys, data)
+    assert "4 goals of lives in 1 scenes, 2 categories" in line_of(lines, "goat v1/val_unseen:")
+    goals = line_of(lines, "goat v1/val_unseen goals:")
+    assert goals.startswith("note")
+    assert "2 category goals, 1 description goal, 1 image goal; 1 of them are left out" in goals
+
+
 def test_missing_scenes_are_named_with_where_to_get_them(data, capsys):
     shutil.rmtree(data / "scene_datasets" / "hm3d" / "val" / SCENE)
     status, lines = examine(capsys, data)

@@ -12,10 +12,10 @@ import time
 import pytest
 
 from eval_runs import SMALL, timeless_lines, write_exam, write_room
-from hypernav.cli.eval import worker_count
 from hypernav.cli.main import main
 from hypernav.cli.options.agent import AgentOptions
 from hypernav.cli.options.eval import Options
+from hypernav.cli.run_choice import worker_count
 from hypernav.evaluation.run_session import available_cores
 
 QUICK = ("--workers", "1", "--max-steps", "30", *SMALL)
@@ -41,6 +41,13 @@ def runs(room, tmp_path_factory):
     assert hypernav("eval", *common, "--out", folder / "hypernav", "--save", "videos") == 0
     assert hypernav("eval", *common, "--out", folder / "frontier", "--agent", "frontier") == 0
     return folder
+
+
+def test_a_memory_can_only_be_emptied_where_there_are_lives(room, tmp_path, capsys):
+    command = ("eval", f"scene:{room}#1", *QUICK, "--fresh-memory", "--out", tmp_path / "run")
+    assert hypernav(*command) == 2
+    assert "belong to no lives" in capsys.readouterr().err
+    assert not (tmp_path / "run" / "episodes.jsonl").exists()
 
 
 def test_a_run_leaves_its_episodes_and_its_configuration(runs):

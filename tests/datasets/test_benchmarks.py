@@ -35,6 +35,12 @@ def test_the_published_robots_and_limits(name, camera, body, forward_m, success_
     assert (benchmark.max_steps, benchmark.success_distance_m) == (500, success_m)
 
 
+def test_goat_bench_has_ovons_robot_and_one_limit_for_all_goals_of_a_life():
+    goat = BENCHMARKS["goat"]
+    assert goat.embodiment == BENCHMARKS["ovon"].embodiment
+    assert (goat.max_steps, goat.max_life_steps, goat.success_distance_m) == (5000, 5000, 0.25)
+
+
 def test_a_data_set_follows_its_own_benchmark_unless_another_is_named():
     assert benchmark_of("ovon:data#val_unseen") is BENCHMARKS["ovon"]
     paper = BENCHMARKS["hypernav-paper-hm3d"]
@@ -43,7 +49,7 @@ def test_a_data_set_follows_its_own_benchmark_unless_another_is_named():
     assert benchmark_of("storeys-train#3000:3004") is STOREYS
     assert benchmark_of("scene:storeys:3#2") is STOREYS
     assert benchmark_of("houses-val") is None
-    with pytest.raises(ConfigError, match="use hm3d, mp3d, ovon, hypernav-paper-hm3d, "):
+    with pytest.raises(ConfigError, match="use hm3d, mp3d, ovon, goat, hypernav-paper-hm3d, "):
         benchmark_of("houses-val", "hm4d")
 
 

@@ -10,10 +10,10 @@ import pytest
 
 from eval_runs import SMALL, timeless_lines
 from hypernav.build.data.datasets import load_episodes, select
-from hypernav.cli.eval import config_of, plan_of
 from hypernav.cli.main import main
 from hypernav.cli.options.agent import AgentOptions
 from hypernav.cli.options.eval import Options
+from hypernav.cli.run_choice import config_of, plan_of
 from hypernav.core.episodes.episode import Outcome
 from hypernav.core.errors import EpisodeError
 from hypernav.evaluation.report.report_text import warnings

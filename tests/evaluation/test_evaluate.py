@@ -52,8 +52,8 @@ def test_an_agent_of_ones_own_gets_a_run_and_a_report(tmp_path):
 def test_a_bug_in_an_agent_is_no_result_and_its_traceback_is_kept(tmp_path):
     progress = evaluate(plan(tmp_path), tmp_path / "run", Buggy)
     assert progress.records == []
-    ((episode, error),) = progress.crashes.items()
-    assert episode.goal.text == "bed"
+    ((life, error),) = progress.crashes.items()
+    assert [episode.goal.text for episode in life.episodes] == ["bed"]
     assert "a bug of one's own" in error
     # The bug is mended: the episode that has no result is run.
     assert evaluate(plan(tmp_path), tmp_path / "again", Quitter).done_now == 1

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import pytest
 
 from eval_runs import apart, record, spec
@@ -7,6 +9,7 @@ from hypernav.evaluation.runner import (
     NothingScoredError,
     RunHaltedError,
     RunProgress,
+    begin_again,
     check_scored,
     run_episodes,
 )
@@ -30,11 +33,12 @@ class FakePool:
         self.started.append(worker)
         self._reports.append(self._starts.get(len(self.started), Ready)(worker))
 
-    def send(self, worker, episode):
-        self.sent.append(episode.episode_id)
+    def send(self, worker, life):
+        self.sent.append(life.key[1])
         surprise = self.surprises.get(len(self.sent))
         if surprise is None:
-            self._reports.append(Done(worker, self.answer(episode), 100.0 * worker))
+            records = [self.answer(episode) for episode in life.episodes]
+            self._reports.append(Done(worker, records, 100.0 * worker))
         else:
             self._reports.append(surprise(worker))
 
@@ -46,9 +50,10 @@ class FakePool:
         self.closed = True
 
 
-def run(folder, pool, workers=2, watch=None):
+def run(folder, pool, workers=2, watch=None, episodes=EPISODES):
     with RunStore(folder, {}) as store:
-        return run_episodes(EPISODES, store, pool, workers=workers, watch=watch)
+        begin_again(episodes, store)
+        return run_episodes(episodes, store, pool, workers=workers, watch=watch)
 
 
 def ids(folder):
@@ -177,6 +182,57 @@ def test_a_full_disk_dismisses_the_crew(tmp_path, monkeypatch):
     with pytest.raises(RunFolderError, match="no space"):
         run(tmp_path, pool)
     assert pool.closed
+
+
+LIVES = [
+    replace(spec(f"{life}.{goal}"), life=life) for goal in range(1, 4) for life in ("first", "last")
+]
+"""Two lives of three goals, mixed."""
+
+
+def test_the_goals_of_a_life_go_to_one_worker_in_their_order(tmp_path):
+    pool = FakePool()
+    progress = run(tmp_path, pool, episodes=LIVES)
+    assert pool.sent == ["first", "last"]
+    assert [r.episode_id for r in progress.records] == [
+        *("first.1", "first.2", "first.3"),
+        *("last.1", "last.2", "last.3"),
+    ]
+
+
+def test_a_life_that_was_cut_short_runs_again_from_its_first_goal(tmp_path):
+    run(tmp_path, FakePool(), episodes=LIVES)
+    path = tmp_path / "episodes.jsonl"
+    path.write_text("".join(path.read_text().splitlines(keepends=True)[:5]))  # killed before last.3
+    again = FakePool()
+    run(tmp_path, again, episodes=LIVES)
+    assert again.sent == ["last"]
+    assert ids(tmp_path) == sorted(one.episode_id for one in LIVES)
+
+
+def test_a_life_with_a_goal_that_does_not_count_runs_again(tmp_path):
+    def away_at_the_end(episode):
+        return (apart if episode.episode_id == "last.3" else record)(episode.episode_id)
+
+    run(tmp_path, FakePool(answer=away_at_the_end), episodes=LIVES)
+    again = FakePool()
+    run(tmp_path, again, episodes=LIVES)
+    assert again.sent == ["last"]
+    assert all(r.counts for r in read_records(tmp_path))
+
+
+def test_a_life_that_is_given_up_has_a_record_for_every_goal(tmp_path):
+    run(tmp_path, FakePool({1: lost, 2: lost, 3: lost}), workers=1, episodes=LIVES)
+    records = [r for r in read_records(tmp_path) if not r.counts]
+    assert [(r.life, r.goal_number) for r in records] == [("first", k) for k in (1, 2, 3)]
+
+
+def test_the_outage_of_one_life_is_one_outage(tmp_path):
+    def first_away(episode):
+        return (apart if episode.life == "first" else record)(episode.episode_id)
+
+    run(tmp_path, FakePool(answer=first_away), workers=1, episodes=LIVES)
+    assert len(ids(tmp_path)) == 6
 
 
 def test_a_run_of_which_nothing_counts_has_no_result():

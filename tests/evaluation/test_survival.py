@@ -14,6 +14,7 @@ import pytest
 from certainty import certain
 from eval_runs import SMALL, timeless_lines, write_room
 from hypernav.build.data.datasets import load_episodes
+from hypernav.core.episodes.life import Life
 from hypernav.evaluation.runner import run_episodes
 from hypernav.evaluation.store.run_store import RunStore, read_records
 from hypernav.evaluation.workers.process_pool import ProcessPool
@@ -155,7 +156,7 @@ def test_what_a_worker_sent_before_it_died_counts(tmp_path, room):
         hired = pool._started[0]
         assert hired.pipe.poll(60)
         assert pool.wait(1.0) == [Ready(0)]
-        pool.send(0, episode)
+        pool.send(0, Life((episode,)))
         assert hired.pipe.poll(60)
         hired.process.kill()
         hired.process.join()
@@ -163,6 +164,6 @@ def test_what_a_worker_sent_before_it_died_counts(tmp_path, room):
     finally:
         pool.close()
     assert isinstance(first[0], Done)
-    assert first[0].record.key == episode.key
+    assert first[0].records[0].key == episode.key
     assert isinstance(second[0], Lost)
     assert "SIGKILL" in second[0].why

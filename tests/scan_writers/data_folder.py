@@ -4,6 +4,7 @@ from pathlib import Path
 
 from scan_writers.buildings import STOREY_M, two_storeys
 from scan_writers.episodes import HASH, SCENE, episode, write_split
+from scan_writers.goat import goat_life, objects_of, write_goat
 from scan_writers.matterport import write_annotation
 from scan_writers.scans import write_scan, write_visual
 
@@ -11,7 +12,7 @@ BELOW, ABOVE = (3.0, 3.0, 0.0), (5.0, 3.0, STOREY_M)
 
 
 def write_data(folder: Path) -> Path:
-    """HM3D v1 and v2, MP3D and OVON over a house of two storeys, as habitat-lab lays them out."""
+    """Every benchmark over a house of two storeys, as habitat-lab lays them out."""
     house = two_storeys()
     scenes, tasks = folder / "scene_datasets", folder / "datasets"
     write_scan(house, scenes / "hm3d" / "val" / SCENE)
@@ -36,4 +37,13 @@ def write_data(folder: Path) -> Path:
             episode(1, scene_id, "sofa", ABOVE, children_object_categories=["tv_monitor"]),
         ]
         write_split(tasks / "ovon" / "hm3d" / split, house, found, textual=True)
+    objects = objects_of(house)
+    (chair,) = (one["object_id"] for one in objects if one["object_category"] == "chair")
+    rows = [
+        *(("bed", "object", None), ("chair", "description", chair), ("bed", "object", None)),
+        ("chair", "image", chair, 0, 0),
+    ]
+    lives = [goat_life(0, scene_id, BELOW, rows)]
+    for split in ("val_seen", "val_seen_synonyms", "val_unseen"):
+        write_goat(tasks / "goat_bench" / "hm3d" / "v1" / split, lives, objects)
     return folder

@@ -15,7 +15,9 @@ PresetName = Literal[
     "pivot-as-released",
 ]
 
-BenchmarkName = Literal["hm3d", "mp3d", "ovon", "hypernav-paper-hm3d", "hypernav-paper-ovon"]
+BenchmarkName = Literal[
+    "hm3d", "mp3d", "ovon", "goat", "hypernav-paper-hm3d", "hypernav-paper-ovon"
+]
 """Benchmarks whose published robot and limits a run can take (`hypernav.datasets.benchmarks`)."""
 
 WorldName = Literal["native", "habitat"]

@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.cli.ablate_refinement import run_refinement
-from hypernav.cli.eval import check, config_of, evaluate, folder_name, planned
+from hypernav.cli.eval import evaluate, folder_name
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.ablate import Options
+from hypernav.cli.run_choice import check, config_of, planned
 from hypernav.cli.screen.eval_table import result_line
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError

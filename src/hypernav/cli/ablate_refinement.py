@@ -5,11 +5,12 @@ from pathlib import Path
 
 from hypernav.build.construction import asked_by
 from hypernav.build.registries import DETECTORS, SEGMENTERS
-from hypernav.cli.eval import config_of, folder_name, plan_of
+from hypernav.cli.eval import folder_name
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.ablate import Options
+from hypernav.cli.run_choice import config_of, plan_of
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.refinement.area_record import EpisodeAreas

@@ -195,6 +195,22 @@ class World(Protocol):
         ...
 
 
+@runtime_checkable
+class GoesOn(Protocol):
+    """A world in which a robot can begin another search where it stands."""
+
+    def go_on(self, episode: Episode) -> Observation:
+        """Begin a further episode of a life: the robot stays, and so does its ``map`` frame.
+
+        Returns:
+            The first observation.
+
+        Raises:
+            WorldError: Before the first `World.reset`.
+        """
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class RenderedView:
     """Images of a simulated camera.

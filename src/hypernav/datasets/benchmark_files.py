@@ -1,12 +1,15 @@
 """The files of a benchmark below a data folder: episodes of a split, and scenes."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
+from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import EpisodeError
 from hypernav.datasets.benchmarks import Benchmark
+from hypernav.datasets.goat import goat_parts
+from hypernav.datasets.habitat_episodes import split_parts
 from hypernav.datasets.habitat_files import episode_files
 
 SCENES_FOLDER = "scene_datasets"
@@ -75,6 +78,30 @@ def split_of(benchmark: Benchmark, folder: Path, wanted: str = "") -> SplitFolde
         f"{benchmark.name}:{folder}: found no episodes of the split '{name}'; {there}. To see "
         f"what is missing: hypernav doctor --data {folder}"
     )
+
+
+def parts_of(
+    benchmark: Benchmark,
+    path: Path,
+    scene_of: Callable[[str], str] = lambda scene_id: scene_id,
+    words: Mapping[str, str] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Iterator[list[Episode]]:
+    """The episodes of a benchmark's split, one file after the other.
+
+    Args:
+        benchmark: The benchmark, whose files have a format of their own if it has goal types.
+        path: Folder of the split.
+        scene_of: Finds the scene that a ``scene_id`` of the files means.
+        words: Names of the goals by category, where the two differ.
+        progress: Function that is called with the numbers of files read so far and of all.
+
+    Raises:
+        EpisodeError: A file is missing or broken, or there are no episodes.
+    """
+    if benchmark.goal_types:
+        return goat_parts(path, scene_of, progress)
+    return split_parts(path, scene_of, words, progress)
 
 
 def scene_folders(benchmark: Benchmark, folder: Path) -> list[Path]:

@@ -26,11 +26,13 @@ class Benchmark:
         scenes: Folders of its scenes below the folder of all scenes, the preferred one first.
         where: Where to get episodes and scenes, for people.
         max_steps: Step limit.
+        max_life_steps: Step limit of a life, where episodes are those of lives; None for none.
         success_distance_m: Geodesic distance to a view point within which a STOP counts, metres.
         words: Names of the goals by category of the files, where the two differ.
         asks_as_in_files: Whether goals are named as in the files, even if the data set has names of
             its own.
         segmenter: Segmenter that the publication states; a run has to name the one that it uses.
+        goal_types: Types of its goals, where it has several.
         caveats: Sentences about what the publication leaves open or is not known here. They are
             shown before a run and in its reports.
     """
@@ -44,10 +46,12 @@ class Benchmark:
     scenes: tuple[str, ...] = ()
     where: str = ""
     max_steps: int = MAX_STEPS
+    max_life_steps: int | None = None
     success_distance_m: float = SUCCESS_DISTANCE_M
     words: Mapping[str, str] = field(default_factory=dict)
     asks_as_in_files: bool = False
     segmenter: str = ""
+    goal_types: tuple[str, ...] = ()
     caveats: tuple[str, ...] = ()
 
 
@@ -139,6 +143,36 @@ _OVON = Benchmark(
     success_distance_m=0.25,
 )
 
+_GOAT = Benchmark(
+    name="goat",
+    title="GOAT-Bench",
+    embodiment=_STRETCH,
+    source="Khanna et al., GOAT-Bench, 2024, and its goat_stretch_hm3d.yaml",
+    episodes=(
+        "datasets/goat_bench/hm3d/*",
+        "goat_bench/hm3d/*",
+        "datasets/goat_bench/*",
+        "goat_bench/*",
+    ),
+    splits=("val_unseen", "val_seen", "val_seen_synonyms"),
+    scenes=("hm3d_v0.2", "hm3d"),
+    where=(
+        "episodes: linked in the README of https://github.com/Ram81/goat-bench; scenes: with a "
+        "licence from https://matterport.com/habitat-matterport-3d-research-dataset"
+    ),
+    max_steps=5000,
+    max_life_steps=5000,
+    success_distance_m=0.25,
+    goal_types=("object", "description", "image"),
+    caveats=(
+        "GOAT-Bench has two rules that contradict each other: its README counts a STOP within 1 m "
+        "of the object, after at most 500 steps a goal; its code one within 0.25 m (geodesic) of a "
+        "view point, with 5,000 steps for all goals of an episode. Runs follow the code; reports "
+        "have both.",
+        "The robot doesn't look up and down, which the benchmark allows.",
+    ),
+)
+
 _PAPER_CAVEATS = (
     "The HyPerNav paper states steps of 0.5 m, turns of 30° and 500 steps; its success distance "
     "and its camera are not stated, so this run uses those of the data set, which is our choice.",
@@ -176,6 +210,7 @@ BENCHMARKS = {
         _HM3D,
         _MP3D,
         _OVON,
+        _GOAT,
         _as_in_the_paper(
             _HM3D,
             "The paper ran 10 scenes of HM3D's val; whether its episodes are those of v1 or of v2 "

@@ -6,9 +6,9 @@ import json
 import tempfile
 import zlib
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from hypernav.core.errors import EpisodeError
 from hypernav.core.files.allowance import Allowance, megabytes
@@ -27,6 +27,8 @@ CONTENT = "content"
 _TRIED_TYPES = ("int", "float", "constrained-float", "str")
 """Pydantic's names for the alternatives of a field that may have several types."""
 
+Content = TypeVar("Content", bound=BaseModel)
+
 
 def read_episodes(path: Path | str) -> EpisodeDataset:
     """Open an episode file in Habitat's ObjectNav format.
@@ -39,20 +41,34 @@ def read_episodes(path: Path | str) -> EpisodeDataset:
             names the episode and the field.
     """
     path = Path(path)
-    text = _unpacked(path)
-    try:
-        check_json_size(text, Allowance())
-        dataset = EpisodeDataset.model_validate_json(text)
-    except OSError as error:
-        raise EpisodeError(f"{path}: {error.strerror}") from error
-    except ValidationError as error:
-        raise EpisodeError(f"{path}: {_description(error, text)}") from error
+    dataset = read_as(EpisodeDataset, path)
     for episode in dataset.episodes:
         try:
             dataset.goals_of(episode)
         except EpisodeError as error:
             raise EpisodeError(f"{path}: {error}") from error
     return dataset
+
+
+def read_as(kind: type[Content], path: Path) -> Content:
+    """The content of a ``.json.gz`` or ``.json`` file.
+
+    Args:
+        kind: Model of the content.
+        path: The file.
+
+    Raises:
+        EpisodeError: The file is missing or broken, or something in it does not fit the model; the
+            message names the episode and the field.
+    """
+    text = _unpacked(path)
+    try:
+        check_json_size(text, Allowance())
+        return kind.model_validate_json(text)
+    except OSError as error:
+        raise EpisodeError(f"{path}: {error.strerror}") from error
+    except ValidationError as error:
+        raise EpisodeError(f"{path}: {_description(error, text)}") from error
 
 
 def write_episodes(dataset: EpisodeDataset, path: Path | str) -> None:

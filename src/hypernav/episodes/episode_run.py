@@ -9,7 +9,7 @@ import numpy as np
 
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
-from hypernav.core.components.abilities import BuiltForRobot
+from hypernav.core.components.abilities import BuiltForRobot, remembers
 from hypernav.core.components.protocols import Agent, ExplainsItself
 from hypernav.core.episodes.episode import Episode, Outcome
 from hypernav.core.episodes.metrics import EpisodeMetrics
@@ -96,6 +96,7 @@ class EpisodeRun:
         *,
         rng: np.random.Generator | None = None,
         told: EpisodeTruth | None = None,
+        goes_on: bool = False,
     ) -> None:
         """Place the robot and give the agent its goal.
 
@@ -106,17 +107,20 @@ class EpisodeRun:
             rng: Generator of the world's noise.
             told: Holder of the truth for stand-ins in the agent, if it has any
                 (`hypernav.BuiltAgent.truth`); their generator is spawned from ``rng``.
+            goes_on: Whether this search goes on with a life: the robot stays where it is, and the
+                agent, which must be one that `Remembers`, keeps its memory.
 
         Raises:
             ConfigError: The agent was built for another robot.
             StartError: The robot cannot stand at the start.
+            WorldError: The robot shall stay, and the world can't do that.
         """
         _check_robot(agent, world)
         self._agent = agent
         self._began = time.perf_counter()
         self._clock = ModuleClock()
         with self._clock("world"):
-            self.trial: Trial = Trial(world, episode, rng)
+            self.trial: Trial = Trial(world, episode, rng, goes_on=goes_on)
         referee = self.trial.referee
         self._sight = None if referee is None else GoalSight(referee)
         self._model_calls = 0
@@ -125,7 +129,10 @@ class EpisodeRun:
             told.tell(
                 rng=None if rng is None else rng.spawn(1)[0], path_left_m=true_paths(self.trial)
             )
-        agent.reset(episode.goal)
+        if goes_on and remembers(agent):
+            agent.reset(episode.goal, agent.memory)
+        else:
+            agent.reset(episode.goal)
 
     def __iter__(self) -> Iterator[EpisodeStep]:
         """Run the episode to its end, one step at a time.

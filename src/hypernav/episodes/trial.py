@@ -8,7 +8,7 @@ from hypernav.core.episodes.metrics import EpisodeMetrics
 from hypernav.core.errors import WorldError
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending
-from hypernav.core.world import World
+from hypernav.core.world import GoesOn, World
 from hypernav.episodes.referee import Referee
 
 
@@ -25,7 +25,12 @@ class Trial:
     """
 
     def __init__(
-        self, world: World, episode: Episode, rng: np.random.Generator | None = None
+        self,
+        world: World,
+        episode: Episode,
+        rng: np.random.Generator | None = None,
+        *,
+        goes_on: bool = False,
     ) -> None:
         """Place the robot.
 
@@ -33,13 +38,17 @@ class Trial:
             world: The world that the episode takes place in.
             episode: Goal, start and limits.
             rng: Generator of the world's noise.
+            goes_on: Whether the robot stays where it is, with its map frame, as in a life.
 
         Raises:
             StartError: The robot cannot stand at the start.
+            WorldError: The robot shall stay, and the world can't do that.
         """
         self.world = world
         self.episode = episode
-        self.observation: Observation = world.reset(episode, rng)
+        self.observation: Observation = (
+            _stays(world, episode) if goes_on else world.reset(episode, rng)
+        )
         self.referee: Referee | None = _referee_of(world, episode)
         self.steps: int = 0
         self.ending: Ending | None = None
@@ -93,6 +102,15 @@ class Trial:
             stopped=self.ending is Ending.FOUND,
             success_distance_m=self.episode.success_distance_m,
         )
+
+
+def _stays(world: World, episode: Episode) -> Observation:
+    if not isinstance(world, GoesOn):
+        raise WorldError(
+            f"{type(world).__name__} has no go_on, which begins another search where the robot "
+            "stands; run each goal by itself"
+        )
+    return world.go_on(episode)
 
 
 def _referee_of(world: World, episode: Episode) -> Referee | None:

@@ -8,7 +8,7 @@ from hypernav.core.components.protocols import Agent
 from hypernav.core.config import MOST_SEED, MOST_STEPS, MOST_THREADS, check_option
 from hypernav.core.errors import ContractError
 from hypernav.evaluation.run_plan import RunPlan
-from hypernav.evaluation.runner import RunProgress, run_episodes
+from hypernav.evaluation.runner import RunProgress, begin_again, run_episodes
 from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.store.scene_files import keep_scenes
@@ -59,7 +59,7 @@ def evaluate(
     check_option("seed", plan.seed, (0, MOST_SEED), "a seed is 0 or more")
     own = dict.fromkeys(("preset", "detector", "reasoner"), ITS_OWN)
     plan = replace(plan, who={"agent": factory_name(make_agent), **own} | plan.who)
-    episodes = plan.episodes()
+    plan, episodes = plan.chosen()
     job = Job(
         folder=folder,
         config=plan.config,
@@ -67,8 +67,9 @@ def evaluate(
         save=save,
         make_agent=make_agent,
         world=plan.world,
+        fresh_memory=plan.fresh_memory,
     )
     with RunStore(folder, plan.configuration(episodes)) as store:
-        store.withdraw(lambda record: not record.counts)
+        begin_again(episodes, store)
         keep_scenes(store, episodes)
         return run_episodes(episodes, store, ProcessPool(job), workers=workers, watch=watch)

@@ -46,11 +46,13 @@ class EvaluationProtocol:
         success_distance_m: Distance that counts as reached, metres.
         stop_rule: Whether a success needs a STOP.
         reference: What that distance is measured from.
+        most_steps: Greatest number of steps of a success; None for that of the run.
     """
 
     success_distance_m: float = SUCCESS_DISTANCE_M
     stop_rule: StopRule = StopRule.STOP_REQUIRED
     reference: Reference = Reference.VIEW_POINT
+    most_steps: int | None = None
 
     @property
     def reached(self) -> str:
@@ -67,8 +69,9 @@ class EvaluationProtocol:
         if self.reference is Reference.OBJECT:
             to_object_m = record.distance_to_object_m
             distance_m = math.inf if to_object_m is None else to_object_m
+        in_time = self.most_steps is None or record.steps <= self.most_steps
         return measure(
-            stopped=record.stopped or self.stop_rule is StopRule.TIMEOUT_COUNTS,
+            stopped=in_time and (record.stopped or self.stop_rule is StopRule.TIMEOUT_COUNTS),
             distance_to_goal_m=distance_m,
             shortest_path_m=record.shortest_path_m,
             path_length_m=record.path_length_m,

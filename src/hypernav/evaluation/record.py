@@ -1,12 +1,23 @@
 """The record of an episode: one line of ``episodes.jsonl``."""
 
 import math
-from typing import Annotated, ClassVar
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import Annotated, Any, ClassVar
 
-from pydantic import AllowInfNan, BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer
+from pydantic import (
+    AllowInfNan,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    model_serializer,
+)
 
-from hypernav.core.episodes.episode import Outcome
-from hypernav.evaluation.failures.classification import Failure
+from hypernav.core.episodes.episode import Episode, Outcome
+from hypernav.core.episodes.metrics import measure
+from hypernav.evaluation.failures.classification import Facts, Failure, classify
 
 Length = Annotated[
     float,
@@ -74,6 +85,9 @@ class EpisodeRecord(EpisodeLine):
         tokens_in: Number of prompt tokens.
         tokens_out: Number of answer tokens.
         saved: Folder of page and video, relative to the run's; empty if they are not kept.
+        life: Name of the life that the goal belongs to; empty if there is none, and then the line
+            has neither this nor the next field.
+        goal_number: Number of the goal in its life, from 1.
         seconds: Wall-clock time: "total", "world" (the simulator) and by module of the agent.
     """
 
@@ -100,9 +114,55 @@ class EpisodeRecord(EpisodeLine):
     tokens_in: int = 0
     tokens_out: int = 0
     saved: str = ""
+    life: str = ""
+    goal_number: int = 1
     seconds: dict[str, float] = Field(default_factory=dict)
+
+    @model_serializer(mode="wrap")
+    def _without_life(self, values_of: Callable[[Any], dict[str, Any]]) -> dict[str, Any]:
+        values = values_of(self)
+        if not self.life:
+            del values["life"], values["goal_number"]
+        return values
 
     @property
     def counts(self) -> bool:
         """Whether the episode counts in rates: model outages and simulator errors do not."""
         return self.failure is None or not self.failure.is_apart
+
+
+def unmeasured_record(
+    episode: Episode, outcome: Outcome, error: str, *, goal_number: int = 1
+) -> EpisodeRecord:
+    """The record of an episode that has no measures, and counts in no rate.
+
+    Args:
+        episode: The episode.
+        outcome: Simulator error or model outage.
+        error: Its reason.
+        goal_number: Number of the goal in its life.
+    """
+    infinite = float("inf")
+    nothing = measure(
+        stopped=False,
+        distance_to_goal_m=infinite,
+        shortest_path_m=infinite,
+        path_length_m=0.0,
+        success_distance_m=0.0,
+    )
+    verdict = classify(Facts(outcome, error=error))
+    return EpisodeRecord(
+        scene_id=episode.scene_id,
+        episode_id=episode.episode_id,
+        goal=episode.goal.text,
+        group=episode.group,
+        outcome=outcome,
+        failure=verdict.failure if verdict is not None else None,
+        why=error,
+        stopped=False,
+        steps=0,
+        model_calls=0,
+        life=episode.life,
+        goal_number=goal_number,
+        **asdict(nothing),
+    )

@@ -19,6 +19,7 @@ from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.datasets.benchmarks import benchmark_of
+from hypernav.datasets.goal_types import RUNNABLE, of_types
 from hypernav.evaluation.protocol import StopRule
 from hypernav.worlds.navmesh.robot_navmesh import is_computed
 from hypernav.worlds.scans.layout import ScanFiles
@@ -54,6 +55,11 @@ class RunPlan:
         scenes_dir: Folder of the scenes that an episode file names; None takes the file's own.
         world: Simulator that the episodes run in.
         benchmark: Benchmark that was asked for by name; None follows the data set's own.
+        max_life_steps: Maximum number of steps of a whole life; None for no limit of its own.
+        fresh_memory: Whether the memory is emptied before each goal of a life.
+        goal_types: Types of the goals to run, where the data set has several; by default all that
+            can be run, which `chosen` fills in.
+        left_out: Numbers of the goals of other types, filled in by `chosen`.
     """
 
     dataset: str
@@ -66,12 +72,23 @@ class RunPlan:
     scenes_dir: Path | None = None
     world: WorldName = "native"
     benchmark: BenchmarkName | None = None
+    max_life_steps: int | None = None
+    fresh_memory: bool = False
+    goal_types: tuple[str, ...] = ()
+    left_out: dict[str, int] = field(default_factory=dict)
 
     def episodes(self, progress: Progress | None = None) -> list[Episode]:
+        """The episodes of `chosen`."""
+        return self.chosen(progress)[1]
+
+    def chosen(self, progress: Progress | None = None) -> tuple["RunPlan", list[Episode]]:
         """The chosen episodes of the data set, with the limits of this run.
 
         Args:
             progress: Function that is called with the progress of loading.
+
+        Returns:
+            This plan with the goal types that it runs and leaves out, and the episodes.
 
         Raises:
             EpisodeError: There is no such data set, the selection is empty, or a scene is missing.
@@ -79,23 +96,32 @@ class RunPlan:
         """
         own, followed = benchmark_of(self.dataset), benchmark_of(self.dataset, self.benchmark)
         as_in_files = followed is not None and followed.asks_as_in_files
+        chosen = load_episodes(
+            self.dataset,
+            self.config.world,
+            self.config.embodiment,
+            scenes_dir=self.scenes_dir,
+            as_in_files=as_in_files,
+            progress=progress,
+        )
+        words = {} if own is None or as_in_files else own.words
+        asked, left_out = self.selection, dict[str, int]()
+        types = self.goal_types or (RUNNABLE if own is not None and own.goal_types else ())
+        if types:  # what is left out is counted in the chosen episodes and scenes
+            chosen = select(chosen, part=asked.episodes, scenes=asked.scenes)
+            chosen, left_out = of_types(chosen, types)
+            asked = Selection(goals=asked.goals)
         chosen = select(
-            load_episodes(
-                self.dataset,
-                self.config.world,
-                self.config.embodiment,
-                scenes_dir=self.scenes_dir,
-                as_in_files=as_in_files,
-                progress=progress,
-            ),
-            part=self.selection.episodes,
-            scenes=self.selection.scenes,
-            goals=self.selection.goals,
-            words={} if own is None or as_in_files else own.words,
+            chosen, part=asked.episodes, scenes=asked.scenes, goals=asked.goals, words=words
         )
         check_scenes(chosen)
-        limits = {"max_steps": self.max_steps, "success_distance_m": self.success_distance_m}
-        return [replace(episode, **limits) for episode in chosen]
+        limits = {
+            "max_steps": self.max_steps,
+            "success_distance_m": self.success_distance_m,
+            "max_life_steps": self.max_life_steps,
+        }
+        plan = replace(self, goal_types=types, left_out=left_out)
+        return plan, [replace(episode, **limits) for episode in chosen]
 
     def configuration(self, episodes: Sequence[Episode]) -> dict[str, Any]:
         """The content of ``run.json``.
@@ -104,9 +130,11 @@ class RunPlan:
             episodes: Selected episodes. Their fingerprint is part of the configuration: the same
                 name with other episodes (a newer generator of houses) is another run.
         """
-        named = {"world": self.world} if self.world != "native" else {}
+        named: dict[str, Any] = {"world": self.world} if self.world != "native" else {}
         if self.benchmark is not None:
             named["benchmark"] = self.benchmark
+        if self.goal_types:
+            named["goal_types"] = {"run": list(self.goal_types), "left_out": self.left_out}
         return (
             {
                 "hypernav": version("hypernav"),
@@ -127,8 +155,22 @@ class RunPlan:
                 "config": self.config.model_dump(mode="json"),
             }
             | named
+            | ({"lives": lives} if (lives := self.lives(episodes)) else {})
             | self._navmeshes(episodes)
         )
+
+    def lives(self, episodes: Sequence[Episode]) -> dict[str, Any]:
+        """Number, memory and limit of the lives; empty if the episodes belong to none."""
+        lives = {(episode.scene_id, episode.life) for episode in episodes if episode.life}
+        if not lives:
+            return {}
+        if self.fresh_memory:
+            memory = "emptied before each goal"
+        elif self.who.get("keeps_memory", True):
+            memory = "kept between goals"
+        else:
+            memory = "none, the agent keeps none"
+        return {"count": len(lives), "memory": memory, "max_steps": self.max_life_steps}
 
     def _navmeshes(self, episodes: Sequence[Episode]) -> dict[str, Any]:
         """Number of scans with the file's own navmesh, and with one computed for the robot.

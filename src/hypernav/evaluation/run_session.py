@@ -68,7 +68,7 @@ class RunSession:
                 episodes=progress.done_now,
                 peak_memory_mb={str(worker): mb for worker, mb in progress.peak_mb.items()},
                 workers_lost=progress.losses,
-                crashes={"/".join(spec.key): error for spec, error in progress.crashes.items()},
+                crashes={"/".join(life.key): error for life, error in progress.crashes.items()},
             )
         )
 

@@ -1,16 +1,16 @@
-"""Runs all episodes: gives them to workers, and is the only writer of their records."""
+"""Runs all episodes: gives their lives to workers, and is the only writer of their records."""
 
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episodes.episode import Episode, Outcome
+from hypernav.core.episodes.life import Life, lives_of
 from hypernav.core.errors import ComponentError, CrashError, HyPerNavError, ModelUnavailableError
 from hypernav.evaluation.failures.classification import Failure
-from hypernav.evaluation.record import EpisodeRecord
+from hypernav.evaluation.record import EpisodeRecord, unmeasured_record
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.workers.schedule import ATTEMPTS, Schedule
-from hypernav.evaluation.workers.worker import simulator_error_record
 from hypernav.evaluation.workers.worker_pool import (
     Crashed,
     Done,
@@ -48,7 +48,7 @@ class RunProgress:
         done_now: Number of episodes done in this session.
         peak_mb: Peak memory of each worker, megabytes.
         losses: Number of lost workers.
-        crashes: Tracebacks of episodes whose worker's program failed; they have no record.
+        crashes: Tracebacks of lives whose worker's program failed; their goals have no record.
         is_own_crash: Whether a component of the user's own failed in the last of them.
     """
 
@@ -57,7 +57,7 @@ class RunProgress:
     done_now: int = 0
     peak_mb: dict[int, float] = field(default_factory=dict)
     losses: int = 0
-    crashes: dict[Episode, str] = field(default_factory=dict)
+    crashes: dict[Life, str] = field(default_factory=dict)
     is_own_crash: bool = False
 
 
@@ -69,7 +69,7 @@ def run_episodes(
     workers: int,
     watch: Callable[[RunProgress], None] | None = None,
 ) -> RunProgress:
-    """Run all episodes that the store doesn't hold yet.
+    """Run all lives that the store doesn't hold yet; `begin_again` withdraws parts of them.
 
     Args:
         episodes: All episodes of the run, the finished ones included.
@@ -88,7 +88,7 @@ def run_episodes(
         CrashError: The program fails repeatedly.
         RunFolderError: The disk is full.
     """
-    waiting = [episode for episode in episodes if episode.key not in store.records]
+    waiting = [life for life in lives_of(episodes) if not _is_done(life, store)]
     owner = _Owner(Schedule(waiting), store, pool, RunProgress(list(store.records.values()), 0))
     owner.progress.total = len(episodes)
     try:
@@ -101,6 +101,32 @@ def run_episodes(
     finally:
         pool.close()
     return owner.progress
+
+
+def begin_again(episodes: Sequence[Episode], store: RunStore) -> int:
+    """Withdraw the records of lives that are to be run again.
+
+    Those are all with a goal that has no record, after a kill, or one that doesn't count.
+
+    Args:
+        episodes: All episodes of the run.
+        store: Store of the run, open.
+
+    Returns:
+        Number of withdrawn records.
+    """
+    done = {key for key, record in store.records.items() if record.counts}
+    again = {
+        episode.key
+        for life in lives_of(episodes)
+        if not all(one.key in done for one in life.episodes)
+        for episode in life.episodes
+    }
+    return store.withdraw(lambda record: record.key in again or not record.counts)
+
+
+def _is_done(life: Life, store: RunStore) -> bool:
+    return all(episode.key in store.records for episode in life.episodes)
 
 
 @dataclass
@@ -126,19 +152,23 @@ class _Owner:
         match report:
             case Ready(worker):
                 self._give_work(worker)
-            case Done(worker, record, peak_mb):
+            case Done(worker, records, peak_mb):
                 self.progress.peak_mb[worker] = max(self.progress.peak_mb.get(worker, 0.0), peak_mb)
                 self.schedule.done(worker)
-                self._keep(record)
+                self._keep(records)
                 self._give_work(worker)
             case Lost(worker, why):
                 _LOGGER.warning("worker %d is lost: %s; another one replaces it", worker, why)
                 self._lose(why)
                 if (given_up := self.schedule.lost(worker)) is not None:
+                    said = f"its worker was lost {ATTEMPTS} times: {why}"
                     self._keep(
-                        simulator_error_record(
-                            given_up, f"its worker was lost {ATTEMPTS} times: {why}"
-                        )
+                        [
+                            unmeasured_record(
+                                episode, Outcome.SIMULATOR_ERROR, said, goal_number=number
+                            )
+                            for number, episode in enumerate(given_up.episodes, start=1)
+                        ]
                     )
                 self._replace(worker)
             case Crashed(worker):
@@ -147,15 +177,18 @@ class _Owner:
             case Refused(_, error):
                 raise RunHaltedError(error)
 
-    def _keep(self, record: EpisodeRecord) -> None:
-        self.store.add(record)
-        self.progress.records.append(record)
-        self.progress.done_now += 1
+    def _keep(self, records: Sequence[EpisodeRecord]) -> None:
+        """Keep the records of a life, whose last one tells of an outage if there was one."""
+        for record in records:
+            self.store.add(record)
+            self.progress.records.append(record)
+            self.progress.done_now += 1
         self.crashes = self.losses = 0
-        self.outages = self.outages + 1 if record.failure is Failure.MODEL_UNAVAILABLE else 0
+        last = records[-1]
+        self.outages = self.outages + 1 if last.failure is Failure.MODEL_UNAVAILABLE else 0
         if self.outages >= max(_OUTAGES_IN_A_ROW, 2 * self.workers):
             raise ModelUnavailableError(
-                f"the model was not available in {self.outages} episodes in a row ({record.why}); "
+                f"the model was not available in {self.outages} episodes in a row ({last.why}); "
                 "they are not counted. Bring it back, then run the same command again: it goes on "
                 "from here"
             )
@@ -174,22 +207,22 @@ class _Owner:
         if not self.schedule.is_running(report.worker):
             kind = ComponentError if report.is_own else CrashError
             raise kind(f"a worker failed before its first episode: {_last_line(error)}", error)
-        episode = self.schedule.done(report.worker)
-        _LOGGER.error("episode %s failed: %s", "/".join(episode.key), _last_line(error))
-        self.progress.crashes[episode] = error
+        life = self.schedule.done(report.worker)
+        _LOGGER.error("episode %s failed: %s", "/".join(life.key), _last_line(error))
+        self.progress.crashes[life] = error
         self.crashes += 1
         if self.crashes >= _CRASHES_IN_A_ROW:
             raise crash_of(self.progress)
 
     def _replace(self, worker: int) -> None:
-        """Start a new worker for a lost one, if an episode waits."""
+        """Start a new worker for a lost one, if a life waits."""
         if self.schedule.has_waiting:
             self.pool.start(worker)
 
     def _give_work(self, worker: int) -> None:
-        episode = self.schedule.next_for(worker)
-        if episode is not None:
-            self.pool.send(worker, episode)
+        life = self.schedule.next_for(worker)
+        if life is not None:
+            self.pool.send(worker, life)
 
 
 def crash_of(progress: RunProgress) -> CrashError | ComponentError:
@@ -199,9 +232,9 @@ def crash_of(progress: RunProgress) -> CrashError | ComponentError:
         progress: State of a run with at least one such episode.
     """
     crashes = progress.crashes
-    episode, error = list(crashes.items())[-1]
+    life, error = list(crashes.items())[-1]
     several = f"{len(crashes)} episodes, last in " if len(crashes) > 1 else ""
-    failed = f"failed in {several}{'/'.join(episode.key)}: {_last_line(error)}"
+    failed = f"failed in {several}{'/'.join(life.key)}: {_last_line(error)}"
     details = "\n\n".join(f"{'/'.join(one.key)}:\n{error}" for one, error in crashes.items())
     if progress.is_own_crash:
         return ComponentError(f"a component of your own {failed}", details)

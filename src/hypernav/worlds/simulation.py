@@ -118,12 +118,32 @@ class SimulatedWorld:
         self._rng = rng if rng is not None else np.random.default_rng(0)
         self._robot = self._robot_at(episode.start, floor_z)
         self._start = episode.start.to_transform(self._robot.floor_z)
+        return self._begin(episode)
+
+    def _begin(self, episode: Episode) -> Observation:
+        """The first look for an episode's goal."""
         self._stopped = False
         self._tilt_deg = 0.0
         self._instances = named_as_goals(self.scene.instances, episode)
         self._labels = {i.id: i.label for i in self._instances if i.label is not None}
         self._observation = self._look()
         return self._observation
+
+    def go_on(self, episode: Episode) -> Observation:
+        """Begin a further episode of a life: the robot stays, and so do its map frame and noise.
+
+        Args:
+            episode: An episode in this scene; its start is ignored.
+
+        Returns:
+            The first observation.
+
+        Raises:
+            WorldError: Before the first `reset`.
+        """
+        if self._observation is None:
+            raise WorldError("no robot stands here before reset: place it first")
+        return self._begin(episode)
 
     def step(self, action: Action) -> Observation:
         """Take an action and observe.

@@ -8,6 +8,7 @@ import pytest
 
 from eval_runs import timeless_lines, write_room
 from hypernav.build.data.datasets import load_episodes
+from hypernav.core.episodes.life import lives_of
 from hypernav.core.errors import HyPerNavError, RunFolderError
 from hypernav.evaluation.runner import run_episodes
 from hypernav.evaluation.store.run_store import RunStore
@@ -49,7 +50,11 @@ class KillingPool(RayPool):
     def wait(self, seconds):
         reports = super().wait(seconds)
         for report in reports:
-            if isinstance(report, Done) and not self.killed and report.record.episode_id != "bed-0":
+            if (
+                isinstance(report, Done)
+                and not self.killed
+                and report.records[0].episode_id != "bed-0"
+            ):
                 actor = self._actors[report.worker]
                 os.kill(self._ray.get(actor.process_id.remote()), signal.SIGKILL)
                 self.killed += 1
@@ -99,7 +104,7 @@ def test_a_lost_worker_is_reported(tmp_path, cluster):
         pool.start(0)
         process: int = ray.get(pool._actors[0].process_id.remote())
         assert pool.wait(60.0)
-        pool.send(0, load_episodes(f"scene:{write_room(tmp_path / 'room.glb')}#1")[0])
+        pool.send(0, lives_of(load_episodes(f"scene:{write_room(tmp_path / 'room.glb')}#1"))[0])
         os.kill(process, signal.SIGKILL)
         reports = []
         while not reports:

@@ -3,11 +3,12 @@ from hypothesis import strategies as st
 
 from certainty import certain
 from eval_runs import spec
+from hypernav.core.episodes.life import lives_of
 from hypernav.evaluation.workers.schedule import ATTEMPTS, Schedule
 
 
 def of(*scenes):
-    return Schedule([spec(str(k), scene) for k, scene in enumerate(scenes)])
+    return Schedule(lives_of(spec(str(k), scene) for k, scene in enumerate(scenes)))
 
 
 def test_a_worker_keeps_to_its_scene_while_that_has_episodes():
@@ -64,7 +65,7 @@ def test_every_episode_is_done_exactly_once_whoever_is_lost(scenes, workers, dat
         else:
             assert schedule.done(worker) == episode
             done.append(episode)
-    assert sorted(e.episode_id for e in done) == sorted(str(k) for k in range(len(scenes)))
+    assert sorted(life.key[1] for life in done) == sorted(str(k) for k in range(len(scenes)))
 
 
 @given(scenes=st.lists(st.sampled_from("abcdef"), max_size=60), workers=st.integers(1, 4))

@@ -13,6 +13,7 @@ from hypernav.build.data.sources import DATA_SOURCES, DatasetRequest, Progress
 from hypernav.core.components.door import calling
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episodes.episode import Episode
+from hypernav.core.episodes.life import lives_of
 from hypernav.core.errors import ComponentError, EpisodeError
 from hypernav.core.text.whole_numbers import is_whole_number
 from hypernav.worlds.config import SimulationConfig
@@ -31,7 +32,7 @@ def load_episodes(
 
     Args:
         dataset: ``houses-val``, ``houses-ovon``, ``houses-train[#FIRST:END]``, the same
-            of ``offices`` and ``shops``,
+            of ``offices`` and ``shops``, ``houses-life-val`` and the like,
             ``scene:SCENE[#STARTS]``, where SCENE is what ``hypernav find --scene`` understands,
             ``habitat:FILE``, or a published benchmark: ``hm3d:DIR[#SPLIT]``, ``mp3d:…``,
             ``ovon:…``.
@@ -90,7 +91,8 @@ def select(
 
     Args:
         episodes: All episodes of the data set.
-        part: Positions in the data set's order, ``FIRST:END`` (END is not included).
+        part: Positions in the data set's order, ``FIRST:END`` (END is not included); those of
+            lives, where it has lives.
         scenes: Scenes with commas between them: the name (``houses:1003``), its last part
             (``1003``), the number or name of an HM3D scene (``802``, ``00802-wcojb4TFT35``), or
             the scene's position in the data set (``3``, from 0).
@@ -103,7 +105,8 @@ def select(
     """
     chosen = list(episodes)
     if part is not None:
-        chosen = chosen[_slice(part, len(chosen))]
+        lives = lives_of(episodes)
+        chosen = [one for life in lives[_slice(part, len(lives))] for one in life.episodes]
     if scenes is not None:
         names = list(dict.fromkeys(episode.scene_id for episode in episodes))
         wanted = {_scene_named(text, names) for text in _listed("--scenes", scenes)}
@@ -160,7 +163,7 @@ def fingerprint(episodes: Sequence[Episode]) -> str:
 
 def _identity(episode: Episode) -> dict[str, Any]:
     """Everything that a data set says about an episode."""
-    identity = {
+    identity: dict[str, Any] = {
         "scene_id": episode.scene_id,
         "episode_id": episode.episode_id,
         "goal": episode.goal.text,
@@ -169,6 +172,8 @@ def _identity(episode: Episode) -> dict[str, Any]:
     }
     if episode.view_points is not None:
         identity["view_points"] = hashlib.sha256(episode.view_points.tobytes()).hexdigest()
+    if episode.life:
+        identity["life"] = episode.life
     return identity
 
 

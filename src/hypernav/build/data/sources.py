@@ -21,7 +21,13 @@ from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.text.whole_numbers import is_whole_number
-from hypernav.datasets.benchmark_files import SCENES_FOLDER, scene_below, scene_in, split_of
+from hypernav.datasets.benchmark_files import (
+    SCENES_FOLDER,
+    parts_of,
+    scene_below,
+    scene_in,
+    split_of,
+)
 from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
 from hypernav.datasets.habitat_episodes import episodes_of, read_split
 from hypernav.houses.episodes.splits import SPLITS, load_split, numbers_of
@@ -140,7 +146,8 @@ def benchmark_episodes(name: str, request: DatasetRequest) -> list[Episode]:
     split = split_of(benchmark, folder, request.part)
     scene_of = partial(_scene_of, benchmark, request.scenes_dir or folder)
     words = {} if request.as_in_files else benchmark.words
-    return read_split(split.path, scene_of, words, request.tell)
+    parts = parts_of(benchmark, split.path, scene_of, words, request.tell)
+    return [episode for part in parts for episode in part]
 
 
 def _scene_of(benchmark: Benchmark, folder: Path, scene_id: str) -> str:

@@ -72,9 +72,9 @@ def outcome_lines(progress: RunProgress, folder: Path) -> Iterator[str]:
     apart = dict.fromkeys(record.why for record in progress.records if not record.counts)
     for why in list(apart)[:_MOST_REASONS]:
         yield f"  [red]doesn't count[/]: {escape(why)}"
-    for episode, error in list(progress.crashes.items())[:_MOST_REASONS]:
+    for life, error in list(progress.crashes.items())[:_MOST_REASONS]:
         last = error.splitlines()[-1] if error else "no message"
-        yield f"  [red]not run[/]: {escape('/'.join(episode.key))}: {escape(last)}"
+        yield f"  [red]not run[/]: {escape('/'.join(life.key))}: {escape(last)}"
     yield f"  results in {escape(str(folder / 'episodes.jsonl'))}"
     yield f"  page: hypernav report {escape(str(folder))}"
 

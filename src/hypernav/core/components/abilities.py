@@ -1,13 +1,17 @@
 """Optional abilities of components, besides their protocols."""
 
 from collections.abc import Collection, Mapping
-from typing import Any, Protocol, runtime_checkable
+from inspect import getattr_static
+from typing import Any, Protocol, TypeGuard, runtime_checkable
 
+from hypernav.core.components.protocols import Agent, Remembers
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
+
+_MISSING = object()
 
 
 @runtime_checkable
@@ -82,6 +86,11 @@ class NamesThings(Protocol):
     ) -> Mapping[int, SeenThing]:
         """Things with their positions, by permanent numbers; only those not yet named."""
         ...
+
+
+def remembers(agent: Agent) -> TypeGuard[Remembers]:
+    """Whether an agent keeps what it knows of a building, asked also before its first search."""
+    return getattr_static(agent, "memory", _MISSING) is not _MISSING
 
 
 def looks_at_colours(component: object) -> bool:

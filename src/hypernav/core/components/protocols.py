@@ -1,6 +1,6 @@
 """The protocols between the rooms of this package, and for your own code."""
 
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool
@@ -33,6 +33,20 @@ class Agent(Protocol):
             The action. STOP ends the search with the claim that the goal is here. None ends it
             without that claim: the agent gives up.
         """
+        ...
+
+
+@runtime_checkable
+class Remembers(Agent, Protocol):
+    """An agent that keeps what it knows of a building, and can take it up again."""
+
+    @property
+    def memory(self) -> Any:
+        """What it knows, the present search included; there is none before the first one."""
+        ...
+
+    def reset(self, goal: Goal, memory: Any = None) -> None:
+        """Begin a new search with what is known of the building; None if nothing is."""
         ...
 
 

@@ -39,7 +39,8 @@ class Episode:
         scene_id: Name of the scene, as ``hypernav find --scene`` understands it.
         episode_id: Name that is unique within the scene.
         goal: Target of the search.
-        start: Start pose, scene frame.
+        start: Start pose, scene frame; for the later goals of a life that of a robot
+            that made no mistake so far.
         start_z: Height of the floor at the start, metres, which identifies the storey of a
             building; None leaves the storey to the world.
         group: Part of the data set ("unseen"); empty if there is none.
@@ -53,6 +54,9 @@ class Episode:
             has none. Equality ignores it.
         category_ids: Numbers of all categories of the data set, for Habitat's sensor
             ``objectgoal``. Equality ignores them.
+        life: Name of the life that the goal belongs to, unique within the scene; empty if there is
+            none.
+        max_life_steps: Step limit of that whole life; None if it has none of its own.
     """
 
     scene_id: str
@@ -67,6 +71,8 @@ class Episode:
     objects: tuple[ObjectName, ...] = field(default=(), compare=False, repr=False)
     object_category: str = field(default="", compare=False, repr=False)
     category_ids: Mapping[str, int] = field(default_factory=dict, compare=False, repr=False)
+    life: str = ""
+    max_life_steps: int | None = None
 
     @property
     def key(self) -> tuple[str, str]:

@@ -1,5 +1,6 @@
 """Examines a data folder before a long run: what of each benchmark is there, what is missing."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.util import find_spec
@@ -10,11 +11,12 @@ from hypernav.datasets.benchmark_files import (
     SCENES_FOLDER,
     SplitFolder,
     found_splits,
+    parts_of,
     scene_below,
     scene_folders,
 )
 from hypernav.datasets.benchmarks import BENCHMARKS, GENERATED, Benchmark
-from hypernav.datasets.habitat_episodes import split_parts
+from hypernav.datasets.goal_types import RUNNABLE, goal_type_words
 from hypernav.evaluation.checks.findings import Finding, State
 from hypernav.worlds.navmesh.files.reader import read_navmesh
 from hypernav.worlds.scans.layout import ScanFiles
@@ -45,7 +47,7 @@ def check_data(folder: Path) -> Iterator[Finding]:
         return
     used: dict[Path, Benchmark] = {}
     found = False
-    for benchmark in (*(BENCHMARKS[name] for name in ("hm3d", "mp3d", "ovon")), GENERATED):
+    for benchmark in (*(BENCHMARKS[name] for name in ("hm3d", "mp3d", "ovon", "goat")), GENERATED):
         splits = found_splits(benchmark, folder)
         if splits or scene_folders(benchmark, folder):
             found = True
@@ -72,6 +74,7 @@ class _SplitContent:
         goals: Categories of their goals.
         files: Meshes of their scenes by the scenes' ids; None where one is missing.
         fault: Description of a broken file; empty if there is none.
+        goal_types: Numbers of its goals by type, if it has several.
     """
 
     split: SplitFolder
@@ -79,6 +82,7 @@ class _SplitContent:
     goals: frozenset[str] = frozenset()
     files: Mapping[str, Path | None] = field(default_factory=dict)
     fault: str = ""
+    goal_types: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def meshes(self) -> list[Path]:
@@ -87,16 +91,17 @@ class _SplitContent:
 
 
 def _read(benchmark: Benchmark, folder: Path, split: SplitFolder) -> _SplitContent:
-    count, scenes, goals = 0, dict[str, None](), set[str]()
+    count, scenes, goals, types = 0, dict[str, None](), set[str](), Counter[str]()
     try:
-        for episodes in split_parts(split.path):
+        for episodes in parts_of(benchmark, split.path):
             count += len(episodes)
+            types.update(episode.group for episode in episodes if episode.life)
             scenes.update(dict.fromkeys(episode.scene_id for episode in episodes))
-            goals.update(episode.goal.text for episode in episodes)
+            goals.update(episode.object_category for episode in episodes)
     except EpisodeError as error:
         return _SplitContent(split, fault=str(error))
     files = {scene_id: scene_below(benchmark, folder, scene_id) for scene_id in scenes}
-    return _SplitContent(split, count, frozenset(goals), files)
+    return _SplitContent(split, count, frozenset(goals), files, goal_types=types)
 
 
 def _missing_splits(
@@ -119,13 +124,24 @@ def _check_split(benchmark: Benchmark, content: _SplitContent) -> Iterator[Findi
         remedy = f"get the episodes again; {benchmark.where}"
         yield Finding(check, State.FAULT, content.fault, remedy)
         return
-    words = f"{content.count:,} episodes in {len(files)} scenes, {len(content.goals)} categories"
+    noun = "goals of lives" if content.goal_types else "episodes"
+    words = f"{content.count:,} {noun} in {len(files)} scenes, {len(content.goals)} categories"
     yield Finding(check, State.GOOD, words)
+    if content.goal_types:
+        yield _goal_types(check, content)
     yield from _check_scenes(benchmark, check, files)
     scans = [scan for mesh in content.meshes if (scan := ScanFiles.of(mesh)) is not None]
     yield from _check_scans(check, scans)
     if any(scan.mesh.name.endswith(_BASIS) for scan in scans):
         yield _textures(check)
+
+
+def _goal_types(check: str, content: _SplitContent) -> Finding:
+    """The finding about goals that can't be run."""
+    counts = goal_type_words(content.goal_types)
+    out = sum(n for kind, n in content.goal_types.items() if kind not in RUNNABLE)
+    words = f"{counts}; {out:,} of them are left out of runs" if out else counts
+    return Finding(f"{check} goals", State.NOTE if out else State.GOOD, words)
 
 
 def _check_scenes(

@@ -12,11 +12,11 @@ from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.failures.classification import RULES, Failure
 from hypernav.evaluation.protocol import PROTOCOLS, StopRule
 from hypernav.evaluation.record import EpisodeRecord
-from hypernav.evaluation.report import report_text, tables
+from hypernav.evaluation.report import goat_rules, lives, report_text, tables
 from hypernav.evaluation.report.costs import call_axis, costs
 from hypernav.evaluation.report.published_results import PUBLISHED
 from hypernav.evaluation.report.run_data import RunData
-from hypernav.evaluation.report.table_files import write_csv, write_tex
+from hypernav.evaluation.report.table_files import write_csv, write_lives, write_tex
 from hypernav.show import captions
 from hypernav.show.pages.templating import page_environment, plain
 
@@ -24,7 +24,7 @@ _SHOWN_FAILURES = 200
 
 
 def write_report(folder: Path, runs: Sequence[RunData], *, compare: bool = False) -> Path:
-    """Write ``report.html``, ``report.csv`` and ``report.tex``.
+    """Write ``report.html``, ``report.csv``, ``report.tex``, and ``lives.json`` if there are lives.
 
     Args:
         folder: Folder of the report; created if missing.
@@ -50,6 +50,8 @@ def write_report(folder: Path, runs: Sequence[RunData], *, compare: bool = False
         (folder / "report.html").write_text(text, encoding="utf-8")
         write_csv(folder / "report.csv", runs)
         write_tex(folder / "report.tex", runs)
+        if lives.has_lives(runs):
+            write_lives(folder / "lives.json", runs)
     except OSError as error:
         raise RunFolderError(f"{folder} cannot be written: {error.strerror or error}") from error
     return folder / "report.html"
@@ -58,6 +60,7 @@ def write_report(folder: Path, runs: Sequence[RunData], *, compare: bool = False
 def _content(folder: Path, runs: Sequence[RunData], pairs: Sequence[tables.Pair]) -> dict[str, Any]:
     summaries = tables.overall(runs)
     cost_rows = costs(runs)
+    lived = lives.has_lives(runs)
     return {
         "runs": runs,
         "title": report_text.title(runs),
@@ -69,6 +72,15 @@ def _content(folder: Path, runs: Sequence[RunData], pairs: Sequence[tables.Pair]
         "reaches": list(dict.fromkeys(protocol.reached for protocol in PROTOCOLS)),
         "stop_rules": list(StopRule),
         "matrices": [(run, tables.protocol_matrix(run)) for run in runs],
+        "goal_numbers": lives.by_goal_number(runs) if lived else [],
+        "goal_number_pairs": [
+            (run, lives.paired_by_goal_number(runs[0], run)) for run in runs[1:] if lived
+        ],
+        "lives": [(run, lives.life_records(run)) for run in runs if lived],
+        "goat_rules": list(goat_rules.GOAT_RULES),
+        "goat": [
+            (run, goat_rules.by_goal_type(run)) for run in runs if goat_rules.has_goal_types(run)
+        ],
         "own": [tables.own_protocol(run) for run in runs],
         "metres": list(zip(runs, tables.metres(runs), strict=True)),
         "failures": tables.failures(runs),

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from hypernav.datasets.goal_types import goal_type_words
 from hypernav.episodes.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.evaluation.failures.classification import MISPLACED_M, Failure
 from hypernav.evaluation.report.run_data import RunData
@@ -115,6 +116,17 @@ def warnings(runs: Sequence[RunData]) -> list[str]:
             found.append(
                 f"{run.name} has a single scene: its intervals say nothing about other scenes."
             )
+    found += [
+        f"{run.name} leaves out {goal_type_words(out)} of GOAT-Bench, so its numbers are of "
+        "another selection than published ones."
+        for run in runs
+        if (out := run.configuration.get("goal_types", {}).get("left_out"))
+    ]
+    found += [
+        f"{run.name}: its agent keeps no memory, so every goal of a life is a search of its own."
+        for run in runs
+        if not run.who.get("keeps_memory", True)
+    ]
     fingerprints = {run.configuration["episodes"]["fingerprint"] for run in runs}
     if len(fingerprints) > 1:
         found.append("The runs have different episodes; only --compare pairs them.")
@@ -162,6 +174,7 @@ def protocol_lines(run: RunData) -> list[tuple[str, str]]:
             "the object's box from which it is visible",
         ),
         ("Steps", f"at most {told['max_steps']}, STOP included"),
+        *_life_lines(run),
         ("SPL", "success x shortest path / max(shortest path, path walked), lengths in metres"),
         ("SoftSPL", "the same with 1 - distance at the end / distance at the start for success"),
         (
@@ -192,6 +205,21 @@ def protocol_lines(run: RunData) -> list[tuple[str, str]]:
             f"95 %, percentile bootstrap over {drawn(run)} (10,000 draws); with a rate of 0 or "
             "100 % in each of them the interval has no width, which overstates what is known",
         ),
+    ]
+
+
+def _life_lines(run: RunData) -> list[tuple[str, str]]:
+    """How the lives of a run were lived; empty if it has none."""
+    if (lives := run.configuration.get("lives")) is None:
+        return []
+    count, limit = lives["count"], lives["max_steps"]
+    return [
+        (
+            "Lives",
+            f"{count:,} {'life' if count == 1 else 'lives'} of several goals each; memory: "
+            f"{lives['memory']}; a goal is searched from where the robot stands, and its shortest "
+            "path counts from there" + (f"; at most {limit:,} steps a life" if limit else ""),
+        )
     ]
 
 

@@ -1,12 +1,14 @@
-"""Tables beside a report: every episode as CSV, the main tables as LaTeX."""
+"""Tables beside a report: every episode as CSV, the main tables as LaTeX, lives as JSON."""
 
 import csv
+import json
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 from hypernav.evaluation.protocol import PROTOCOLS, EvaluationProtocol, Reference, StopRule
-from hypernav.evaluation.report import tables
+from hypernav.evaluation.report import lives, tables
 from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.statistics import Estimate
 
@@ -27,7 +29,11 @@ _TEX_SPECIAL = str.maketrans(
 
 
 def write_csv(path: Path, runs: Sequence[RunData]) -> None:
-    """One line for every episode of every run, with success and SPL under every protocol."""
+    """One line for every episode of every run, with success and SPL under every protocol.
+
+    If there are lives, the last columns say which and the number of the goal in it.
+    """
+    lived = lives.has_lives(runs)
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(
@@ -45,6 +51,7 @@ def write_csv(path: Path, runs: Sequence[RunData]) -> None:
                 ),
                 "seconds",
                 *(f"{name}_{_column(p)}" for p in PROTOCOLS for name in ("success", "spl")),
+                *(("life", "goal_number") if lived else ()),
             ]
         )
         for run in runs:
@@ -62,6 +69,7 @@ def write_csv(path: Path, runs: Sequence[RunData]) -> None:
                         *(f"{r.soft_spl:.4f}", r.model_calls, r.tokens_in, r.tokens_out),
                         f"{r.seconds.get('total', 0.0):.3f}",
                         *(x for s in scores for x in (int(s.success), f"{s.spl:.4f}")),
+                        *((r.life, r.goal_number if r.life else "") if lived else ()),
                     ]
                 )
 
@@ -69,6 +77,19 @@ def write_csv(path: Path, runs: Sequence[RunData]) -> None:
 def write_tex(path: Path, runs: Sequence[RunData]) -> None:
     """The overall table and the one by scene, for a paper (package ``booktabs``)."""
     path.write_text(f"{_overall(runs)}\n{_by_scene(runs)}", encoding="utf-8")
+
+
+def write_lives(path: Path, runs: Sequence[RunData]) -> None:
+    """Every life of every run, and the results by number of the goal."""
+    content = {
+        "runs": {run.name: [asdict(life) for life in lives.life_records(run)] for run in runs},
+        "by_goal_number": [asdict(row) for row in lives.by_goal_number(runs)],
+        "against_the_first_run": {
+            run.name: [asdict(pair) for pair in lives.paired_by_goal_number(runs[0], run)]
+            for run in runs[1:]
+        },
+    }
+    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
 
 def tex(text: str) -> str:

@@ -15,10 +15,9 @@ from pathlib import Path
 from types import FrameType
 from typing import NoReturn
 
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episodes.life import Life
 from hypernav.core.errors import ComponentError, HyPerNavError
 from hypernav.core.interruptions import interruptions_of_kernels
-from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.workers.own_components import own_components
 from hypernav.evaluation.workers.resource_usage import peak_memory_mb
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
@@ -70,10 +69,10 @@ class ProcessPool:
             theirs.close()
             self._started[worker] = _Process(process, ours, log)
 
-    def send(self, worker: int, episode: Episode) -> None:
-        """Send an idle worker an episode."""
+    def send(self, worker: int, life: Life) -> None:
+        """Send an idle worker a life."""
         try:
-            self._started[worker].pipe.send(episode)
+            self._started[worker].pipe.send(life)
         except OSError:
             return  # It has ended; `wait` reports that.
 
@@ -106,8 +105,8 @@ class ProcessPool:
         match said:
             case str():
                 return Refused(worker, said)
-            case (EpisodeRecord() as record, peak_mb):
-                return Done(worker, record, peak_mb)
+            case (list() as records, peak_mb):
+                return Done(worker, records, peak_mb)
             case _:
                 return Ready(worker)
 
@@ -134,7 +133,7 @@ class ProcessPool:
 
 
 def _work(job: Job, pipe: Connection, log: Path) -> None:
-    """Run episodes in a worker's process.
+    """Run lives in a worker's process.
 
     It sends None when it is ready, records, and a message if the run can't go on.
     """
@@ -146,8 +145,8 @@ def _work(job: Job, pipe: Connection, log: Path) -> None:
         with interruptions_of_kernels(), closing(EpisodeWorker(job)) as episode_worker:
             _send(pipe, None)
             while True:
-                record = episode_worker.run(_receive(pipe))
-                _send(pipe, (record, peak_memory_mb()))
+                records = episode_worker.live(_receive(pipe))
+                _send(pipe, (records, peak_memory_mb()))
     except KeyboardInterrupt:
         return  # the owner closes the pool
     except ComponentError as error:
@@ -165,8 +164,8 @@ def _send(pipe: Connection, said: object) -> None:
         sys.exit(0)
 
 
-def _receive(pipe: Connection) -> Episode:
-    """The next episode; end if the owner has ended."""
+def _receive(pipe: Connection) -> Life:
+    """The next life; end if the owner has ended."""
     try:
         return pipe.recv()
     except EOFError:

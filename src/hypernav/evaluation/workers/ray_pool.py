@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from hypernav.core.components.extras import require
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episodes.life import Life
 from hypernav.core.errors import ComponentError, HyPerNavError, RunFolderError
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.workers.process_pool import ONE_THREAD
@@ -69,9 +69,9 @@ class RayPool:
         self._actors[worker] = actor
         self._waiting[actor.begin.remote()] = worker
 
-    def send(self, worker: int, episode: Episode) -> None:
-        """Send an idle worker an episode."""
-        self._waiting[self._actors[worker].run.remote(episode)] = worker
+    def send(self, worker: int, life: Life) -> None:
+        """Send an idle worker a life."""
+        self._waiting[self._actors[worker].live.remote(life)] = worker
 
     def wait(self, seconds: float) -> list[Report]:
         """The reports since the last call."""
@@ -106,8 +106,8 @@ class RayPool:
                 return replace(said, worker=worker)
             case str():
                 return Refused(worker, said)
-            case (record, peak_mb):
-                return Done(worker, record, peak_mb)
+            case (records, peak_mb):
+                return Done(worker, records, peak_mb)
             case _:
                 return Ready(worker)
 
@@ -127,9 +127,9 @@ class _Worker:
             return str(error)
         return None
 
-    def run(self, episode: Episode) -> str | Crashed | tuple[EpisodeRecord, float]:
+    def live(self, life: Life) -> str | Crashed | tuple[list[EpisodeRecord], float]:
         try:
-            return self._episode_worker.run(episode), peak_memory_mb()
+            return self._episode_worker.live(life), peak_memory_mb()
         except ComponentError as error:
             return _crash_of(error)
         except HyPerNavError as error:

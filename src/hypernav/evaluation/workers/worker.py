@@ -1,11 +1,11 @@
-"""Runs episodes in a worker: one agent, and one scene at a time."""
+"""Runs lives in a worker: one agent, and one scene at a time."""
 
 import hashlib
 import re
 from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,21 +14,21 @@ from hypernav.build.component_specs import ComponentSpecs, WorldName
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.worlds import open_world
-from hypernav.core.components.abilities import Closes
+from hypernav.core.components.abilities import Closes, remembers
 from hypernav.core.components.door import SIMULATOR_ERRORS
 from hypernav.core.components.protocols import Agent
 from hypernav.core.episodes.episode import Episode, Outcome
-from hypernav.core.episodes.metrics import measure
+from hypernav.core.episodes.life import Life
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.trace import Ending, StepTrace
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.episodes.object_distance import object_distance
 from hypernav.episodes.recorder import EpisodeRecorder
 from hypernav.episodes.storyboard import Image, Storyboard
-from hypernav.evaluation.failures.classification import Facts, Verdict, classify
+from hypernav.evaluation.failures.classification import Verdict, classify
 from hypernav.evaluation.failures.decisive_step import decisive_step
 from hypernav.evaluation.failures.failure_evidence import FailureEvidence
-from hypernav.evaluation.record import EpisodeRecord
+from hypernav.evaluation.record import EpisodeRecord, unmeasured_record
 from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.workers.searcher import searcher_of
 from hypernav.perception.exchanges import unusable_answers
@@ -53,6 +53,7 @@ class Job:
         make_agent: Factory of an agent of your own, in place of the configured one.
         open_scene: Function that gives the scene of a name.
         world: Simulator that scenes are opened in.
+        fresh_memory: Whether every goal of a life begins without memory.
     """
 
     folder: Path
@@ -63,10 +64,11 @@ class Job:
     make_agent: Callable[[], Agent] | None = None
     open_scene: Callable[[str], Scene] = load_scene
     world: WorldName = "native"
+    fresh_memory: bool = False
 
 
 class EpisodeWorker:
-    """Runs episodes one after another. A scene stays loaded until another one is needed.
+    """Runs lives one after another. A scene stays loaded until another one is needed.
 
     Drawing is most of the work, so colours are drawn only when they are needed. If the agent needs
     none and only failures are saved, episodes run without colours, which are drawn afterwards for
@@ -84,28 +86,66 @@ class EpisodeWorker:
         self._scene: _OpenScene | None = None
 
     def run(self, episode: Episode) -> EpisodeRecord:
-        """Run one episode.
+        """Run one episode that belongs to no life, as `live` does."""
+        return self.live(Life((episode,)))[0]
 
-        Errors of the simulator become part of the record. Every other error means that the run
-        itself can't go on.
+    def live(self, life: Life) -> list[EpisodeRecord]:
+        """Run the searches of a life one after another.
+
+        The robot goes on where it stands. With a memory its map frame stays, too; without one, as
+        with ``fresh_memory`` or an agent that has none, a new one begins there.
+
+        Errors of the simulator become part of a record. They and outages of a model end the life:
+        its other goals have the same outcome. Every other error means that the run itself can't go
+        on.
+
+        Returns:
+            The records of all goals.
 
         Raises:
             ComponentError: A component of the user's own failed.
-            HyPerNavError: The agent can't search for the goal, or page or video can't be written.
+            HyPerNavError: The agent can't search for a goal, or page or video can't be written.
         """
+        rng = np.random.default_rng(life.episodes[0].seed(self._job.seed))
+        records: list[EpisodeRecord] = []
+        steps_left = life.max_steps
+        for number, episode in enumerate(life.episodes, start=1):
+            limited = replace(episode, max_steps=min(episode.max_steps, steps_left))
+            record = self._search(limited, number, rng)
+            steps_left -= record.steps
+            records.append(record)
+            if not record.counts:
+                why = f"goal {number} of its life ended it: {record.why}"
+                rest = life.episodes[number:]
+                records += [
+                    unmeasured_record(other, record.outcome, why, goal_number=at)
+                    for at, other in enumerate(rest, start=number + 1)
+                ]
+                break
+        return records
+
+    def _search(self, episode: Episode, number: int, rng: np.random.Generator) -> EpisodeRecord:
+        """Search for the goal of a life that has this number, from 1."""
         try:
             scene = self._scene_of(episode.scene_id)
             scene.renderer.colours = self._searcher.looks_at_colours or self._job.save == "videos"
+            keeps_memory = not self._job.fresh_memory and remembers(self._searcher.agent)
+            goes_on = number > 1 and keeps_memory
+            if number > 1 and not goes_on:
+                world = scene.world
+                episode = replace(episode, start=world.pose, start_z=world.position[2])
             run = EpisodeRun(
                 self._searcher.agent,
                 scene.world,
                 episode,
-                rng=np.random.default_rng(episode.seed(self._job.seed)),
+                rng=rng,
                 told=self._searcher.truth,
+                goes_on=goes_on,
             )
-            return self._watch(run, scene)
+            return self._watch(run, scene, number)
         except SIMULATOR_ERRORS as error:
-            return simulator_error_record(episode, f"{type(error).__name__}: {error}")
+            said = f"{type(error).__name__}: {error}"
+            return unmeasured_record(episode, Outcome.SIMULATOR_ERROR, said, goal_number=number)
 
     def close(self) -> None:
         """Close scene and agent; no episode is run afterwards."""
@@ -126,7 +166,7 @@ class EpisodeWorker:
             self._scene = _OpenScene(scene_id, opened.world, opened.renderer)
         return self._scene
 
-    def _watch(self, run: EpisodeRun, scene: "_OpenScene") -> EpisodeRecord:
+    def _watch(self, run: EpisodeRun, scene: "_OpenScene", number: int) -> EpisodeRecord:
         episode, world, save = run.trial.episode, scene.world, self._job.save
         goal = world.goal_truth(episode.goal, episode.view_points)
         evidence = FailureEvidence(world, goal, self._job.config)
@@ -172,6 +212,8 @@ class EpisodeWorker:
             tokens_in=tokens["in"],
             tokens_out=tokens["out"],
             saved=saved,
+            life=episode.life,
+            goal_number=number,
             seconds={module: round(value, 4) for module, value in result.seconds.items()},
         )
 
@@ -232,32 +274,6 @@ class _OpenScene:
         """What the camera sees from a true pose, in colours."""
         self.renderer.colours = True
         return self.world.view_from(camera_to_scene).rgb
-
-
-def simulator_error_record(episode: Episode, error: str) -> EpisodeRecord:
-    """The record of an episode that failed by an error of the simulator."""
-    infinite = float("inf")
-    nothing = measure(
-        stopped=False,
-        distance_to_goal_m=infinite,
-        shortest_path_m=infinite,
-        path_length_m=0.0,
-        success_distance_m=0.0,
-    )
-    verdict = classify(Facts(Outcome.SIMULATOR_ERROR, error=error))
-    return EpisodeRecord(
-        scene_id=episode.scene_id,
-        episode_id=episode.episode_id,
-        goal=episode.goal.text,
-        group=episode.group,
-        outcome=Outcome.SIMULATOR_ERROR,
-        failure=verdict.failure if verdict is not None else None,
-        why=error,
-        stopped=False,
-        steps=0,
-        model_calls=0,
-        **asdict(nothing),
-    )
 
 
 def folder_name(episode: Episode) -> str:

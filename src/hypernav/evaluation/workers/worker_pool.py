@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episodes.life import Life
 from hypernav.evaluation.record import EpisodeRecord
 
 
 @dataclass(frozen=True)
 class Ready:
-    """A started worker can take its first episode.
+    """A started worker can take its first life.
 
     Attributes:
         worker: Number of the worker.
@@ -20,16 +20,16 @@ class Ready:
 
 @dataclass(frozen=True)
 class Done:
-    """A worker has finished its episode.
+    """A worker has finished its life.
 
     Attributes:
         worker: Number of the worker.
-        record: Record of the episode.
+        records: Records of all its goals.
         peak_mb: Peak memory of the worker up to now, megabytes.
     """
 
     worker: int
-    record: EpisodeRecord
+    records: list[EpisodeRecord]
     peak_mb: float
 
 
@@ -79,14 +79,14 @@ Report = Ready | Done | Lost | Crashed | Refused
 
 @runtime_checkable
 class WorkerPool(Protocol):
-    """A pool of workers, each running one episode at a time; `wait` returns their reports."""
+    """A pool of workers, each running one life at a time; `wait` returns their reports."""
 
     def start(self, worker: int) -> None:
         """Start a worker with a new number or that of a lost one; `wait` reports it `Ready`."""
         ...
 
-    def send(self, worker: int, episode: Episode) -> None:
-        """Send an idle worker an episode; `wait` reports it `Lost` if it has ended."""
+    def send(self, worker: int, life: Life) -> None:
+        """Send an idle worker a life; `wait` reports it `Lost` if it has ended."""
         ...
 
     def wait(self, seconds: float) -> list[Report]:

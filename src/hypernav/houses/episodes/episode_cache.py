@@ -23,7 +23,7 @@ def cached_episodes(
 
     Args:
         building: The building.
-        style: Whether goals are categories or phrases.
+        style: What they ask for.
         folder: Cache folder; the platform's own if None.
 
     Raises:

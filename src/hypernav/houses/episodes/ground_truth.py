@@ -93,6 +93,12 @@ class HouseGroundTruth(BuildingTruth):
         """Centres of the cells that a start may lie in: the largest component of the wide area."""
         return self.wide_area.centres()
 
+    @cached_property
+    def places(self) -> Float64[np.ndarray, "n 3"]:
+        """The same centres with the height of the floor there."""
+        heights = [self.walkable.height_at(x, y) for x, y in self.start_centres.tolist()]
+        return np.column_stack([self.start_centres, heights])
+
     def touches_wide_area(self, points: Float64[np.ndarray, "n 3"]) -> bool:
         """Whether one of the points lies in the component of the wide area that starts lie in."""
         return any(self.wide_area.component_of(x, y) == 0 for x, y, _ in points.tolist())

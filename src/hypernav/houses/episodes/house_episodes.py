@@ -6,6 +6,7 @@ as in the scene, so that both give the same measures.
 """
 
 import math
+from collections.abc import Sequence
 from itertools import islice
 from typing import Literal
 
@@ -30,6 +31,7 @@ from hypernav.datasets.habitat_frames import (
 )
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.ground_truth import BuildingTruth, HouseGroundTruth
+from hypernav.houses.episodes.life_episodes import LifeGoals, draw_lives
 from hypernav.houses.episodes.queries import Query, category_queries, phrase_queries
 from hypernav.houses.episodes.rules import RULES, EpisodeRules
 from hypernav.houses.episodes.starts import Start, sample_start
@@ -43,7 +45,8 @@ EPISODES_VERSION = 2
 
 EPISODES_PER_HOUSE = 28
 
-GoalStyle = Literal["categories", "phrases"]
+GoalStyle = Literal["categories", "phrases", "lives"]
+"""What episodes ask for; the goals of a life are categories and phrases in turn."""
 
 _MAX_QUERIES = 400
 _DIGITS = 5
@@ -57,7 +60,7 @@ def house_episodes(scene: Scene, building: Building, style: GoalStyle) -> Episod
     Args:
         scene: Scene of the building.
         building: The building.
-        style: Whether goals are categories or phrases.
+        style: What they ask for.
 
     Raises:
         EpisodeError: The building contains no possible goal.
@@ -65,11 +68,14 @@ def house_episodes(scene: Scene, building: Building, style: GoalStyle) -> Episod
     """
     rng = RandomStream(EPISODES_VERSION, *building.key, style)
     rules = RULES[building.kind]
-    if scene.storeys:
-        truth = StoreyTruth.of(scene)
+    truth = StoreyTruth.of(scene) if scene.storeys else HouseGroundTruth.of(scene)
+    lives: list[LifeGoals] = []
+    if style == "lives":
+        lives = draw_lives(rng, truth, rules)
+        drawn = [goal for life in lives for goal in life]
+    elif isinstance(truth, StoreyTruth):
         drawn = across_storeys(rng, truth, rules, EPISODES_PER_HOUSE)
     else:
-        truth = HouseGroundTruth.of(scene)
         drawn = _sample(rng, truth, style, rules)
     if not drawn:
         raise EpisodeError(
@@ -77,13 +83,30 @@ def house_episodes(scene: Scene, building: Building, style: GoalStyle) -> Episod
             f"{rules.most_m:g} m away from a possible start"
         )
     writer = _Writer(truth)
+    episodes = [writer.episode(k, query, start, style) for k, (query, start) in enumerate(drawn)]
     return EpisodeDataset(
-        episodes=[writer.episode(k, query, start, style) for k, (query, start) in enumerate(drawn)],
+        episodes=_of_lives(episodes, lives) if lives else episodes,
         goals_by_category={
             f"{scene.name}_{query.text}": [writer.goal(i) for i in _reachable(truth, query)]
             for query, _ in drawn
         },
     )
+
+
+def _of_lives(
+    episodes: Sequence[ObjectNavEpisode], lives: Sequence[LifeGoals]
+) -> list[ObjectNavEpisode]:
+    """The episodes named by their lives and the numbers of their goals, from 1."""
+    names = [(life, number) for life, goals in enumerate(lives) for number in range(len(goals))]
+    return [
+        episode.model_copy(
+            update={
+                "episode_id": f"{life}.{number + 1}",
+                "info": (episode.info or {}) | {"life": str(life)},
+            }
+        )
+        for episode, (life, number) in zip(episodes, names, strict=True)
+    ]
 
 
 def with_view_points(dataset: EpisodeDataset, scene: Scene) -> EpisodeDataset:
@@ -157,7 +180,7 @@ class _Writer:
         }
         if start.goal_is is not None:
             info["goal_is"] = start.goal_is
-        if style == "phrases":
+        if style != "categories":
             info["vocabulary"] = query.vocabulary
             info["is_description"] = query.is_description
         return ObjectNavEpisode(

@@ -1,7 +1,7 @@
 """Splits of the generated buildings: their buildings, number of episodes and order.
 
 Episodes come in rounds of four per building, so that the first hundred of a split already visit 25
-buildings and every building is opened once for four episodes.
+buildings and every building is opened once for four episodes; lives in rounds of one.
 """
 
 import difflib
@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from hypernav.core.errors import EpisodeError
 from hypernav.core.text.whole_numbers import is_whole_number
@@ -16,12 +17,13 @@ from hypernav.datasets.habitat_format import EpisodeDataset, ObjectNavEpisode
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.episode_cache import cached_episodes
 from hypernav.houses.episodes.house_episodes import EPISODES_PER_HOUSE, GoalStyle
+from hypernav.houses.episodes.life_episodes import LIVES_PER_BUILDING
 from hypernav.houses.episodes.rules import RULES
 
 EXAM_BUILDINGS = {"val": range(9000, 9100), "train": range(7000, 7100)}
 """Buildings of the exam's banks, of every kind. No split may have those of val."""
 EPISODES_PER_ROUND = 4
-"""Number of consecutive episodes in the same building."""
+"""Number of consecutive episodes in the same building; of lives it is one."""
 _MOST_HOUSES = 100_000
 
 
@@ -33,9 +35,9 @@ class BuildingSplit:
         name: Name of the split.
         kind: Kind of the buildings: "houses", "offices", "shops", "crowded" or
             "storeys".
-        style: Whether goals are categories or phrases.
+        style: What the episodes ask for; "lives" for lives.
         numbers: Numbers of the buildings; for an open split the default ones.
-        episodes: Number of episodes in these buildings.
+        episodes: Number of episodes in these buildings, or of lives.
         is_open: Whether all buildings that belong to no other split, and not to the exam, may be
             used.
     """
@@ -46,6 +48,21 @@ class BuildingSplit:
     numbers: range
     episodes: int
     is_open: bool = False
+
+    @property
+    def has_lives(self) -> bool:
+        """Whether its episodes are goals of lives; then every count of this split is of lives."""
+        return self.style == "lives"
+
+    @property
+    def per_round(self) -> int:
+        """Number of consecutive episodes, or lives, in the same building."""
+        return 1 if self.has_lives else EPISODES_PER_ROUND
+
+    @property
+    def per_building(self) -> int:
+        """Greatest number of episodes, or lives, of a building."""
+        return LIVES_PER_BUILDING if self.has_lives else EPISODES_PER_HOUSE
 
     def check(self, numbers: range) -> None:
         """Refuse buildings that don't belong to this split.
@@ -107,6 +124,11 @@ SPLITS = {
         BuildingSplit(
             "storeys-train", "storeys", "categories", range(3000, 3025), 300, is_open=True
         ),
+        *(
+            BuildingSplit(f"{kind}-life-{name}", kind, "lives", range(first, first + 25), 100)
+            for kind in ("houses", "offices", "storeys")
+            for name, first in (("val", 4000), ("train", 5000))
+        ),
     )
 }
 """All splits by name."""
@@ -125,7 +147,7 @@ def load_split(
     Args:
         name: Name of the split, a key of `SPLITS`.
         numbers: Numbers of the buildings to use; for an open split any that belong to no other.
-        count: Number of episodes to keep, from the first on.
+        count: Number of episodes, or of lives, to keep, from the first on.
         cache: Cache folder; the platform's own if None.
         progress: Callback with the number of finished buildings and of all.
 
@@ -140,14 +162,15 @@ def load_split(
     if numbers is None:
         numbers = split.numbers
     split.check(numbers)
-    most = split.episodes if numbers == split.numbers else EPISODES_PER_HOUSE * len(numbers)
+    most = split.episodes if numbers == split.numbers else split.per_building * len(numbers)
     if count is not None and not 1 <= count <= most:
+        noun = "lives" if split.has_lives else "episodes"
         raise EpisodeError(
-            f"{count} episodes: {name} has 1 to {most} in the {split.kind} "
+            f"{count} {noun}: {name} has 1 to {most} in the {split.kind} "
             f"{numbers.start}:{numbers.stop}"
         )
     wanted = most if count is None else count
-    needed = numbers[: math.ceil(wanted / EPISODES_PER_ROUND)]
+    needed = numbers[: math.ceil(wanted / split.per_round)]
     parts = []
     for done, number in enumerate(needed):
         if progress is not None:
@@ -155,7 +178,7 @@ def load_split(
         parts.append(cached_episodes(Building(split.kind, number), split.style, cache))
     if progress is not None:
         progress(len(needed), len(needed))
-    return _joined(parts, wanted, RULES[split.kind].categories)
+    return _joined(parts, wanted, split)
 
 
 def split_named(name: str) -> BuildingSplit:
@@ -194,13 +217,15 @@ def _overlap(a: range, b: range) -> bool:
     return a.start < b.stop and b.start < a.stop
 
 
-def _joined(parts: list[EpisodeDataset], count: int, known: tuple[str, ...]) -> EpisodeDataset:
+def _joined(parts: list[EpisodeDataset], count: int, split: BuildingSplit) -> EpisodeDataset:
     """One data set in rounds, with only the goals of its episodes.
 
     Every known name has a number, even if no episode asks for it: habitat-lab keeps the numbers of
     the last file that it reads, so the numbers must be the same in all parts of a split.
     """
-    episodes = _in_rounds([part.episodes for part in parts])[:count]
+    known = RULES[split.kind].categories
+    chosen = _in_rounds([_units(part.episodes) for part in parts], split.per_round)[:count]
+    episodes = [episode for unit in chosen for episode in unit]
     goals = {key: found for part in parts for key, found in part.goals_by_category.items()}
     used = dict.fromkeys(episode.goals_key() for episode in episodes)
     others = {episode.object_category for episode in episodes}.difference(known)
@@ -216,17 +241,31 @@ def _joined(parts: list[EpisodeDataset], count: int, known: tuple[str, ...]) -> 
     )
 
 
-def _in_rounds(buildings: list[list[ObjectNavEpisode]]) -> list[ObjectNavEpisode]:
-    longest = max(len(episodes) for episodes in buildings)
+def _units(episodes: list[ObjectNavEpisode]) -> list[list[ObjectNavEpisode]]:
+    """The lives of a building, or each episode by itself."""
+    units: dict[str, list[ObjectNavEpisode]] = {}
+    for episode in episodes:
+        life = (episode.info or {}).get("life", str(episode.episode_id))
+        units.setdefault(life, []).append(episode)
+    return list(units.values())
+
+
+def _in_rounds(
+    buildings: list[list[list[ObjectNavEpisode]]], per_round: int
+) -> list[list[ObjectNavEpisode]]:
+    longest = max(len(units) for units in buildings)
     return [
-        episode
-        for first in range(0, longest, EPISODES_PER_ROUND)
-        for episodes in buildings
-        for episode in episodes[first : first + EPISODES_PER_ROUND]
+        unit
+        for first in range(0, longest, per_round)
+        for units in buildings
+        for unit in units[first : first + per_round]
     ]
 
 
 def _renumbered(episode: ObjectNavEpisode) -> ObjectNavEpisode:
-    """Episode with an id that is unique in the split, not only in its building."""
+    """Episode with an id, and a life, that is unique in the split, not only in its building."""
     number = episode.scene_id.partition(":")[2]
-    return episode.model_copy(update={"episode_id": f"{number}-{episode.episode_id}"})
+    update: dict[str, Any] = {"episode_id": f"{number}-{episode.episode_id}"}
+    if "life" in (info := episode.info or {}):
+        update["info"] = info | {"life": f"{number}-{info['life']}"}
+    return episode.model_copy(update=update)

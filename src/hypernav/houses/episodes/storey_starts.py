@@ -72,6 +72,15 @@ class StoreyTruth(BuildingTruth):
             tuple(floor[np.abs(floor[:, 2] - z) < _ON_FLOOR_M] for z in scene.storeys),
         )
 
+    @property
+    def places(self) -> Float64[np.ndarray, "n 3"]:
+        """The starts of all storeys."""
+        return np.concatenate(self.starts)
+
+    def touches_wide_area(self, points: Float64[np.ndarray, "n 3"]) -> bool:
+        """Whether one of the points lies on the part of the wide surface that starts lie on."""
+        return any(self.wide.component_of(*point) == 0 for point in points.tolist())
+
     def storey_of(self, instances: Sequence[Instance]) -> int | None:
         """The storey that holds all of several things; None if they are on different ones."""
         heights = (i.box_min[2] + _NEAR_FLOOR_M for i in instances)
@@ -127,9 +136,7 @@ def _start(
 ) -> Start | None:
     """The farther of two random starts from which a wide path leads to the goal."""
     storey = truth.storey_of(query.instances)
-    if storey is None or not any(
-        truth.wide.component_of(*point) == 0 for point in region.view_points.tolist()
-    ):
+    if storey is None or not truth.touches_wide_area(region.view_points):
         return None
     numbers = range(len(truth.starts))
     wanted = {"same": [storey], "above": numbers[:storey], "below": numbers[storey + 1 :]}

@@ -103,12 +103,12 @@ def export_split(
     Raises:
         SceneError: A building cannot be written.
         EpisodeError: The episodes cannot be written, or the folder has other buildings of a split
-            of phrases.
+            with phrases.
     """
     data = HabitatData(root, split)
     scene_ids = list(dict.fromkeys(episode.scene_id for episode in dataset.episodes))
     stems = [Building.named(scene_id).file_stem for scene_id in scene_ids]
-    if SPLITS[split].style == "phrases" and (others := data.buildings.difference(stems)):
+    if SPLITS[split].style != "categories" and (others := data.buildings.difference(stems)):
         raise EpisodeError(
             f"{root} holds {len(others)} other buildings of {split}; the numbers of its phrases "
             "are valid for one export, so export all buildings at once, or use another folder"
