@@ -5,11 +5,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-import numpy as np
-from scipy.stats import rankdata
-
 from hypernav.core.geometry.boxes import Box
-from hypernav.exam.questions import EQUAL_M, Answered
+from hypernav.exam.choices import BlockChoices, choices_of
+from hypernav.exam.questions import Answered
 
 _ELSEWHERE_IOU = 0.1
 """Overlap with the true box below which a box was drawn somewhere, not around the goal."""
@@ -50,30 +48,11 @@ class BoxAnswer:
 
 
 @dataclass(frozen=True)
-class MapAnswer:
-    """One answer to the question which block of the map to go to.
-
-    Attributes:
-        chance: Share of the blocks that are right: how easy the question is.
-        better: Share of the other blocks that were truly better than the chosen one; None if no
-            block could be read, so that the geometric rule chooses.
-        reach: Share of the equally good blocks that are nearer than the chosen one; None if there
-            is no other. Who goes far at once decides less often, and has fewer chances to err.
-    """
-
-    chance: float
-    better: float | None
-    reach: float | None = None
-
-
-@dataclass(frozen=True)
 class Confusion:
     """The answers of an exam, so that the same errors can be made in searches.
 
     Attributes:
-        blocks: The answers about maps, the best first; empty if the model was not asked.
-        persistence: How alike the answers about the maps of one search are, compared with those of
-            others: 0 to 1. A model that is drawn to one corner is right or wrong again and again.
+        blocks: Which blocks it chooses how often; None if it was not asked.
         seen: The answers about images with the goal, the best first; empty if it was not asked.
         unseen: By stratum the answers about images without the goal, those with a box first; empty
             if it was not asked.
@@ -82,8 +61,7 @@ class Confusion:
             None for those that can't be used; empty if it was not asked.
     """
 
-    blocks: tuple[MapAnswer, ...]
-    persistence: float
+    blocks: BlockChoices | None
     seen: tuple[BoxAnswer, ...]
     unseen: Mapping[str, tuple[BoxAnswer, ...]]
     things_in_view: float
@@ -92,7 +70,6 @@ class Confusion:
 
 def confusion_of(answers: Sequence[Answered]) -> Confusion:
     """How a model erred in an exam, by all its answers."""
-    maps = [(_map_answer(one), _search_of(one)) for one in answers if one.kind == "block"]
     images = [one for one in answers if one.kind == "boxes"]
     clutter = [one.conditions.get("clutter", 1.0) for one in images]
     seen = sorted(map(_box_answer, (o for o in images if o.true_boxes)), key=lambda pair: -pair[0])
@@ -106,74 +83,12 @@ def confusion_of(answers: Sequence[Answered]) -> Confusion:
             is_yes = None if one.chosen is None else one.chosen == "yes"
             presence.setdefault(one.stratum, []).append(is_yes)
     return Confusion(
-        blocks=tuple(sorted((one for one, _ in maps), key=_badness)),
-        persistence=_persistence(maps),
+        blocks=choices_of(answers),
         seen=tuple(answer for _, answer in seen),
         unseen=_completed(unseen, ("absent", "look-alike"), lambda one: one.edges is None),
         things_in_view=max(sum(clutter) / len(clutter), 1.0) if clutter else 1.0,
         presence=_completed(presence, ("not there", "look-alike"), (True, None, False).index),
     )
-
-
-def better_shares(costs: Mapping[int, float]) -> dict[int, float]:
-    """For every option, the share of the others whose paths are clearly shorter.
-
-    Args:
-        costs: True lengths of the paths, metres; infinite where there is none.
-    """
-    others = max(len(costs) - 1, 1)
-    return {
-        option: sum(other < cost - EQUAL_M for other in costs.values()) / others
-        for option, cost in costs.items()
-    }
-
-
-def chance_of(shares: Mapping[int, float]) -> float:
-    """Share of the options to which no other is clearly better."""
-    return sum(share == 0.0 for share in shares.values()) / len(shares)
-
-
-def _map_answer(answered: Answered) -> MapAnswer:
-    costs = {int(option): answered.costs.get(option, math.inf) for option in answered.options}
-    shares = better_shares(costs)
-    if answered.chosen is None or int(answered.chosen) not in shares:
-        return MapAnswer(chance_of(shares), None)
-    better = shares[int(answered.chosen)]
-    travel = [
-        answered.travel.get(str(option), math.inf) for option, s in shares.items() if s == better
-    ]
-    own = answered.travel.get(answered.chosen, math.inf)
-    nearer = sum(one < own for one in travel)
-    reach = nearer / (len(travel) - 1) if len(travel) > 1 else None
-    return MapAnswer(chance_of(shares), better, reach)
-
-
-def _search_of(answered: Answered) -> str:
-    """Name of the search that a question comes from."""
-    return "/".join(answered.id.split("/")[:2])
-
-
-def _badness(answer: MapAnswer) -> float:
-    """Rank of an answer; the rule's choice is taken for a middling one."""
-    return 0.5 if answer.better is None else answer.better
-
-
-def _persistence(maps: Sequence[tuple[MapAnswer, str]]) -> float:
-    """Correlation of the answers within searches (one-way analysis of variance, by ranks)."""
-    ranks = rankdata([_badness(answer) for answer, _ in maps]) if maps else np.zeros(0)
-    groups: dict[str, list[float]] = {}
-    for rank, (_, search) in zip(ranks.tolist(), maps, strict=True):
-        groups.setdefault(search, []).append(rank)
-    several = [np.array(group) for group in groups.values() if len(group) > 1]
-    count, within = sum(map(len, several)), sum(float(((g - g.mean()) ** 2).sum()) for g in several)
-    if len(several) < 2 or count == len(several):
-        return 0.0
-    middle = np.concatenate(several).mean()
-    between = sum(len(g) * float((g.mean() - middle) ** 2) for g in several)
-    within_mean, between_mean = within / (count - len(several)), between / (len(several) - 1)
-    size = (count - sum(len(g) ** 2 for g in several) / count) / (len(several) - 1)
-    total = between_mean + (size - 1.0) * within_mean
-    return min(max((between_mean - within_mean) / total, 0.0), 1.0) if total > 0.0 else 0.0
 
 
 def _box_answer(answered: Answered) -> tuple[float, BoxAnswer]:

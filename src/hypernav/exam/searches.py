@@ -205,7 +205,7 @@ def mimic_agent(
     """
     log = ExchangeLog()
     rule = GeometricReasoner(log, config.geometric)
-    by_model = confusion.blocks and variant != "rule"
+    blocks = None if variant == "rule" else confusion.blocks
     check = confusion.presence and config.presence.enabled and variant != "unchecked"
     return build_search(
         config,
@@ -213,9 +213,7 @@ def mimic_agent(
         if confusion.seen
         else GroundTruthDetector(),
         log,
-        reasoner=MimicReasoner(confusion, truth, config.block_choice, rule, asked)
-        if by_model
-        else rule,
+        reasoner=MimicReasoner(blocks, truth, config.block_choice, rule, asked) if blocks else rule,
         presence=MimicPresence(confusion, asked, config.presence.unsure == "yes")
         if check
         else None,
