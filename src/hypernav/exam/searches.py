@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from importlib.metadata import version
 from itertools import groupby
 from pathlib import Path
 from typing import Literal
@@ -32,7 +33,8 @@ Variant = Literal["model", "rule", "unchecked"]
 """Who is asked: the model, all that it was examined in; the geometric rule about blocks, in its
 place; or nobody whether the goal is really there."""
 
-SEARCHES = "searches.jsonl"
+SEARCHES = f"searches-{version('hypernav')}.jsonl"
+"""File of the searches; stand-ins of another version of the program may err otherwise."""
 DATASET = "houses-train"
 """The episodes of the searches."""
 
@@ -62,7 +64,7 @@ class Searched(BaseModel):
 
 
 class SearchedEpisode(EpisodeLine):
-    """All searches of one episode: a line of ``searches.jsonl``.
+    """All searches of one episode: a line of `SEARCHES`.
 
     Attributes:
         searches: With every preset and variant.
