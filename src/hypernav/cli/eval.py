@@ -27,12 +27,7 @@ from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.datasets.benchmarks import benchmark_of
-from hypernav.evaluation.run_cost import (
-    cost_by_episodes,
-    cost_by_exam,
-    cost_lines,
-    kinds_asked,
-)
+from hypernav.evaluation.run_cost import cost_by_episodes, cost_by_exam, cost_lines, kinds_asked
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.run_session import RunSession, available_cores
 from hypernav.evaluation.runner import RunProgress, check_scored, crash_of, run_episodes
