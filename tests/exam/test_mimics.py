@@ -29,10 +29,17 @@ COSTS = {"1": 5.0, "2": 9.0, "3": 12.0}
 sides = st.floats(1.0, 150.0)
 
 
-def seen(category: str, number: int, yaw: float = 0.2):
-    """A view of the thing of a number, near by."""
-    label = ObjectLabel(category, attributes=(str(number),))
-    return thing_before_wall(box=(40, 30, 90, 80), robot=Pose2(0.0, 0.0, yaw), label=label)
+def seen(
+    category: str,
+    number: int,
+    yaw: float = 0.2,
+    *,
+    away_m: float = 2.0,
+    box: tuple[int, int, int, int] = (40, 30, 90, 80),
+):
+    """A view of the thing of a number."""
+    label, robot = ObjectLabel(category, attributes=(str(number),)), Pose2(0.0, 0.0, yaw)
+    return thing_before_wall(thing_m=away_m, box=box, robot=robot, label=label)
 
 
 def detector(*answers) -> MimicDetector:
@@ -86,6 +93,21 @@ def test_goals_are_missed_as_often_as_in_the_exam():
     assert share(detector(boxed("near", TRUE_BOX), *never), "bed") == 1.0
     assert share(detector(boxed("near", None), *never), "bed") == 0.0
     assert abs(share(detector(*half, *never), "bed") - 0.5) < 4.0 * math.sqrt(0.25 / THINGS)
+
+
+def test_goals_are_missed_where_those_of_the_exam_were():
+    """Near and far goals look equally large here, so that only the distance can tell."""
+    near, far = boxed("near", TRUE_BOX, away_m=1.0), boxed("far", None, away_m=4.0)
+    mimic = detector(*[near, far] * 40, boxed("absent", None))
+    assert all(mimic.detect(seen("bed", k, away_m=1.2), BED) for k in range(20))
+    assert not any(mimic.detect(seen("bed", k, away_m=3.5), BED) for k in range(20))
+
+
+def test_goals_are_missed_at_the_edge_of_the_image_if_those_of_the_exam_were():
+    whole, cut = boxed("near", TRUE_BOX), boxed("near", None, true_box=(0.0, 20.0, 40.0, 80.0))
+    mimic = detector(*[whole, cut] * 40, boxed("absent", None))
+    assert all(mimic.detect(seen("bed", k), BED) for k in range(20))
+    assert not any(mimic.detect(seen("bed", k, box=(0, 30, 50, 80)), BED) for k in range(20))
 
 
 def test_other_things_are_taken_for_the_goal_only_if_the_exam_had_such_boxes():

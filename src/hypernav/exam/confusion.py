@@ -8,6 +8,7 @@ from typing import TypeVar
 from hypernav.core.geometry.boxes import Box
 from hypernav.exam.choices import BlockChoices, choices_of
 from hypernav.exam.questions import Answered
+from hypernav.perception.local.persistence import touches_edge
 
 _ELSEWHERE_IOU = 0.1
 """Overlap with the true box below which a box was drawn somewhere, not around the goal."""
@@ -24,14 +25,16 @@ class BoxAnswer:
         score: Score of the best box.
         is_elsewhere: Whether it lies elsewhere than the goal.
         side: Square root of the true box's share of the image; 0 where the goal is not seen.
-        is_near: Whether the goal is near.
+        distance_m: Distance to the goal, metres; infinite where it has no depth.
+        is_cut_off: Whether the edge of the image cuts the goal off.
     """
 
     edges: tuple[float, float, float, float] | None = None
     score: float = 1.0
     is_elsewhere: bool = False
     side: float = 0.0
-    is_near: bool = False
+    distance_m: float = math.inf
+    is_cut_off: bool = False
 
     def about(self, true: Box, width: int, height: int) -> Box | None:
         """The box with the same error, for another true box and image; None for no box."""
@@ -97,9 +100,10 @@ def _box_answer(answered: Answered) -> tuple[float, BoxAnswer]:
     score = 1.0 if answered.probability is None else answered.probability
     trues = [Box(*one) for one in answered.true_boxes]
     side = math.sqrt(trues[0].area / (width * height)) if trues else 0.0
-    near = answered.stratum == "near"
+    away_m = answered.conditions.get("distance_m", math.inf)
+    is_cut = bool(trues) and touches_edge(trues[0], width, height)
     if not answered.boxes:
-        return -1.0, BoxAnswer(side=side, is_near=near)
+        return -1.0, BoxAnswer(side=side, distance_m=away_m, is_cut_off=is_cut)
     box = Box(*answered.boxes[0])
     true = max(trues, key=box.iou, default=None)
     is_elsewhere = true is None or true.iou(box) < _ELSEWHERE_IOU
@@ -112,7 +116,7 @@ def _box_answer(answered: Answered) -> tuple[float, BoxAnswer]:
         (box.y_max - around.y_min) / h,
     )
     fit = 0.0 if true is None else true.iou(box)
-    return fit, BoxAnswer(edges, score, is_elsewhere, side, near)
+    return fit, BoxAnswer(edges, score, is_elsewhere, side, away_m, is_cut)
 
 
 def _completed(

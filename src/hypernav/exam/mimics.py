@@ -22,7 +22,6 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import Observation
 from hypernav.exam.choices import BlockChoices, ranks_of
 from hypernav.exam.confusion import Confusion
-from hypernav.exam.image_questions import NEAR_M
 from hypernav.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
 from hypernav.perception.local.noisy_detector import distance_to, resembles
@@ -30,6 +29,7 @@ from hypernav.perception.local.persistence import (
     SAME_NAME_SAID,
     SAME_THING_FOUND,
     STANDARD_NORMAL,
+    is_cut_off,
     latent,
     uniform,
     view_of,
@@ -41,8 +41,10 @@ Asked = Counter[str]
 _SALT = "mimic"  # so that errors don't coincide with those of another stand-in
 _MOST = 0.99
 """Rate of false boxes above which the things in view are taken to be equally likely."""
-_SIMILAR, _LEAST = 3, 8
-"""Share of all answers that are about the most similar questions, and their least number."""
+_FAR_M = 10.0
+"""Distance beyond which a thing is as far as it gets, metres."""
+_SIMILAR = 2.0
+"""Number of answers about the most similar questions, in square roots of the number of all."""
 _Drawn = TypeVar("_Drawn")
 
 
@@ -138,10 +140,15 @@ class MimicDetector:
     ) -> Detection | None:
         height, width = observation.depth.shape
         side = math.sqrt(true.box.area / (width * height))
-        near = distance_to(true, observation) <= NEAR_M
+        away_m = min(distance_to(true, observation), _FAR_M)
+        is_cut = is_cut_off(true.box, observation)
         similar = _most_similar(
             self.confusion.seen,
-            lambda one: abs(math.log(one.side / side)) + (one.is_near != near),
+            lambda one: (
+                abs(math.log(one.side / side))
+                + abs(math.log(min(one.distance_m, _FAR_M) / away_m))
+                + (one.is_cut_off != is_cut)
+            ),
         )
         answer = _drawn(similar, _level(key, view, SAME_THING_FOUND))
         box = answer.about(true.box, width, height)
@@ -204,7 +211,8 @@ class MimicPresence:
 def _most_similar(answers: Sequence[_Drawn], difference: Callable[[_Drawn], float]) -> list[_Drawn]:
     """The answers to the questions that differ least, in their order."""
     by_difference = sorted(range(len(answers)), key=lambda k: difference(answers[k]))
-    return [answers[k] for k in sorted(by_difference[: max(len(answers) // _SIMILAR, _LEAST)])]
+    count = math.ceil(_SIMILAR * math.sqrt(len(answers)))
+    return [answers[k] for k in sorted(by_difference[:count])]
 
 
 def _drawn(answers: Sequence[_Drawn], level: float) -> _Drawn:
