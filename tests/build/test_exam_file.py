@@ -73,6 +73,12 @@ def test_auto_needs_an_exam_with_a_prediction(tmp_path: Path):
             without_auto(auto, exam, "default")
 
 
+def test_auto_in_capitals_is_told_of_auto(tmp_path: Path):
+    for exam in (None, read_exam(written(tmp_path))):
+        with pytest.raises(ConfigError, match="did you mean 'auto'"):
+            without_auto(ComponentSpecs(reasoner="Auto"), exam, "default")
+
+
 @pytest.mark.parametrize(
     ("specs", "words"),
     [

@@ -29,6 +29,10 @@ EXAM = ExamFile(
             preset="default",
             steps=100.0,
             asked={"ground": 100.0, "crop": 20.0, "choose block": 4.0, "verify": 1.0},
+            asked_without={
+                "block": {"ground": 150.0, "crop": 30.0, "verify": 1.0},
+                "presence": {"ground": 70.0, "crop": 10.0, "choose block": 3.0},
+            },
             seconds=2.0,
         ),
     ),
@@ -73,6 +77,20 @@ def test_only_what_the_model_is_asked_counts():
     )
     assert not nobody.calls
     assert cost_lines(nobody, 10, 1, DEFAULT)[-1] == "no model is asked"
+
+
+@pytest.mark.parametrize(
+    ("left_out", "ground"), [((), 100.0), (("choose block",), 150.0), (("verify",), 70.0)]
+)
+def test_searches_that_leave_a_question_out_are_those_that_count(left_out, ground):
+    kinds = [kind for kind in KINDS if kind not in left_out]
+    cost = cost_by_exam(EXAM, "default", DEFAULT, kinds)
+    assert cost.calls["ground"] == ground
+    old = EXAM.predictions[0].model_copy(update={"asked_without": {}})
+    before = cost_by_exam(
+        EXAM.model_copy(update={"predictions": (old,)}), "default", DEFAULT, kinds
+    )
+    assert before.calls["ground"] == 100.0
 
 
 def test_money_is_told_where_there_is_a_price():

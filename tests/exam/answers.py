@@ -14,18 +14,25 @@ def answered(kind: Kind, stratum: str, number: int = 0, **values: object) -> Ans
     )
 
 
-def boxed(stratum: str, box: tuple[float, ...] | None, score: float = 1.0) -> Answered:
+def boxed(
+    stratum: str,
+    box: tuple[float, ...] | None,
+    score: float = 1.0,
+    *,
+    away_m: float = 2.0,
+    true_box: tuple[float, ...] = TRUE_BOX,
+) -> Answered:
     """An answer with this box, or without any."""
     there = stratum in {"near", "far"}
     hit = box is not None and box[0] < 60.0
     return answered(
         "boxes",
         stratum,
-        true_boxes=[TRUE_BOX] if there else [],
+        true_boxes=[true_box] if there else [],
         boxes=[] if box is None else [box],
         probability=None if box is None else score,
         overlap=(1.0 if hit else 0.0) if there else None,
-        conditions={"clutter": 4.0},
+        conditions={"clutter": 4.0, "distance_m": away_m},
     )
 
 

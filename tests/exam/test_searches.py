@@ -41,7 +41,7 @@ def ran(folder: Path, confusion: Confusion, episodes: int = 1) -> list[SearchedE
     config = small_config()
     wanted = [replace(episode_from(START), episode_id=str(k)) for k in range(episodes)]
     agents = mimics_of(confusion, {"default": config, "paper": small_config("paper")})
-    return run_searches(agents, config, wanted, folder / "searches.jsonl", lambda _: None)
+    return run_searches(agents, config, wanted, folder / searches.SEARCHES, lambda _: None)
 
 
 def test_who_knows_everything_finds_the_goal_and_who_denies_it_only_unasked(tmp_path: Path):
@@ -53,6 +53,9 @@ def test_who_knows_everything_finds_the_goal_and_who_denies_it_only_unasked(tmp_
     assert all(one.spl.mean == 0.0 for one in denied)
     assert all("presence" in one.leave_out for one in denied)
     assert all(one.without["presence"].difference.mean > 0.0 for one in denied)
+    assert all("verify" in one.asked for one in denied)
+    assert all("verify" not in one.asked_without["presence"] for one in denied)
+    assert all("choose block" not in one.asked_without["block"] for one in perfect)
 
 
 def test_finished_searches_are_not_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -47,6 +47,7 @@ class Predicted(_Part):
         preset: The preset.
         steps: Mean number of steps.
         asked: Mean number of questions of a search, by kind.
+        asked_without: The same without asking about "block" or "presence".
         seconds: Mean processor time of a search without the model's, seconds.
         leave_out: Questions that are better not asked: "block", "presence".
     """
@@ -54,6 +55,7 @@ class Predicted(_Part):
     preset: str
     steps: float
     asked: dict[str, float]
+    asked_without: dict[Literal["block", "presence"], dict[str, float]] = {}
     seconds: float
     leave_out: tuple[Literal["block", "presence"], ...] = ()
 
@@ -194,8 +196,10 @@ def without_auto(
         The components, and whether the exam says not to check the presence of the goal.
 
     Raises:
-        ConfigError: There is no exam, or it doesn't say.
+        ConfigError: There is no exam, or it doesn't say; or "auto" is written otherwise.
     """
+    if specs.reasoner != AUTO and (specs.reasoner or "").lower() == AUTO:
+        raise ConfigError(f"unknown reasoner '{specs.reasoner}'; did you mean '{AUTO}'?")
     if specs.reasoner != AUTO:
         return specs, False
     predicted = None if exam is None else exam.predicted(preset)

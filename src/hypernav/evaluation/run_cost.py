@@ -85,7 +85,13 @@ def cost_by_exam(
             "--plan: this exam predicted no searches; the same hypernav exam with --predict 40 "
             "does, and asks the model nothing again"
         )
-    asked = {kind: n for kind, n in predicted.asked.items() if kind in kinds}
+    if "choose block" not in kinds:
+        searched = predicted.asked_without.get("block", predicted.asked)
+    elif "verify" not in kinds:
+        searched = predicted.asked_without.get("presence", predicted.asked)
+    else:
+        searched = predicted.asked
+    asked = {kind: n for kind, n in searched.items() if kind in kinds}
     images = _images_at_destinations(config, predicted.asked.get("choose block", 0.0))
     if config.search.looks == "at-destinations" and asked.get("ground"):
         left = min(images / asked["ground"], 1.0)

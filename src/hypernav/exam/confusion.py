@@ -1,18 +1,31 @@
-"""How an examined model errs, in a form from which its stand-ins draw their errors (`mimics`)."""
+"""What a search takes from an exam's answers.
 
+Stand-ins draw their errors from how the model erred (`mimics`); a search with the model itself
+takes its probabilities and scores for what they are worth (`hypernav.build.exam_file`).
+"""
+
+import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
-from scipy.stats import rankdata
+from scipy.optimize import isotonic_regression
 
+from hypernav.build.exam_file import Worth
+from hypernav.core.curve import Curve
 from hypernav.core.geometry.boxes import Box
-from hypernav.exam.questions import EQUAL_M, Answered
+from hypernav.exam.choices import BlockChoices, choices_of
+from hypernav.exam.questions import Answered
+from hypernav.perception.local.persistence import touches_edge
 
 _ELSEWHERE_IOU = 0.1
-"""Overlap with the true box below which a box was drawn somewhere, not around the goal."""
+"""Overlap with the true box below which a box was drawn somewhere and does not lead to the goal."""
+_LEAST = 8
+"""Least number of answers with the goal there, and without it, to judge probabilities by."""
+_NO_BOX = -1.0
+"""Score of an answer without a box: less than that of any box."""
 _Answer = TypeVar("_Answer")
 
 
@@ -26,14 +39,16 @@ class BoxAnswer:
         score: Score of the best box.
         is_elsewhere: Whether it lies elsewhere than the goal.
         side: Square root of the true box's share of the image; 0 where the goal is not seen.
-        is_near: Whether the goal is near.
+        distance_m: Distance to the goal, metres; infinite where it has no depth.
+        is_cut_off: Whether the edge of the image cuts the goal off.
     """
 
     edges: tuple[float, float, float, float] | None = None
     score: float = 1.0
     is_elsewhere: bool = False
     side: float = 0.0
-    is_near: bool = False
+    distance_m: float = math.inf
+    is_cut_off: bool = False
 
     def about(self, true: Box, width: int, height: int) -> Box | None:
         """The box with the same error, for another true box and image; None for no box."""
@@ -50,30 +65,11 @@ class BoxAnswer:
 
 
 @dataclass(frozen=True)
-class MapAnswer:
-    """One answer to the question which block of the map to go to.
-
-    Attributes:
-        chance: Share of the blocks that are right: how easy the question is.
-        better: Share of the other blocks that were truly better than the chosen one; None if no
-            block could be read, so that the geometric rule chooses.
-        reach: Share of the equally good blocks that are nearer than the chosen one; None if there
-            is no other. Who goes far at once decides less often, and has fewer chances to err.
-    """
-
-    chance: float
-    better: float | None
-    reach: float | None = None
-
-
-@dataclass(frozen=True)
 class Confusion:
     """The answers of an exam, so that the same errors can be made in searches.
 
     Attributes:
-        blocks: The answers about maps, the best first; empty if the model was not asked.
-        persistence: How alike the answers about the maps of one search are, compared with those of
-            others: 0 to 1. A model that is drawn to one corner is right or wrong again and again.
+        blocks: Which blocks it chooses how often; None if it was not asked.
         seen: The answers about images with the goal, the best first; empty if it was not asked.
         unseen: By stratum the answers about images without the goal, those with a box first; empty
             if it was not asked.
@@ -82,8 +78,7 @@ class Confusion:
             None for those that can't be used; empty if it was not asked.
     """
 
-    blocks: tuple[MapAnswer, ...]
-    persistence: float
+    blocks: BlockChoices | None
     seen: tuple[BoxAnswer, ...]
     unseen: Mapping[str, tuple[BoxAnswer, ...]]
     things_in_view: float
@@ -92,7 +87,6 @@ class Confusion:
 
 def confusion_of(answers: Sequence[Answered]) -> Confusion:
     """How a model erred in an exam, by all its answers."""
-    maps = [(_map_answer(one), _search_of(one)) for one in answers if one.kind == "block"]
     images = [one for one in answers if one.kind == "boxes"]
     clutter = [one.conditions.get("clutter", 1.0) for one in images]
     seen = sorted(map(_box_answer, (o for o in images if o.true_boxes)), key=lambda pair: -pair[0])
@@ -106,74 +100,12 @@ def confusion_of(answers: Sequence[Answered]) -> Confusion:
             is_yes = None if one.chosen is None else one.chosen == "yes"
             presence.setdefault(one.stratum, []).append(is_yes)
     return Confusion(
-        blocks=tuple(sorted((one for one, _ in maps), key=_badness)),
-        persistence=_persistence(maps),
+        blocks=choices_of(answers),
         seen=tuple(answer for _, answer in seen),
         unseen=_completed(unseen, ("absent", "look-alike"), lambda one: one.edges is None),
         things_in_view=max(sum(clutter) / len(clutter), 1.0) if clutter else 1.0,
         presence=_completed(presence, ("not there", "look-alike"), (True, None, False).index),
     )
-
-
-def better_shares(costs: Mapping[int, float]) -> dict[int, float]:
-    """For every option, the share of the others whose paths are clearly shorter.
-
-    Args:
-        costs: True lengths of the paths, metres; infinite where there is none.
-    """
-    others = max(len(costs) - 1, 1)
-    return {
-        option: sum(other < cost - EQUAL_M for other in costs.values()) / others
-        for option, cost in costs.items()
-    }
-
-
-def chance_of(shares: Mapping[int, float]) -> float:
-    """Share of the options to which no other is clearly better."""
-    return sum(share == 0.0 for share in shares.values()) / len(shares)
-
-
-def _map_answer(answered: Answered) -> MapAnswer:
-    costs = {int(option): answered.costs.get(option, math.inf) for option in answered.options}
-    shares = better_shares(costs)
-    if answered.chosen is None or int(answered.chosen) not in shares:
-        return MapAnswer(chance_of(shares), None)
-    better = shares[int(answered.chosen)]
-    travel = [
-        answered.travel.get(str(option), math.inf) for option, s in shares.items() if s == better
-    ]
-    own = answered.travel.get(answered.chosen, math.inf)
-    nearer = sum(one < own for one in travel)
-    reach = nearer / (len(travel) - 1) if len(travel) > 1 else None
-    return MapAnswer(chance_of(shares), better, reach)
-
-
-def _search_of(answered: Answered) -> str:
-    """Name of the search that a question comes from."""
-    return "/".join(answered.id.split("/")[:2])
-
-
-def _badness(answer: MapAnswer) -> float:
-    """Rank of an answer; the rule's choice is taken for a middling one."""
-    return 0.5 if answer.better is None else answer.better
-
-
-def _persistence(maps: Sequence[tuple[MapAnswer, str]]) -> float:
-    """Correlation of the answers within searches (one-way analysis of variance, by ranks)."""
-    ranks = rankdata([_badness(answer) for answer, _ in maps]) if maps else np.zeros(0)
-    groups: dict[str, list[float]] = {}
-    for rank, (_, search) in zip(ranks.tolist(), maps, strict=True):
-        groups.setdefault(search, []).append(rank)
-    several = [np.array(group) for group in groups.values() if len(group) > 1]
-    count, within = sum(map(len, several)), sum(float(((g - g.mean()) ** 2).sum()) for g in several)
-    if len(several) < 2 or count == len(several):
-        return 0.0
-    middle = np.concatenate(several).mean()
-    between = sum(len(g) * float((g.mean() - middle) ** 2) for g in several)
-    within_mean, between_mean = within / (count - len(several)), between / (len(several) - 1)
-    size = (count - sum(len(g) ** 2 for g in several) / count) / (len(several) - 1)
-    total = between_mean + (size - 1.0) * within_mean
-    return min(max((between_mean - within_mean) / total, 0.0), 1.0) if total > 0.0 else 0.0
 
 
 def _box_answer(answered: Answered) -> tuple[float, BoxAnswer]:
@@ -182,9 +114,10 @@ def _box_answer(answered: Answered) -> tuple[float, BoxAnswer]:
     score = 1.0 if answered.probability is None else answered.probability
     trues = [Box(*one) for one in answered.true_boxes]
     side = math.sqrt(trues[0].area / (width * height)) if trues else 0.0
-    near = answered.stratum == "near"
+    away_m = answered.conditions.get("distance_m", math.inf)
+    is_cut = bool(trues) and touches_edge(trues[0], width, height)
     if not answered.boxes:
-        return -1.0, BoxAnswer(side=side, is_near=near)
+        return -1.0, BoxAnswer(side=side, distance_m=away_m, is_cut_off=is_cut)
     box = Box(*answered.boxes[0])
     true = max(trues, key=box.iou, default=None)
     is_elsewhere = true is None or true.iou(box) < _ELSEWHERE_IOU
@@ -197,7 +130,7 @@ def _box_answer(answered: Answered) -> tuple[float, BoxAnswer]:
         (box.y_max - around.y_min) / h,
     )
     fit = 0.0 if true is None else true.iou(box)
-    return fit, BoxAnswer(edges, score, is_elsewhere, side, near)
+    return fit, BoxAnswer(edges, score, is_elsewhere, side, away_m, is_cut)
 
 
 def _completed(
@@ -211,3 +144,65 @@ def _completed(
         if stratum not in found and other in found:
             found[stratum] = found[other]
     return found
+
+
+def worth_of(answers: Sequence[Answered]) -> Worth:
+    """What the probabilities and scores of a model are worth."""
+    checks = [
+        (_yes(one), "yes" in one.right)
+        for one in answers
+        if one.kind == "presence" and one.chosen is not None
+    ]
+    boxes = _true_probabilities(_boxes(answers))
+    log_odds = tuple((score, round(math.log(p / (1.0 - p)), 3)) for score, p in boxes)
+    return Worth(presence=_true_probabilities(checks), boxes=log_odds)
+
+
+def _yes(answered: Answered) -> float:
+    """The probability of "yes" that an answer tells."""
+    told = 1.0 if answered.probability is None else answered.probability
+    return told if answered.chosen == "yes" else 1.0 - told
+
+
+def _boxes(answers: Sequence[Answered]) -> list[tuple[float, bool]]:
+    """Scores of the best boxes, and whether they lead to the goal; a goal without one is missed."""
+    found = []
+    for one in answers:
+        if one.kind != "boxes":
+            continue
+        score = 1.0 if one.probability is None else one.probability
+        told = score if one.boxes else _NO_BOX
+        if one.true_boxes and (one.overlap or 0.0) < _ELSEWHERE_IOU:
+            found.append((_NO_BOX, True))
+            found += [(told, False)] if one.boxes else []
+        else:
+            found.append((told, bool(one.true_boxes)))
+    return found
+
+
+def _true_probabilities(told: Sequence[tuple[float, bool]]) -> Curve:
+    """Told values with the probability that it is so, if it were so in half of all cases.
+
+    The probability never falls with the value (isotonic regression). Half a case of the side with
+    fewer answers is added to both sides of every step, so that few answers make nothing certain,
+    and an answer that is as frequent on both sides is worth nothing. Answers without a box, whose
+    value is negative, have no point of their own.
+    """
+    said, so = np.round([v for v, _ in told], 3), np.array([is_so for _, is_so in told], dtype=bool)
+    counts = (int(so.sum()), int((~so).sum()))
+    if min(counts) < _LEAST:
+        return ()
+    _, where = np.unique(said, return_inverse=True)  # equal values are one step
+    weights = np.bincount(where, np.where(so, 1.0 / counts[0], 1.0 / counts[1]))
+    rises = np.bincount(where, np.where(so, 1.0 / counts[0], 0.0)) / weights
+    blocks = isotonic_regression(rises, weights=weights).blocks
+    half, points = 0.5 / min(counts), []
+    for first, last in itertools.pairwise(blocks.tolist()):
+        mine = (where >= first) & (where < last)
+        if not (mine & (said >= 0.0)).any():
+            continue
+        yes = so[mine].sum() / counts[0] + half
+        no = (~so[mine]).sum() / counts[1] + half
+        points.append((float(said[mine & (said >= 0.0)].mean()), float(yes / (yes + no))))
+    highest = np.maximum.accumulate([p for _, p in points]).tolist()
+    return tuple((v, round(p, 4)) for (v, _), p in zip(points, highest, strict=True))

@@ -16,7 +16,7 @@ from hypernav.core.world import Instance
 from hypernav.exam.bank import Sheet
 from hypernav.exam.questions import ExamQuestion, Kind
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
-from hypernav.perception.local.noisy_detector import resembles
+from hypernav.perception.local.noisy_detector import distance_to, resembles
 from hypernav.worlds.simulation import SimulatedWorld
 
 _CLEAR_SHARE = 0.002
@@ -40,16 +40,15 @@ def of_frame(
         if seen:
             true = [true_detection(truth, number) for number in seen]
             depth = observation.depth[true[0].mask]
-            measured = depth[depth > 0.0]
-            near = measured.size > 0.5 * depth.size and np.median(measured) <= NEAR_M
+            away_m = distance_to(true[0], observation)
+            near = np.count_nonzero(depth > 0.0) > 0.5 * depth.size and away_m <= NEAR_M
             stratum = "near" if near else "far"
             kinds: tuple[Kind, ...] = ("boxes", "mask") if near else ("boxes",)
             for kind in kinds:
                 boxes = tuple(one.box for one in true)
                 mask = true[0].mask if kind == "mask" else None
-                found.append(
-                    _looked(sheet, step, kind, stratum, goal, observation, boxes=boxes, mask=mask)
-                )
+                one = _looked(sheet, step, kind, stratum, goal, observation, boxes=boxes, mask=mask)
+                found.append(replace(one, conditions=one.conditions | {"distance_m": away_m}))
         elif not any(truth.labels[n].satisfies(goal) for n in any_sign):
             alike = any(resembles(truth.labels[n], goal) for n in clear)
             stratum = "look-alike" if alike else "absent"

@@ -11,6 +11,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
+import numpy as np
+
 from hypernav.core.components.protocols import BlockReasoner
 from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.exploring.overview import BlockChoice, Overview
@@ -18,8 +20,8 @@ from hypernav.core.geometry.boxes import Detection
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import Observation
-from hypernav.exam.confusion import Confusion, MapAnswer, better_shares, chance_of
-from hypernav.exam.image_questions import NEAR_M
+from hypernav.exam.choices import BlockChoices, ranks_of
+from hypernav.exam.confusion import Confusion
 from hypernav.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
 from hypernav.perception.local.noisy_detector import distance_to, resembles
@@ -27,6 +29,7 @@ from hypernav.perception.local.persistence import (
     SAME_NAME_SAID,
     SAME_THING_FOUND,
     STANDARD_NORMAL,
+    is_cut_off,
     latent,
     uniform,
     view_of,
@@ -38,24 +41,26 @@ Asked = Counter[str]
 _SALT = "mimic"  # so that errors don't coincide with those of another stand-in
 _MOST = 0.99
 """Rate of false boxes above which the things in view are taken to be equally likely."""
-_SIMILAR, _LEAST = 3, 8
-"""Share of all answers that are about the most similar questions, and their least number."""
+_FAR_M = 10.0
+"""Distance beyond which a thing is as far as it gets, metres."""
+_SIMILAR = 2.0
+"""Number of answers about the most similar questions, in square roots of the number of all."""
 _Drawn = TypeVar("_Drawn")
 
 
 @dataclass(eq=False)
 class MimicReasoner:
-    """Chooses blocks as far from the best ones as the examined model did, in one search.
+    """Chooses blocks in one search as the examined model did.
 
     Attributes:
-        confusion: How it errs.
+        choices: Which blocks it chooses how often.
         truth: True paths to the goal and the generator of the episode.
         config: Configuration of the question, which says what is offered.
         fallback: The rule that chooses where the model gave no usable answer.
         asked: Counter of the questions.
     """
 
-    confusion: Confusion
+    choices: BlockChoices
     truth: EpisodeTruth
     config: VlmReasonerConfig
     fallback: BlockReasoner
@@ -64,37 +69,25 @@ class MimicReasoner:
     """Standard normal number of the search: whether it goes well or badly in it."""
 
     def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
-        """A block that is as much worse than the best as that of an answer drawn from the exam."""
+        """A block, drawn with the probabilities that the exam's answers are most likely with."""
         offered = offered_blocks(self.config, overview, excluded)
         if not offered:
             return BlockChoice(None, "every block is excluded or holds nothing new")
         if len(offered) == 1 and self.config.skip_only_block:
             return BlockChoice(offered[0].number, "the only block left")
         self.asked["choose block"] += 1
-        shares = better_shares(
-            {o.number: o.travel_m + self.truth.path_left_m(*o.destination) for o in offered}
-        )
-        answer = self._answer(chance_of(shares))
-        if answer.better is None:
-            return self.fallback.choose(overview, goal, excluded)
-        gaps = {o.number: abs(shares[o.number] - answer.better) for o in offered}
-        alike = [o for o in offered if gaps[o.number] == min(gaps.values())]
-        by_travel = sorted(alike, key=lambda one: (one.travel_m, one.number))
-        reach = float(self.truth.rng.random()) if answer.reach is None else answer.reach
-        chosen = by_travel[round(reach * (len(by_travel) - 1))]
-        return BlockChoice(chosen.number, "as far from the best as in the exam")
-
-    def _answer(self, chance: float) -> MapAnswer:
-        """An answer of the exam, of those to the questions that are most nearly as easy."""
-        rng = self.truth.rng
+        rng, how = self.truth.rng, self.choices
         if self._tendency is None:
             self._tendency = float(rng.normal())
-        similar = _most_similar(
-            self.confusion.blocks, lambda one: abs(math.log(one.chance / chance))
-        )
-        own = self.confusion.persistence
-        level = math.sqrt(own) * self._tendency + math.sqrt(1.0 - own) * float(rng.normal())
-        return _drawn(similar, STANDARD_NORMAL.cdf(level))
+        if rng.random() < how.unread:
+            return self.fallback.choose(overview, goal, excluded)
+        travel = [one.travel_m for one in offered]
+        left = [self.truth.path_left_m(*one.destination) for one in offered]
+        ranks = ranks_of(np.add(travel, left).tolist(), travel)
+        level = math.sqrt(how.persistence) * self._tendency
+        level += math.sqrt(1.0 - how.persistence) * float(rng.normal())
+        chosen = offered[how.drawn(ranks, STANDARD_NORMAL.cdf(level))]
+        return BlockChoice(chosen.number, "as often as in the exam")
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,10 +140,15 @@ class MimicDetector:
     ) -> Detection | None:
         height, width = observation.depth.shape
         side = math.sqrt(true.box.area / (width * height))
-        near = distance_to(true, observation) <= NEAR_M
+        away_m = min(distance_to(true, observation), _FAR_M)
+        is_cut = is_cut_off(true.box, observation)
         similar = _most_similar(
             self.confusion.seen,
-            lambda one: abs(math.log(one.side / side)) + (one.is_near != near),
+            lambda one: (
+                abs(math.log(one.side / side))
+                + abs(math.log(min(one.distance_m, _FAR_M) / away_m))
+                + (one.is_cut_off != is_cut)
+            ),
         )
         answer = _drawn(similar, _level(key, view, SAME_THING_FOUND))
         box = answer.about(true.box, width, height)
@@ -213,7 +211,8 @@ class MimicPresence:
 def _most_similar(answers: Sequence[_Drawn], difference: Callable[[_Drawn], float]) -> list[_Drawn]:
     """The answers to the questions that differ least, in their order."""
     by_difference = sorted(range(len(answers)), key=lambda k: difference(answers[k]))
-    return [answers[k] for k in sorted(by_difference[: max(len(answers) // _SIMILAR, _LEAST)])]
+    count = math.ceil(_SIMILAR * math.sqrt(len(answers)))
+    return [answers[k] for k in sorted(by_difference[:count])]
 
 
 def _drawn(answers: Sequence[_Drawn], level: float) -> _Drawn:

@@ -25,6 +25,7 @@ class Prediction:
         without: By question: SPL without asking it, less SPL with it.
         steps: Mean number of steps.
         asked: Mean number of questions of a search, by kind.
+        asked_without: By question: the same without asking it, so that searches take other paths.
         seconds: Mean processor time of a search without the model's, seconds.
     """
 
@@ -34,6 +35,7 @@ class Prediction:
     without: dict[Kind, Comparison]
     steps: float
     asked: dict[str, float]
+    asked_without: dict[Kind, dict[str, float]]
     seconds: float
 
     @property
@@ -61,17 +63,21 @@ def _prediction(preset: str, episodes: Sequence[SearchedEpisode]) -> Prediction:
                 by_variant.setdefault(one.variant, []).append(one)
     done = by_variant["model"]
     spl = [one.spl for one in done]
-    kinds = sorted({kind for one in done for kind in one.asked})
+    left_out: dict[Kind, list[Searched]] = {
+        kind: by_variant[variant] for variant, kind in LEFT_OUT.items() if variant in by_variant
+    }
     return Prediction(
         preset=preset,
         success=share([one.success for one in done], scenes),
         spl=mean_with_interval(spl, scenes),
-        without={
-            question: compare(spl, [one.spl for one in by_variant[variant]], scenes)
-            for variant, question in LEFT_OUT.items()
-            if variant in by_variant
-        },
+        without={k: compare(spl, [o.spl for o in some], scenes) for k, some in left_out.items()},
         steps=float(np.mean([one.steps for one in done])),
-        asked={kind: float(np.mean([o.asked.get(kind, 0) for o in done])) for kind in kinds},
+        asked=_mean_asked(done),
+        asked_without={kind: _mean_asked(some) for kind, some in left_out.items()},
         seconds=float(np.mean([one.seconds for one in done])),
     )
+
+
+def _mean_asked(searches: Sequence[Searched]) -> dict[str, float]:
+    kinds = sorted({kind for one in searches for kind in one.asked})
+    return {kind: float(np.mean([one.asked.get(kind, 0) for one in searches])) for kind in kinds}

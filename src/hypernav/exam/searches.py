@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from importlib.metadata import version
 from itertools import groupby
 from pathlib import Path
 from typing import Literal
@@ -32,7 +33,8 @@ Variant = Literal["model", "rule", "unchecked"]
 """Who is asked: the model, all that it was examined in; the geometric rule about blocks, in its
 place; or nobody whether the goal is really there."""
 
-SEARCHES = "searches.jsonl"
+SEARCHES = f"searches-{version('hypernav')}.jsonl"
+"""File of the searches; stand-ins of another version of the program may err otherwise."""
 DATASET = "houses-train"
 """The episodes of the searches."""
 
@@ -62,7 +64,7 @@ class Searched(BaseModel):
 
 
 class SearchedEpisode(EpisodeLine):
-    """All searches of one episode: a line of ``searches.jsonl``.
+    """All searches of one episode: a line of `SEARCHES`.
 
     Attributes:
         searches: With every preset and variant.
@@ -205,7 +207,7 @@ def mimic_agent(
     """
     log = ExchangeLog()
     rule = GeometricReasoner(log, config.geometric)
-    by_model = confusion.blocks and variant != "rule"
+    blocks = None if variant == "rule" else confusion.blocks
     check = confusion.presence and config.presence.enabled and variant != "unchecked"
     return build_search(
         config,
@@ -213,9 +215,7 @@ def mimic_agent(
         if confusion.seen
         else GroundTruthDetector(),
         log,
-        reasoner=MimicReasoner(confusion, truth, config.block_choice, rule, asked)
-        if by_model
-        else rule,
+        reasoner=MimicReasoner(blocks, truth, config.block_choice, rule, asked) if blocks else rule,
         presence=MimicPresence(confusion, asked, config.presence.unsure == "yes")
         if check
         else None,

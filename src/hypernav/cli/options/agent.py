@@ -110,7 +110,7 @@ class AgentOptions:
     def _examined(self) -> "tuple[ComponentSpecs, ExamFile | None, bool]":
         """The components, the exam, and whether it says not to check the presence of the goal."""
         requested = self._requested
-        if self.exam is None and requested.reasoner != "auto":
+        if self.exam is None and (requested.reasoner or "").lower() != "auto":
             return requested, None, False
         from hypernav.build.exam_file import read_exam, without_auto
 

@@ -61,6 +61,11 @@ def size_bin(box: Box, observation: Observation) -> int:
 def is_cut_off(box: Box, observation: Observation) -> bool:
     """Whether a box touches the edge of the image."""
     height, width = observation.depth.shape
+    return touches_edge(box, width, height)
+
+
+def touches_edge(box: Box, width: int, height: int) -> bool:
+    """Whether a box touches the edge of an image of this size, pixels."""
     return box.x_min < 1 or box.y_min < 1 or box.x_max > width - 1 or box.y_max > height - 1
 
 
