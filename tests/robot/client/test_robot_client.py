@@ -275,7 +275,7 @@ def test_a_motion_that_says_nothing_of_itself_is_named(answer):
 
 def test_a_robot_that_observes_nothing_is_named():
     robot, link = StandIn(), Script(end(0))
-    robot.observe = lambda: None
+    robot.observe = lambda: None  # pyright: ignore[reportAttributeAccessIssue]
     with pytest.raises(ContractError, match="observe returned None; expected a Sensed"):
         list(RobotClient(robot, link))
     assert link.given_up

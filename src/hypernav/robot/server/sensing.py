@@ -17,7 +17,6 @@ from hypernav.robot.wire.frames import PackedObservation
 from hypernav.robot.wire.requests import ObservationFacts
 from hypernav.robot.wire.values import PlanarPose
 
-_MOTIONS = (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.TURN_RIGHT)
 _MOVED_M, _TURNED_RAD = 0.1, math.radians(5.0)
 """Smallest motion after which the images must be new."""
 _MOST_IDENTICAL = 5
@@ -101,7 +100,7 @@ class Sensing:
     def note(self, packed: PackedObservation, seen: Observation, told: Action | None) -> None:
         """Remember an observation; one of before a restart of the server isn't checked again."""
         facts, lens = packed.header, self._robot.camera
-        if self._last is not None and told in _MOTIONS:
+        if self._last is not None and told is not None:
             turns = told is not Action.MOVE_FORWARD
             is_wrong = not facts.blocked and self._is_other(self._last, facts, told)
             self._wrong[turns] = self._wrong[turns] + 1 if is_wrong else 0
@@ -173,7 +172,7 @@ class Sensing:
                 "but not jump: what localisation finds belongs in odom_to_map"
             )
         turns = told is not Action.MOVE_FORWARD
-        if now.blocked and told in _MOTIONS and self._blocked[turns] + 1 >= _MOST_BLOCKED:
+        if now.blocked and told is not None and self._blocked[turns] + 1 >= _MOST_BLOCKED:
             raise SensorError(
                 f"{_MOST_BLOCKED} {'turns' if turns else 'steps'} in a row did not happen, "
                 "according to the robot or its odometry; does it move, and does its odometry show "
@@ -184,7 +183,7 @@ class Sensing:
         self, before: ObservationFacts, now: ObservationFacts, told: Action | None
     ) -> None:
         """Refuse several motions in a row that odometry shows as others than those ordered."""
-        if told not in _MOTIONS or now.blocked or not self._is_other(before, now, told):
+        if told is None or now.blocked or not self._is_other(before, now, told):
             return
         if self._wrong[told is not Action.MOVE_FORWARD] + 1 < _MOST_WRONG:
             return
@@ -205,6 +204,8 @@ class Sensing:
     def _is_other(self, before: ObservationFacts, now: ObservationFacts, told: Action) -> bool:
         """Whether odometry shows a motion of another direction, or a turn of another size."""
         moved_m, turned = _motion(before.base_to_odom, now.base_to_odom)
+        if told is Action.STOP:
+            return False
         if told is Action.MOVE_FORWARD:
             is_long = moved_m > _WRONG_SHARE * self._robot.motion.forward_m
             return is_long and abs(_aside(before.base_to_odom, now.base_to_odom)) > _ASIDE_RAD
