@@ -25,6 +25,8 @@ class SearchAgent:
     the number of steps and the latest trace, and its components keep counts and caches.
     """
 
+    keeps_memory = True
+
     def __init__(self, components: SearchComponents) -> None:
         """Begin with no search under way."""
         self.components: SearchComponents = components
@@ -73,6 +75,7 @@ class SearchAgent:
             )
         with clock("local"):
             detections = use.local.look(seen, goal, floor, asks=self._asks_the_camera())
+            memory.keep_image(seen)
         step = Step(self._steps, goal, seen, floor.map.grid, use, clock, events)
         if isinstance(use.explorer, Learns):
             with clock("global"):

@@ -1,11 +1,12 @@
 """Optional abilities of components, besides their protocols."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Protocol, runtime_checkable
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.exploring.sightings import SeenThing
+from hypernav.core.geometry.boxes import Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 
@@ -17,6 +18,26 @@ class BuiltForRobot(Protocol):
     @property
     def embodiment(self) -> Embodiment:
         """What that robot is."""
+        ...
+
+
+@runtime_checkable
+class Remembers(Protocol):
+    """An agent that can begin with what is known of a building, and adds what it learns."""
+
+    @property
+    def keeps_memory(self) -> bool:
+        """Whether it does; an agent without this property doesn't."""
+        ...
+
+    def reset(self, goal: Goal, memory: Any = None) -> None:
+        """Begin a new search.
+
+        Args:
+            goal: What to find.
+            memory: A `hypernav.mapping.memory.memory.Memory`, which the agent changes from now on;
+                None if nothing is known.
+        """
         ...
 
 
@@ -81,6 +102,22 @@ class NamesThings(Protocol):
         self, observation: Observation, *, besides: Collection[int]
     ) -> Mapping[int, SeenThing]:
         """Things with their positions, by permanent numbers; only those not yet named."""
+        ...
+
+
+@runtime_checkable
+class SeesAllThings(Protocol):
+    """A detector that finds, at no extra cost, all things in an image that it has names for."""
+
+    def things_in(
+        self, observation: Observation, detections: Sequence[Detection]
+    ) -> list[Detection]:
+        """All things in an image, the goal included.
+
+        Args:
+            observation: The image.
+            detections: What `detect` found in it.
+        """
         ...
 
 

@@ -197,7 +197,13 @@ def _of(kind: type, *, or_none: bool = False) -> Check:
     return check
 
 
-_FLAGS = ("looks_at_colours", "gives_masks", "answers_at_once", "wants_named_things")
+_FLAGS = (
+    "looks_at_colours",
+    "gives_masks",
+    "answers_at_once",
+    "wants_named_things",
+    "keeps_memory",
+)
 _ALL: dict[str, Check] = {
     "take_report": _report,
     "warning": _of(str),
@@ -211,7 +217,12 @@ _AGENT: dict[str, Check] = {
 }
 CHECKS: dict[str, dict[str, Check]] = {
     "Agent": _ALL | _AGENT,
-    "Detector": _ALL | {"detect": _detections, "name_things": _things},
+    "Detector": _ALL
+    | {
+        "detect": _detections,
+        "name_things": _things,
+        "things_in": _detections,
+    },
     "Segmenter": _ALL | {"segment": _mask},
     "Explorer": _ALL | {"next_destination": _destination},
     "BlockReasoner": _ALL | {"choose": _block},

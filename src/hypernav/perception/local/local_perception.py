@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool
 
-from hypernav.core.components.abilities import NamesThings
+from hypernav.core.components.abilities import NamesThings, SeesAllThings
 from hypernav.core.components.protocols import Detector, Segmenter
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.exploring.sightings import Sightings
@@ -19,6 +19,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.memory.memory import Floor
+from hypernav.mapping.memory.things import Things
 from hypernav.perception.local.belief import (
     Sighting,
     before_a_look,
@@ -88,6 +89,7 @@ class LocalPerception:
         least = 0.0 if config.target == "latest" else _STRONG
         strong = [one for one in detections if one.score >= least]
         floor.sightings = self._with_things(floor.sightings, observation, strong)
+        floor.things = self._remembered(floor, observation, goal, detections)
         kind = kind_shape(goal.thing)
         evidence, records = search.evidence, list[DetectionRecord]()
         sightings, far_positions = list[Sighting](), list[tuple[float, float]]()
@@ -132,6 +134,21 @@ class LocalPerception:
             named = self.detector.name_things(observation, besides=known.named)
             known = known.with_named(named)
         return known
+
+    def _remembered(
+        self, floor: Floor, observation: Observation, goal: Goal, detections: list[Detection]
+    ) -> Things:
+        """The floor's things after an image; a detector of the goal alone misses nothing else."""
+        only: Goal | None = goal
+        if isinstance(self.detector, SeesAllThings):
+            detections, only = self.detector.things_in(observation, detections), None
+        return floor.things.after_image(
+            observation,
+            [one for one in detections if one.score >= _STRONG],
+            self.camera,
+            search=floor.search.number,
+            only=only,
+        )
 
     def _mask(
         self, detection: Detection, observation: Observation
