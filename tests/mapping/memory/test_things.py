@@ -10,7 +10,8 @@ from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.mapping.memory.things import MOST_THINGS, Thing, Things
+from hypernav.mapping.memory.thing import Thing
+from hypernav.mapping.memory.things import MOST_THINGS, Things
 
 SENSOR = CameraConfig(width=CAMERA.width, height=CAMERA.height)
 HALL = room(8.0, 6.0)
@@ -89,7 +90,7 @@ def test_images_without_a_thing_that_should_show_it_make_it_gone_and_a_new_one_b
 
 
 def test_a_miss_says_less_of_a_thing_that_was_often_overlooked():
-    often = Thing(0, "cup", 0.9, (0, 0, 0), (1, 1, 1), (0, 0), 1.0, 1, 1, seen=5, missed=2)
+    often = Thing(0, "cup", 0.9, (0, 0, 0), (1, 1, 1), ((0, 0, 1),), 1.0, 1, 1, seen=5, missed=2)
     assert replace(often, overlooked=5).chance > often.chance
 
 
@@ -141,7 +142,7 @@ def test_a_label_fits_a_goal_as_far_as_it_tells(goal, fits):
 
 def test_the_least_certain_of_too_many_things_are_forgotten():
     many = tuple(
-        Thing(n, "cup", 0.2 if n == 3 else 0.9, (n, 50, 0), (n, 50, 0), (0, 0), 1.0, 1, 1)
+        Thing(n, "cup", 0.2 if n == 3 else 0.9, (n, 50, 0), (n, 50, 0), ((0, 0, 1),), 1.0, 1, 1)
         for n in range(MOST_THINGS)
     )
     things = after(Things(many, MOST_THINGS), Pose2(2.0, 3.0, 0.0))
@@ -158,3 +159,20 @@ def test_an_image_is_wanted_of_a_thing_that_no_key_image_shows_nearly_as_large()
     assert not after(things, Pose2(1.2, 3.0, 0.0)).wants_image
     assert after(things, Pose2(3.2, 3.0, 0.0)).wants_image
     assert things.without_images([7]).known[0].image is None
+
+
+def test_views_from_one_place_are_one_and_the_surest_of_it_counts():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0), score=0.5)
+    things = after(things, Pose2(2.3, 3.0, 0.0), score=0.8)
+    things = after(things, Pose2(0.8, 3.0, 0.0), score=0.4)
+    (sofa,) = things.known
+    assert sofa.seen_from == (2.3, 3.0)
+    assert sorted(score for _, _, score in sofa.views) == [0.4, 0.8]
+
+
+def test_what_a_search_rejected_is_less_likely_in_the_next_one():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0))
+    refuted = things.refuted_at([(4.1, 3.0)], Goal("sofa"), 1)
+    assert 0.0 < refuted.known[0].chance < things.known[0].chance
+    for elsewhere, goal in (((1.0, 1.0), "sofa"), ((4.1, 3.0), "bed")):
+        assert things.refuted_at([elsewhere], Goal(goal), 1).known == things.known

@@ -10,7 +10,7 @@ from hypernav.agents.step import Step
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.things import Thing
+from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.mapping.sight_lines import lines_are_clear
 

@@ -11,7 +11,8 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.key_images import KeyImage
-from hypernav.mapping.memory.things import Thing, Things
+from hypernav.mapping.memory.thing import Thing
+from hypernav.mapping.memory.things import Things
 
 FORMAT = "hypernav-memory"
 VERSION = 1
@@ -49,7 +50,7 @@ class ThingRecord(_Record):
     score: float
     low: Xyz
     high: Xyz
-    seen_from: Xy
+    views: tuple[Xyz, ...] = Field(min_length=1)
     pixels: float
     first_search: int
     last_search: int
@@ -58,6 +59,7 @@ class ThingRecord(_Record):
     overlooked: int = Field(ge=0)
     image: int | None
     image_pixels: float
+    refuted_in: int
 
     @staticmethod
     def of(thing: Thing) -> "ThingRecord":

@@ -74,6 +74,11 @@ class SearchMemory:
     looked_over: LookedOver | None = None
     looks_again: bool = False
 
+    def remembered_of(self, things: Things) -> Things:
+        """The things that were known before the search began."""
+        known = tuple(one for one in things.known if one.number in self.remembered)
+        return Things(known, things.count)
+
     def forget_exploration(self) -> None:
         """Forget visits and notes: what counts as visited may hardly have been seen."""
         self.visits.clear()

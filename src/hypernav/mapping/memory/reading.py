@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import MapError, MemoryFolderError
+from hypernav.core.files.allowance import Allowance
 from hypernav.core.files.json_text import parse_json
 from hypernav.core.files.reading import path_below, read_file
 from hypernav.mapping.config import MappingConfig
@@ -188,6 +189,8 @@ def _content(folder: Path, record: FileRecord) -> bytes:
 def _restore(floor: Floor, folder: Path, record: FloorRecord) -> dict[int, np.ndarray]:
     """Fill a floor from its file; returns the patches of its key images by number."""
     content = _content(folder, record.state)
+    with zipfile.ZipFile(io.BytesIO(content)) as parts:
+        Allowance().take(sum(one.file_size for one in parts.infolist()), "a floor")
     with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
         state = {name: arrays[name] for name in arrays.files}
     floor.map.restore(state)

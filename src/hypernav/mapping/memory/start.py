@@ -22,7 +22,7 @@ _FAR_M = 0.35
 """Distance from all remembered obstacles beyond which a point contradicts the map, metres."""
 _LEAST_SHARE = 0.08
 """Share of the sampled pixels that must tell something about the known map."""
-_LEAST_FIT = 0.5
+_LEAST_FIT = 0.6
 """Share of the points that must agree with the map; see docs/memory.md for what was measured."""
 
 

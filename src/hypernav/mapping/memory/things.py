@@ -1,4 +1,4 @@
-"""Things that a robot remembers: what was seen where, how surely, and whether it is still there.
+"""Things that a robot remembers of a floor, and what an image says about them.
 
 Detections of one label that overlap on the floor plan are one thing. An image that should show a
 thing and doesn't is a miss, and misses tell the more, the more reliably the thing was seen before.
@@ -15,8 +15,8 @@ from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel, canonical
 from hypernav.core.observation import Observation
+from hypernav.mapping.memory.thing import Thing, holds, is_same, joined
 from hypernav.mapping.memory.visibility import should_be_visible
 
 MOST_THINGS = 500
@@ -27,108 +27,13 @@ _SPREAD = (5.0, 95.0)
 """Percentiles of a detection's points between which it extends, so that strays don't count."""
 _SAME_DEPTH_M = 0.5
 """Distance in depth from a box's middle up to which its pixels are the thing's, without a mask."""
-_SAME_SHARE = 0.35
-_SAME_M = (0.15, 0.6)
-"""Margin around a thing in which the middle of another view of it may lie: this share of its larger
-side on the floor plan, within these limits, metres. Front and back of a sofa are one thing, and
-chairs around a table are not."""
-_SAME_HEIGHT_M = 0.5
 _LOW_SHARE = 0.25
 _LEAST_PX = 20.0
 """Size in the image, pixels, below which it says nothing that a thing was not detected."""
 _NEAR_M = 4.0
 """Distance beyond which no image can be expected to show a thing, metres."""
-_SUREST = 0.9
-"""Largest chance that a thing is what it was taken for, before any miss."""
-_RECALL = (0.3, 0.95)
-"""Limits of how often a detector is believed to see a thing that is there."""
 _LARGER = 4.0
 """Times that a thing must be larger in an image than in all key images for one more of it."""
-_GONE = 0.2
-"""Chance below which a thing counts as gone."""
-
-Corner = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class Thing:
-    """A thing on a floor, as an upright box.
-
-    Attributes:
-        number: Its number on this floor.
-        label: The detector's word for it.
-        score: Highest score of a detection of it, 0 to 1.
-        low: Lowest corner ``(x, y, z)`` of its box, ``map`` frame, heights above the floor, metres.
-        high: Highest corner of its box.
-        seen_from: Position ``(x, y)``, metres, of the robot in the image that shows it largest.
-        pixels: Area of its box in that image, square pixels.
-        first_search: Number of the search that saw it first.
-        last_search: Number of the search that saw it last.
-        seen: Number of images that it was detected in.
-        missed: Number of images since the last detection that should have shown it.
-        overlooked: Number of images before the last detection that should have shown it.
-        image: Number of the key image that shows it largest; None if there is none.
-        image_pixels: Area of its box in that image, square pixels.
-    """
-
-    number: int
-    label: str
-    score: float
-    low: Corner
-    high: Corner
-    seen_from: tuple[float, float]
-    pixels: float
-    first_search: int
-    last_search: int
-    seen: int = 1
-    missed: int = 0
-    overlooked: int = 0
-    image: int | None = None
-    image_pixels: float = 0.0
-
-    @property
-    def position(self) -> Corner:
-        """The middle of its box ``(x, y, z)``, metres."""
-        x, y, z = ((a + b) / 2.0 for a, b in zip(self.low, self.high, strict=True))
-        return (x, y, z)
-
-    @property
-    def size(self) -> Corner:
-        """The extent of its box along x, y and z, metres."""
-        x, y, z = (b - a for a, b in zip(self.low, self.high, strict=True))
-        return (x, y, z)
-
-    @property
-    def outline(self) -> Float64[np.ndarray, "5 2"]:
-        """Its middle and the corners of its box on the floor plan, ``(x, y)``, metres."""
-        (x0, y0, _), (x1, y1, _), (x, y, _) = self.low, self.high, self.position
-        return np.array([(x, y), (x0, y0), (x1, y0), (x1, y1), (x0, y1)])
-
-    @property
-    def chance(self) -> float:
-        """Chance that it is what it was taken for and still there.
-
-        Scores count as independent chances, up to `_SUREST`. Every miss since the last detection
-        counts by Bayes' rule for a detector that sees this thing as often as it did before.
-        """
-        before = min(1.0 - (1.0 - min(self.score, 1.0)) ** self.seen, _SUREST)
-        if self.missed == 0:
-            return before
-        recall = (self.seen + 1) / (self.seen + self.overlooked + 2)
-        unseen = (1.0 - min(max(recall, _RECALL[0]), _RECALL[1])) ** self.missed
-        return before * unseen / (before * unseen + 1.0 - before)
-
-    @property
-    def is_gone(self) -> bool:
-        """Whether it was missed so often that it probably is no longer there."""
-        return self.missed > 0 and self.chance < _GONE
-
-    def fits(self, goal: Goal) -> float:
-        """How well its label fits a goal: 1 as far as asked, 0.5 only its kind, 0 not at all."""
-        label = ObjectLabel(self.label)
-        if label.satisfies(goal):
-            return 1.0
-        return 0.5 if label.may_satisfy(goal) else 0.0
 
 
 @dataclass(frozen=True)
@@ -152,6 +57,27 @@ class Things:
             self.shown[one.number] > _LARGER * one.image_pixels
             for one in self.known
             if one.number in self.shown
+        )
+
+    def at(self, x: float, y: float, goal: Goal) -> list[Thing]:
+        """The things at a position, metres, that may be a goal."""
+        return [
+            one
+            for one in self.known
+            if holds(one, (x, y, one.position[2])) and one.fits(goal) > 0.0
+        ]
+
+    def refuted_at(
+        self, positions: Iterable[tuple[float, float]], goal: Goal, search: int
+    ) -> "Things":
+        """The things after a search rejected what it took for its goal at these positions."""
+        refuted = {one.number for xy in positions for one in self.at(*xy, goal)}
+        return replace(
+            self,
+            known=tuple(
+                replace(one, refuted_in=search) if one.number in refuted else one
+                for one in self.known
+            ),
         )
 
     def find(self, number: int) -> Thing | None:
@@ -188,12 +114,12 @@ class Things:
             new = _seen_thing(detection, observation, camera, count, search)
             if new is None:
                 continue
-            same = [one for one in known.values() if _is_same(one, new)]
+            same = [one for one in known.values() if is_same(one, new)]
             for one in same:
                 del known[one.number]
-            joined = _joined(same, new)
-            known[joined.number] = joined
-            shown[joined.number] = max(new.pixels, shown.get(joined.number, 0.0))
+            one = joined(same, new)
+            known[one.number] = one
+            shown[one.number] = max(new.pixels, shown.get(one.number, 0.0))
             count += not same
         for one in list(known.values()):
             may_be_missed = one.number not in shown and (only is None or one.fits(only) > 0.0)
@@ -243,7 +169,7 @@ def _seen_thing(
         score=round(float(detection.score), 4),
         low=(x0, y0, z0),
         high=(x1, y1, z1),
-        seen_from=observation.robot.xy,
+        views=((*observation.robot.xy, round(float(detection.score), 4)),),
         pixels=float(detection.box.area),
         first_search=search,
         last_search=search,
@@ -277,53 +203,6 @@ def _middle_depth(box: Box, observation: Observation, camera: CameraConfig) -> f
     depths = observation.depth[rows, columns]
     depths = depths[is_measured(depths, camera.min_depth_m, camera.max_depth_m)]
     return float(np.median(depths)) if depths.size else math.nan
-
-
-def _is_same(a: Thing, b: Thing) -> bool:
-    """Whether two views are of one thing: one's middle lies in the other's box, or beside it."""
-    if canonical(a.label) != canonical(b.label):
-        return False
-    return _holds(a, b.position) or _holds(b, a.position)
-
-
-def _holds(one: Thing, position: Corner) -> bool:
-    width_m = max(one.size[0], one.size[1])
-    beside_m = min(max(_SAME_SHARE * width_m, _SAME_M[0]), _SAME_M[1])
-    margins = (beside_m, beside_m, _SAME_HEIGHT_M)
-    return all(
-        low - margin <= at <= high + margin
-        for low, at, high, margin in zip(one.low, position, one.high, margins, strict=True)
-    )
-
-
-def _joined(known: list[Thing], new: Thing) -> Thing:
-    """A thing after one more view of it, which may show that several things are one.
-
-    What was remembered from earlier searches gives way to the first view of this one that shows the
-    thing as large: it may have been moved a little.
-    """
-    if not known:
-        return new
-    best = max(known, key=lambda one: one.pixels)
-    is_larger = new.pixels > best.pixels
-    is_renewed = best.last_search < new.last_search and 2.0 * new.pixels >= best.pixels
-    boxes = [new] if is_renewed else [*known, new]
-    low = np.min([one.low for one in boxes], axis=0).tolist()
-    high = np.max([one.high for one in boxes], axis=0).tolist()
-    return replace(
-        best,
-        number=min(one.number for one in known),
-        score=max(best.score, new.score),
-        low=tuple(low),
-        high=tuple(high),
-        seen_from=new.seen_from if is_larger or is_renewed else best.seen_from,
-        pixels=new.pixels if is_larger or is_renewed else best.pixels,
-        first_search=min(one.first_search for one in known),
-        last_search=new.last_search,
-        seen=sum(one.seen for one in known) + 1,
-        missed=0,
-        overlooked=sum(one.overlooked + one.missed for one in known),
-    )
 
 
 def _should_show(one: Thing, observation: Observation) -> bool:

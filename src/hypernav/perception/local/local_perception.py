@@ -25,6 +25,7 @@ from hypernav.perception.local.belief import (
     before_a_look,
     is_rejected,
     weight_of,
+    with_earlier_looks,
     with_latest,
     with_sightings,
 )
@@ -89,6 +90,7 @@ class LocalPerception:
         least = 0.0 if config.target == "latest" else _STRONG
         strong = [one for one in detections if one.score >= least]
         floor.sightings = self._with_things(floor.sightings, observation, strong)
+        remembered = search.remembered_of(floor.things)
         floor.things = self._remembered(floor, observation, goal, detections)
         kind = kind_shape(goal.thing)
         evidence, records = search.evidence, list[DetectionRecord]()
@@ -118,6 +120,7 @@ class LocalPerception:
         else:
             others = [one for one in detections if not one.is_goal]
             evidence = with_sightings(evidence, config, sightings, others, observation, kind)
+            evidence = with_earlier_looks(evidence, search.evidence, remembered, goal, config)
         far_position = evidence.far_position
         if evidence.target is not None:
             far_position = None
@@ -140,15 +143,18 @@ class LocalPerception:
     ) -> Things:
         """The floor's things after an image; a detector of the goal alone misses nothing else."""
         only: Goal | None = goal
+        search = floor.search
+        refuted = [area.centre for area in search.evidence.rejected_areas]
         if isinstance(self.detector, SeesAllThings):
             detections, only = self.detector.things_in(observation, detections), None
-        return floor.things.after_image(
+        things = floor.things.after_image(
             observation,
             [one for one in detections if one.score >= _STRONG],
             self.camera,
-            search=floor.search.number,
+            search=search.number,
             only=only,
         )
+        return things.refuted_at(refuted, goal, search.number) if refuted else things
 
     def _mask(
         self, detection: Detection, observation: Observation
