@@ -21,10 +21,12 @@ from hypernav.mapping.memory.visibility import should_be_visible
 
 MOST_THINGS = 500
 """Number of things that a floor remembers; the least certain are forgotten first."""
-_STRIDE = 4
+_MOST_POINTS = 250
+"""Number of pixels of a detection's box that are read, about."""
+_LARGEST_STRIDE = 24
 _LEAST_POINTS = 3
-_SPREAD = (5.0, 95.0)
-"""Percentiles of a detection's points between which it extends, so that strays don't count."""
+_STRAYS = 0.05
+"""Share of a detection's points at each end of each axis that don't count to its extent."""
 _SAME_DEPTH_M = 0.5
 """Distance in depth from a box's middle up to which its pixels are the thing's, without a mask."""
 _LOW_SHARE = 0.25
@@ -162,7 +164,9 @@ def _seen_thing(
     points = _points(detection, observation, camera)
     if len(points) < _LEAST_POINTS:
         return None
-    (x0, y0, z0), (x1, y1, z1) = np.percentile(points, _SPREAD, axis=0).round(3).tolist()
+    spread = np.sort(points, axis=0)  # much faster than percentiles
+    first = int(_STRAYS * len(points))
+    (x0, y0, z0), (x1, y1, z1) = spread[[first, -1 - first]].round(3).tolist()
     return Thing(
         number=number,
         label=detection.label,
@@ -181,18 +185,19 @@ def _points(
 ) -> Float64[np.ndarray, "n 3"]:
     """Points of a detection, ``map`` frame, metres; without a mask those as far as its middle."""
     height, width = observation.depth.shape
-    x_min, y_min, x_max, y_max = detection.box.clipped(width, height).pixels()
-    top, left = y_min - y_min % _STRIDE, x_min - x_min % _STRIDE
-    window = (slice(top, y_max, _STRIDE), slice(left, x_max, _STRIDE))
+    box = detection.box.clipped(width, height)
+    x_min, y_min, x_max, y_max = box.pixels()
+    stride = min(max(int(math.sqrt(box.area / _MOST_POINTS)), 1), _LARGEST_STRIDE)
+    window = (slice(y_min, y_max, stride), slice(x_min, x_max, stride))
     depth = observation.depth[window]
     good = is_measured(depth, camera.min_depth_m, camera.max_depth_m)
     if detection.mask is not None:
         good &= detection.mask[window]
     elif good.any():
-        middle = _middle_depth(detection.box.clipped(width, height), observation, camera)
+        middle = _middle_depth(box, observation, camera)
         good &= np.abs(depth - middle) <= _SAME_DEPTH_M
     rows, columns = np.nonzero(good)
-    return observation.points_at(top + rows * _STRIDE, left + columns * _STRIDE)
+    return observation.points_at(y_min + rows * stride, x_min + columns * stride)
 
 
 def _middle_depth(box: Box, observation: Observation, camera: CameraConfig) -> float:
