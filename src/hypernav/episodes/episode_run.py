@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -125,13 +126,9 @@ class EpisodeRun:
         self._folder = memory if isinstance(memory, MemoryFolder) else None
         if memory is not None:
             _remembering(agent)
-        if self._folder is not None and self._folder.place is not None:
-            self._folder.check_building(_building(episode))
-            if isinstance(world, KeepsMapFrame):
-                world.keep_map_frame(self._folder.place.map_to_scene)
         self._began = time.perf_counter()
         self._clock = ModuleClock()
-        with self._clock("world"):
+        with self._clock("world"), _map_frame_of(self._folder, world, episode):
             self.trial: Trial = Trial(world, episode, rng)
         referee = self.trial.referee
         self._sight = None if referee is None else GoalSight(referee)
@@ -254,6 +251,25 @@ class EpisodeRun:
 def _building(episode: Episode) -> str:
     """Name of an episode's building in a memory: without the folder of its file."""
     return Path(episode.scene_id).name
+
+
+@contextmanager
+def _map_frame_of(folder: MemoryFolder | None, world: World, episode: Episode) -> Iterator[None]:
+    """Let a world that is reset in the block begin in a memory's ``map`` frame."""
+    if folder is None or folder.place is None:
+        yield
+        return
+    folder.check_building(_building(episode))
+    if not isinstance(world, KeepsMapFrame):
+        raise ConfigError(
+            f"{type(world).__name__} begins a map frame at every start; a memory needs a world "
+            "with keep_map_frame, such as SimulatedWorld"
+        )
+    world.keep_map_frame(folder.place.map_to_scene)
+    try:
+        yield
+    finally:
+        world.keep_map_frame(None)
 
 
 def _remembering(agent: object) -> Remembers:

@@ -159,9 +159,9 @@ class Memory:
             embodiment: The robot; the height of its camera tells that of the floor.
             images: Where to keep key images; None keeps none.
         """
-        self.mapping = mapping
-        self.embodiment = embodiment
-        self.images = images
+        self.mapping: MappingConfig = mapping
+        self.embodiment: Embodiment = embodiment
+        self.images: KeyImages | None = images
         self.searches: int = 0
         self.floors: list[Floor] = [self._new_floor(0.0)]
         self.number: int = 0

@@ -72,7 +72,7 @@ class MemoryFolder:
             RunFolderError: Another process uses it, or it can't be written.
             MemoryFolderError: It holds no memory, a broken one, or that of another robot.
         """
-        self.folder = folder
+        self.folder: Path = folder
         self._most_bytes = round(most_megabytes * 1e6)
         self._clock = clock
         with ExitStack() as opened:

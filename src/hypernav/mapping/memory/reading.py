@@ -76,13 +76,11 @@ def read_memory(
     left_out, patches = list[str](), dict[int, np.ndarray]()
     memory.floors = []
     for number, record in enumerate(index.floors):
-        floor = Floor(record.z, TopDownMap(mapping, embodiment))
-        floor.things, floor.sightings = record.all_things(), record.all_sightings()
+        floor = _floor_without_map(record, mapping, embodiment)
         try:
             patches |= _restore(floor, folder, record)
         except (OSError, ValueError, KeyError, zipfile.BadZipFile, MapError) as error:
-            floor = Floor(record.z, TopDownMap(mapping, embodiment))
-            floor.things, floor.sightings = record.all_things(), record.all_sightings()
+            floor = _floor_without_map(record, mapping, embodiment)
             left_out.append(
                 f"the map of floor {number} is damaged ({error}); it is drawn anew, and its things "
                 "and images are kept"
@@ -184,6 +182,18 @@ def _content(folder: Path, record: FileRecord) -> bytes:
     if hashlib.sha256(content).hexdigest() != record.sha256:
         raise ValueError(f"{record.name} has another checksum")
     return content
+
+
+def _floor_without_map(
+    record: FloorRecord, mapping: MappingConfig, embodiment: Embodiment
+) -> Floor:
+    """A floor with what the index knows of it."""
+    return Floor(
+        record.z,
+        TopDownMap(mapping, embodiment),
+        things=record.all_things(),
+        sightings=record.all_sightings(),
+    )
 
 
 def _restore(floor: Floor, folder: Path, record: FloorRecord) -> dict[int, np.ndarray]:

@@ -23,7 +23,8 @@ _FAR_M = 0.35
 _LEAST_SHARE = 0.08
 """Share of the sampled pixels that must tell something about the known map."""
 _LEAST_FIT = 0.6
-"""Share of the points that must agree with the map; see docs/memory.md for what was measured."""
+"""Share of the points that must agree with the map. In three training houses all of 117 images had
+0.86 or more where they were taken, and 83 % of 296 had less than this elsewhere in the house."""
 
 
 def check_start(map_: TopDownMap, observation: Observation, folder: Path) -> None:

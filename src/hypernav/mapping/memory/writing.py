@@ -43,7 +43,7 @@ class Writer:
             folder: The folder, locked.
             index: Its index; None if it is empty.
         """
-        self.index = index
+        self.index: Index | None = index
         self._folder = folder
         self._images = {} if index is None else {one.number: one for one in index.images}
         self._states: dict[int, tuple[object, FileRecord]] = {}
