@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from hypernav.build.built_agent import BuiltAgent
     from hypernav.build.component_specs import ComponentSpecs
     from hypernav.build.data.scenes import load_scene
+    from hypernav.build.memories import open_memory
     from hypernav.build.native import native_config
     from hypernav.build.presets import HyPerNavConfig, preset
     from hypernav.build.search import find
@@ -155,6 +156,7 @@ __all__ = [
     "load_runs",
     "load_scene",
     "native_config",
+    "open_memory",
     "preset",
     "random_start",
     "write_report",
@@ -165,6 +167,7 @@ _MODULES = {
     "build_agent": "hypernav.build.agents",
     "build_search": "hypernav.build.agents",
     "ComponentSpecs": "hypernav.build.component_specs",
+    "open_memory": "hypernav.build.memories",
     "native_config": "hypernav.build.native",
     "HyPerNavConfig": "hypernav.build.presets",
     "preset": "hypernav.build.presets",

@@ -77,6 +77,8 @@ class SearchConfig(RoomConfig):
             candidate, even if it was refuted (with `LocalConfig.target` "candidates").
         pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:
             to where that range ended, also through the unknown, before anything else is explored.
+        recall: Whether a search with a memory first goes to remembered things that may be the goal,
+            and looks again at what it knows where they are gone or nothing new is left.
     """
 
     stop_distance_m: float = Field(default=0.2, ge=0.0, le=10.0)
@@ -105,6 +107,7 @@ class SearchConfig(RoomConfig):
     open_the_way: bool = True
     max_steps: int = Field(default=500, ge=1, le=MOST_STEPS)
     pursue_far_sightings: bool = True
+    recall: bool = True
 
     def paced(self, motion: MotionConfig) -> "SearchConfig":
         """The configuration for a robot whose steps and turns differ from the paper's."""

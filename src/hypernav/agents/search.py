@@ -44,15 +44,20 @@ class SearchAgent:
 
         Args:
             goal: What to find.
-            memory: What is known of the building, in whose ``map`` frame the robot is; None if
-                nothing is. The agent changes it from now on.
+            memory: What is known of the building, in whose ``map`` frame the robot is. The agent
+                changes it from now on, and keeps for later searches what they need besides the
+                maps. None begins a memory for this search alone.
         """
-        components = self.components
-        memory = memory or Memory(components.mapping, components.embodiment)
-        memory.begin_search()
+        components, lasts = self.components, memory is not None
+        memory = memory or self.new_memory()
+        memory.begin_search(lasts=lasts)
         components.log.drain()
         self._goal, self._memory, self._plan = goal, memory, None
         self._trace, self._steps = None, 0
+
+    def new_memory(self) -> Memory:
+        """An empty memory, for the first of several searches."""
+        return Memory(self.components.mapping, self.components.embodiment)
 
     def act(self, observation: Observation) -> Action | None:
         """Integrate the observation and choose an action; None ends the search without a claim."""
@@ -73,6 +78,7 @@ class SearchAgent:
             )
         with clock("local"):
             detections = use.local.look(seen, goal, floor, asks=self._asks_the_camera())
+            memory.keep_image(seen)
         step = Step(self._steps, goal, seen, floor.map.grid, use, clock, events)
         if isinstance(use.explorer, Learns):
             with clock("global"):

@@ -102,13 +102,20 @@ class Step:
         """Length of a step and angle of a turn."""
         return self.use.embodiment.motion
 
+    def to_explore(self, memory: Memory) -> OccupancyGrid:
+        """The map that exploration goes by: where it looks again, the rest counts as unknown."""
+        search = memory.search
+        if search.looks_again and search.looked_over is not None:
+            return search.looked_over.applied(self.grid)
+        return self.grid
+
     def view(self, memory: Memory) -> ExplorationView:
         """What explorers are told."""
         floor = memory.floor
         return ExplorationView(
             goal=self.goal,
             observation=self.observation,
-            grid=self.grid,
+            grid=self.to_explore(memory),
             trajectory=floor.trajectory,
             visits=floor.search.visits,
             things=floor.sightings.things,

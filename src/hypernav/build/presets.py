@@ -261,6 +261,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             go_nearer=False,
             open_the_way=False,
             pursue_far_sightings=False,
+            recall=False,
         ),
         grounding=VlmDetectorConfig(right_articles=False, score_crops=0, min_score=0.0),
         presence=PresenceConfig(right_articles=False, unsure="yes"),

@@ -14,6 +14,8 @@ from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.episodes.episode_run import EpisodeRun
+from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
@@ -28,6 +30,7 @@ def find(
     start: Pose2 | None = None,
     seed: int = 0,
     max_steps: int = MAX_STEPS,
+    memory: MemoryFolder | Memory | None = None,
 ) -> EpisodeRun:
     """Begin a search, like ``hypernav find``; iterating over it runs the steps.
 
@@ -41,6 +44,9 @@ def find(
         start: Start pose, scene frame; by default a random one from which the goal can be reached.
         seed: Seed of the random start and of the world's noise.
         max_steps: Step limit; STOP counts as a step.
+        memory: What is known of the building and gets what the search learns: a folder from
+            `open_memory`, or, where the robot has not been moved, the ``memory`` that an agent left
+            behind.
 
     Returns:
         The search, placed at its start.
@@ -51,6 +57,8 @@ def find(
         StartError: The robot cannot stand at the start.
         ConfigError: The agent was built for another robot, or a value is impossible.
         ContractError: The agent is none.
+        MemoryFolderError: The memory is that of another building.
+        MemoryStartError: What the robot sees at the start contradicts the memory.
 
     Examples:
         >>> search = find("bed")  # doctest: +SKIP
@@ -76,4 +84,4 @@ def find(
     rng = np.random.default_rng(seed)
     start = start or random_start(world.walkable, rng, world.regions.of(goal))
     episode = Episode(name, "", goal, start, max_steps=max_steps)
-    return EpisodeRun(agent, world, episode, rng=rng, told=truth)
+    return EpisodeRun(agent, world, episode, rng=rng, told=truth, memory=memory)

@@ -2,7 +2,7 @@
 
 import math
 import re
-from contextlib import closing
+from contextlib import ExitStack, closing
 from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
@@ -14,6 +14,8 @@ from rich.markup import escape
 from rich.status import Status
 
 from hypernav.build.data.scenes import load_scene
+from hypernav.build.memories import open_memory
+from hypernav.build.presets import HyPerNavConfig
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.interruptions import Terminated, interruptions_put_off
 from hypernav.cli.guards.outputs import check_file, check_folder
@@ -42,6 +44,7 @@ from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.datasets.benchmarks import robot_in
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.episodes.recorder import EpisodeRecorder
+from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.warmup.background import warm_up_in_background
 from hypernav.worlds.simulation import SimulatedWorld
@@ -69,7 +72,9 @@ def run(options: Options) -> int:
         ModelUnavailableError: The model was unavailable; what was done is on disk.
         ModelSetupError: URL, key or name of the model are wrong; what was done is on disk.
         OutputError: Nothing can be written, or the disk is full; earlier output is on disk.
-        RunFolderError: Another search writes to the folder.
+        RunFolderError: Another search writes to the folder, or to that of the memory.
+        MemoryFolderError: The memory can't be used.
+        MemoryStartError: What the robot sees at the start contradicts the memory.
         KeyboardInterrupt: Ctrl-C or SIGTERM; what was done is on disk.
     """
     check_steps_and_seed(options.max_steps, options.seed)
@@ -101,12 +106,16 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         closing(
             SimulatedWorld(load_scene(options.scene), config.world, config.embodiment)
         ) as world,
+        ExitStack() as opened,
     ):
         steps = options.max_steps or options.who.step_limit(MAX_STEPS)
         rng = np.random.default_rng(options.seed)
         start = start_pose(options.start, world, goal, rng)
         episode = Episode(options.scene, "", goal, start, max_steps=steps)
-        search = EpisodeRun(parts.agent, world, episode, rng=rng, told=parts.truth)
+        memory = None
+        if options.memory is not None:
+            memory = opened.enter_context(opened_memory(options, config, console))
+        search = EpisodeRun(parts.agent, world, episode, rng=rng, told=parts.truth, memory=memory)
         if not search.trial.holds_goal:
             labels = [one.label for one in world.instances if one.label is not None]
             console.print(no_such_object_line(goal, labels), soft_wrap=True)
@@ -155,6 +164,14 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
     if outcome.outcome is Outcome.MODEL_UNAVAILABLE:
         raise ModelUnavailableError(outcome.detail)
     return ExitStatus.SUCCESS if outcome.metrics.success else ExitStatus.FAILURE
+
+
+def opened_memory(options: Options, config: HyPerNavConfig, console: Console) -> MemoryFolder:
+    """The memory of ``--memory``; prints what is left out of a damaged one."""
+    memory = open_memory(options.memory or "", config, most_megabytes=options.memory_mb)
+    for line in memory.left_out:
+        console.print(f"[yellow]{escape(line)}[/]", soft_wrap=True)
+    return memory
 
 
 def check_start(start: tuple[float, ...] | None) -> None:

@@ -148,6 +148,14 @@ class RunFolderError(HyPerNavError):
     """
 
 
+class MemoryFolderError(HyPerNavError):
+    """A memory on disk is damaged, of another version, or of another robot or building."""
+
+
+class MemoryStartError(HyPerNavError):
+    """What a robot sees at its start contradicts the map that it remembers."""
+
+
 class RecordingError(HyPerNavError):
     """A recording, of a chat model or of a camera, is broken or lacks what is requested."""
 

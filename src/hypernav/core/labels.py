@@ -126,6 +126,15 @@ class ObjectLabel:
             text = text[: match.start()]
         return self._fits_phrase(text.split())
 
+    def may_satisfy(self, goal: Goal) -> bool:
+        """Whether this object is of the kind that the goal asks for, whatever else it asks."""
+        text = normalise(goal.text)
+        for place in (_IN_ROOM, _BESIDE):
+            if (match := place.search(text)) is not None:
+                text = text[: match.start()]
+        words = text.split()
+        return any(self.is_named(" ".join(words[head:])) for head in range(len(words)))
+
     def _fits_phrase(self, words: list[str]) -> bool:
         true_words = {word for text in self.attributes for word in normalise(text).split()}
         for head in range(len(words)):

@@ -112,6 +112,15 @@ class GoalTruth(Protocol):
 
 
 @runtime_checkable
+class KeepsMapFrame(Protocol):
+    """A world that can give the observations of several episodes in one ``map`` frame."""
+
+    def keep_map_frame(self, map_to_scene: Transform | None) -> None:
+        """Keep a frame from the next `World.reset` on; None begins one at every start."""
+        ...
+
+
+@runtime_checkable
 class SceneTruth(Protocol):
     """The truth about a scene, for measuring and failure analysis only. Scene frame, metres."""
 

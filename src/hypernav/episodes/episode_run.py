@@ -2,7 +2,9 @@
 
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +12,7 @@ import numpy as np
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.components.abilities import BuiltForRobot, remembers
-from hypernav.core.components.protocols import Agent, ExplainsItself
+from hypernav.core.components.protocols import Agent, ExplainsItself, Remembers
 from hypernav.core.episodes.episode import Episode, Outcome
 from hypernav.core.episodes.metrics import EpisodeMetrics
 from hypernav.core.episodes.truth import EpisodeTruth
@@ -18,10 +20,12 @@ from hypernav.core.errors import ConfigError, ModelSetupError, ModelUnavailableE
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, StepTrace
-from hypernav.core.world import World
+from hypernav.core.world import KeepsMapFrame, World
 from hypernav.episodes.goal_sight import GoalSight, PathParts
 from hypernav.episodes.trial import Trial
 from hypernav.episodes.true_paths import true_paths
+from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.memory_folder import MemoryFolder
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +101,7 @@ class EpisodeRun:
         rng: np.random.Generator | None = None,
         told: EpisodeTruth | None = None,
         goes_on: bool = False,
+        memory: Memory | MemoryFolder | None = None,
     ) -> None:
         """Place the robot and give the agent its goal.
 
@@ -107,19 +112,26 @@ class EpisodeRun:
             rng: Generator of the world's noise.
             told: Holder of the truth for stand-ins in the agent, if it has any
                 (`hypernav.BuiltAgent.truth`); their generator is spawned from ``rng``.
-            goes_on: Whether this search goes on with a life: the robot stays where it is, and the
-                agent, which must be one that `Remembers`, keeps its memory.
+            goes_on: Whether this search goes on with a life: the robot stays where it is.
+            memory: What is known of the building, which the agent changes: a memory in the world's
+                ``map`` frame, or an open folder, in whose frame the world then gives observations,
+                and to which the search is saved.
 
         Raises:
-            ConfigError: The agent was built for another robot.
+            ConfigError: The agent was built for another robot, or keeps no memory.
+            MemoryFolderError: The folder is the memory of another building.
+            MemoryStartError: What the robot sees at the start contradicts the memory.
             StartError: The robot cannot stand at the start.
             WorldError: The robot shall stay, and the world can't do that.
         """
         _check_robot(agent, world)
         self._agent = agent
+        self._folder = memory if isinstance(memory, MemoryFolder) else None
+        if memory is not None:
+            _remembering(agent)
         self._began = time.perf_counter()
         self._clock = ModuleClock()
-        with self._clock("world"):
+        with self._clock("world"), _map_frame_of(self._folder, world, episode):
             self.trial: Trial = Trial(world, episode, rng, goes_on=goes_on)
         referee = self.trial.referee
         self._sight = None if referee is None else GoalSight(referee)
@@ -129,27 +141,42 @@ class EpisodeRun:
             told.tell(
                 rng=None if rng is None else rng.spawn(1)[0], path_left_m=true_paths(self.trial)
             )
-        if goes_on and remembers(agent):
-            agent.reset(episode.goal, agent.memory)
-        else:
+        if self._folder is not None:
+            truth = world.truth
+            memory = self._folder.begin(
+                episode.goal,
+                self.trial.observation,
+                building="" if truth is None else _building(episode),
+                map_to_scene=None if truth is None else truth.map_to_scene,
+            )
+        if memory is None:
             agent.reset(episode.goal)
+        else:
+            _remembering(agent).reset(episode.goal, memory)
 
     def __iter__(self) -> Iterator[EpisodeStep]:
         """Run the episode to its end, one step at a time.
 
         Raises:
             ModelSetupError: A model cannot be asked until its URL, key or name is corrected.
+            OutputError: The memory can't be saved.
         """
-        while not self.trial.is_over:
-            try:
-                step = self._step()
-            except ModelUnavailableError as error:
-                self._outage = str(error)
-                return
-            except ModelSetupError as error:
-                self._outage = str(error)
-                raise
-            yield step
+        try:
+            while not self.trial.is_over:
+                try:
+                    step = self._step()
+                except ModelUnavailableError as error:
+                    self._outage = str(error)
+                    return
+                except ModelSetupError as error:
+                    self._outage = str(error)
+                    raise
+                if self._folder is not None:
+                    self._folder.keep()
+                yield step
+        finally:
+            if self._folder is not None:
+                self._folder.end(self._ending_words, steps=self.trial.steps)
 
     def _step(self) -> EpisodeStep:
         observation = self.trial.observation
@@ -202,6 +229,16 @@ class EpisodeRun:
             parts=None if self._sight is None else self._sight.parts,
         )
 
+    @property
+    def _ending_words(self) -> str:
+        """How the search ended as far as the robot knows, for the history of a memory."""
+        if self._outage:
+            return Outcome.MODEL_UNAVAILABLE.value
+        if not self.trial.is_over:
+            return Outcome.INTERRUPTED.value
+        is_found = self.trial.ending is Ending.FOUND
+        return (Outcome.FOUND if is_found else Outcome.NOT_FOUND).value
+
     def _outcome(self, metrics: EpisodeMetrics) -> Outcome:
         if self._outage:
             return Outcome.MODEL_UNAVAILABLE
@@ -212,6 +249,40 @@ class EpisodeRun:
         if self.trial.holds_goal and not np.isfinite(metrics.shortest_path_m):
             return Outcome.UNREACHABLE
         return Outcome.NOT_FOUND
+
+
+def _building(episode: Episode) -> str:
+    """Name of an episode's building in a memory: without the folder of its file."""
+    return Path(episode.scene_id).name
+
+
+@contextmanager
+def _map_frame_of(folder: MemoryFolder | None, world: World, episode: Episode) -> Iterator[None]:
+    """Let a world that is reset in the block begin in a memory's ``map`` frame."""
+    if folder is None or folder.place is None:
+        yield
+        return
+    folder.check_building(_building(episode))
+    if not isinstance(world, KeepsMapFrame):
+        raise ConfigError(
+            f"{type(world).__name__} begins a map frame at every start; a memory needs a world "
+            "with keep_map_frame, such as SimulatedWorld"
+        )
+    world.keep_map_frame(folder.place.map_to_scene)
+    try:
+        yield
+    finally:
+        world.keep_map_frame(None)
+
+
+def _remembering(agent: Agent) -> Remembers:
+    """An agent that is given a memory; others, which have no use for one, are refused."""
+    if remembers(agent):
+        return agent
+    raise ConfigError(
+        f"{type(agent).__name__} keeps no memory of a building; use an agent that searches on a "
+        "map, such as hypernav or frontier, or leave the memory out"
+    )
 
 
 def _check_robot(agent: Agent, world: World) -> None:

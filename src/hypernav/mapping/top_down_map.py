@@ -1,6 +1,7 @@
 """The top-down map that is built up from the robot's depth images."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -219,6 +220,33 @@ class TopDownMap:
         free = np.where(arrays.seen[bumped] > 0, FREE, UNKNOWN)
         arrays.cells[bumped] = np.where(occupied, OCCUPIED, free)
         arrays.bumps[bumped] = 0
+
+    @property
+    def state(self) -> dict[str, np.ndarray]:
+        """All that the map knows, by name, as arrays for a file; see `restore`."""
+        first = np.array([self._first_row, self._first_column], dtype=np.int64)
+        return {"first": first, **self._arrays._asdict()}
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Take over what another map with the same configuration knew.
+
+        Raises:
+            MapError: The arrays are not those of such a map.
+        """
+        cells = state["cells"].shape if "cells" in state else ()
+        if len(cells) != 2 or min(cells) < 1 or any(side % CHUNK_CELLS for side in cells):
+            raise MapError(f"expected the cells of a map in whole chunks, got the shape {cells}")
+        if memory_of(cells[0] * cells[1], self._band) > MOST_BYTES:
+            raise MapError(f"a map of {cells[0]} × {cells[1]} cells takes too much memory")
+        wanted = _empty_arrays(*cells, self._band.layers)._asdict()
+        wanted["first"] = np.zeros(2, dtype=np.int64)
+        for name, like in wanted.items():
+            array = state.get(name)
+            if array is None or array.shape != like.shape or array.dtype != like.dtype:
+                found = "none" if array is None else f"{array.dtype} {array.shape}"
+                raise MapError(f"expected {name} as {like.dtype} {like.shape}, found {found}")
+        self._arrays = _Arrays(**{name: state[name].copy() for name in _Arrays._fields})
+        self._first_row, self._first_column = (int(one) for one in state["first"])
 
     def _grow(self, low: Float64[np.ndarray, "2"], high: Float64[np.ndarray, "2"]) -> None:
         """Make the map hold the box between two corners ``(x, y)``, metres."""

@@ -35,8 +35,8 @@ class SimulatedWorld:
     """A robot in a scene: a `World`, and the `SceneTruth` of that scene.
 
     Poses and positions of this class are ground truth in the scene frame. Observations are in the
-    ``map`` frame, which starts at the start pose (x forward, y left, z up from the floor), with
-    the robot's pose as odometry reports it.
+    ``map`` frame, which starts at the start pose (x forward, y left, z up from the floor) unless
+    it is kept, with the robot's pose as odometry reports it.
 
     Attributes:
         scene: The scene that the robot is in.
@@ -86,6 +86,7 @@ class SimulatedWorld:
         # never used if all noise is off
         self._rng = np.random.default_rng(0)
         self._robot = self._robot_at(Pose2(0.0, 0.0, 0.0), math.nan)
+        self._map_frame: Transform | None = None
         self._start: Transform | None = None
         self._observation: Observation | None = None
         self._stopped = False
@@ -95,6 +96,17 @@ class SimulatedWorld:
         if isinstance(self._renderer, Closes):
             self._renderer.close()
 
+    def keep_map_frame(self, map_to_scene: Transform | None) -> None:
+        """Give all later observations in one ``map`` frame, wherever their episodes start.
+
+        So does a localised robot, whose map outlasts a search. The pose at the start is exact.
+
+        Args:
+            map_to_scene: The frame, upright, such as the `map_to_scene` of an earlier episode; None
+                begins one at every start again.
+        """
+        self._map_frame = map_to_scene
+
     def reset(self, episode: Episode, rng: np.random.Generator | None = None) -> Observation:
         """Place the robot at the start of an episode.
 
@@ -103,7 +115,8 @@ class SimulatedWorld:
             rng: Generator of all noise; needed only if noise is switched on.
 
         Returns:
-            The first observation; its robot pose is the origin of the ``map`` frame.
+            The first observation; its robot pose is the origin of the ``map`` frame, unless that
+            is kept (`keep_map_frame`).
 
         Raises:
             SceneError: There is no storey at the height of the start.
@@ -117,7 +130,12 @@ class SimulatedWorld:
         floor_z = self.walkable.height_at(*episode.start.xy, episode.start_z)
         self._rng = rng if rng is not None else np.random.default_rng(0)
         self._robot = self._robot_at(episode.start, floor_z)
-        self._start = episode.start.to_transform(self._robot.floor_z)
+        start = episode.start.to_transform(self._robot.floor_z)
+        self._start = start if self._map_frame is None else self._map_frame
+        if self._map_frame is not None:
+            in_map = self._map_frame.inverse() @ start
+            x, y, _ = in_map.translation.tolist()
+            self._robot.reported = Pose2(x, y, in_map.yaw)
         return self._begin(episode)
 
     def _begin(self, episode: Episode) -> Observation:

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
+from hypernav.agents.phases.recall import is_refuted, recalled
 from hypernav.agents.plan import Plan, patience_of
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
@@ -38,7 +39,7 @@ def _next_turn(step: Step, memory: Memory, plan: Plan) -> Action | None:
         return None
     if plan.full_turn or gaze is None:
         return Action.TURN_LEFT
-    return gaze.worthwhile_turn(step.grid, step.robot, memory.search.looked)
+    return gaze.worthwhile_turn(step.to_explore(memory), step.robot, memory.search.looked)
 
 
 def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
@@ -58,8 +59,7 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
             if config.looks == "at-destinations" and not _has_looked(step, plan):
                 turns = step.motion.turns_of_a_circle
                 return Phase.LOOK_AROUND, replace(plan, turns_left=turns, full_turn=True)
-            with step.clock("global"):
-                destination = step.use.explorer.next_destination(step.view(memory))
+            destination = recalled(step, memory) or _explored(step, memory)
             if destination is None:
                 return Phase.END, plan
             exploring = plan.exploring.towards(destination, config, left=())
@@ -89,6 +89,19 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
         plan = _ended(patience.worn_out, step, memory, plan)
     reason = "no way to any destination, looking again"
     return _decision(Action.TURN_LEFT, reason, step, plan), plan
+
+
+def _explored(step: Step, memory: Memory) -> Destination | None:
+    """The explorer's next destination; where all is known, what this search has not looked at."""
+    search, explorer = memory.search, step.use.explorer
+    with step.clock("global"):
+        destination = explorer.next_destination(step.view(memory))
+        may_look_again = step.config.recall and search.looked_over is not None
+        if destination is None and may_look_again and not search.looks_again:
+            search.looks_again = True
+            step.events.append("all is known, looking again")
+            destination = explorer.next_destination(step.view(memory))
+    return destination
 
 
 def _decision(action: Action, reason: str, step: Step, plan: Plan) -> Decision:
@@ -124,6 +137,8 @@ def _without_finished(step: Step, memory: Memory, plan: Plan) -> Plan:
     destination, config = plan.destination, step.config
     if destination is None:
         return plan
+    if is_refuted(memory, plan):
+        return _ended("remembered thing is gone", step, memory, plan)
     if step.robot.distance_to(*destination.xy) < _arrival_m(destination, step):
         if _facing_turn(destination, step) is None:
             return _ended("destination reached", step, memory, plan)
@@ -131,7 +146,7 @@ def _without_finished(step: Step, memory: Memory, plan: Plan) -> Plan:
         config.drop_explored
         and not destination.is_sighting
         and not destination.holds
-        and len(unexplored_boundary(step.grid, destination.xy, _AROUND_M)) == 0
+        and len(unexplored_boundary(step.to_explore(memory), destination.xy, _AROUND_M)) == 0
     ):
         return _ended("destination explored", step, memory, plan)
     return plan
@@ -163,6 +178,7 @@ def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
         or config.looks == "at-destinations"
         or destination is None
         or destination.is_sighting
+        or destination.thing is not None
         or not answers_at_once(explorer)
     ):
         return plan
@@ -193,6 +209,9 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
     if destination.is_sighting:
         search.evidence = replace(search.evidence, far_position=None)
         plan = plan.explore(pursued=(*plan.exploring.pursued, destination.xy))
+    elif destination.thing is not None:
+        search.gone_to.add(destination.thing)
+        search.looks_again = True  # it may have been moved, and not far
     elif destination.face is None:
         search.visits.append(destination.xy)
     return plan.explore(destination=None, age=0)
@@ -216,7 +235,7 @@ def _look_across(step: Step, memory: Memory, plan: Plan) -> Action | None:
 
     A robot that comes to a door sideways has not yet looked through it.
     """
-    destination, config, grid, robot = plan.destination, step.config, step.grid, step.robot
+    destination, config, robot = plan.destination, step.config, step.robot
     if (
         not config.look_across_boundary
         or destination is None
@@ -226,6 +245,7 @@ def _look_across(step: Step, memory: Memory, plan: Plan) -> Action | None:
         or robot.distance_to(*destination.xy) >= _arrival_m(destination, step)
     ):
         return None
+    grid = step.to_explore(memory)
     if step.use.gaze is not None:
         return step.use.gaze.worthwhile_turn(grid, robot, memory.search.looked)
     points = unexplored_boundary(grid, destination.xy, _AROUND_M)

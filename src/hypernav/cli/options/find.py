@@ -27,6 +27,10 @@ class Options:
     """Seed of the random start and of all noise."""
     max_steps: int | None = None
     """Maximum number of steps; 500 by default, or those of --native."""
+    memory: Path | None = None
+    """Folder with what earlier searches learned of the building; this one adds to it."""
+    memory_mb: float = 50.0
+    """Size of that folder, MB, beyond which the images that tell least are forgotten."""
     out: Path | None = None
     """Folder of the results; runs/<time>-<goal> by default."""
     views: FlatViewOptions = field(default_factory=ViewOptions)

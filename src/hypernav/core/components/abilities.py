@@ -1,6 +1,6 @@
 """Optional abilities of components, besides their protocols."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from inspect import getattr_static
 from typing import Any, Protocol, TypeGuard, runtime_checkable
 
@@ -8,6 +8,7 @@ from hypernav.core.components.protocols import Agent, Remembers
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.exploring.sightings import SeenThing
+from hypernav.core.geometry.boxes import Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 
@@ -85,6 +86,22 @@ class NamesThings(Protocol):
         self, observation: Observation, *, besides: Collection[int]
     ) -> Mapping[int, SeenThing]:
         """Things with their positions, by permanent numbers; only those not yet named."""
+        ...
+
+
+@runtime_checkable
+class SeesAllThings(Protocol):
+    """A detector that finds, at no extra cost, all things in an image that it has names for."""
+
+    def things_in(
+        self, observation: Observation, detections: Sequence[Detection]
+    ) -> list[Detection]:
+        """All things in an image, the goal included.
+
+        Args:
+            observation: The image.
+            detections: What `detect` found in it.
+        """
         ...
 
 

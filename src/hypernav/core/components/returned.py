@@ -211,7 +211,12 @@ _AGENT: dict[str, Check] = {
 }
 CHECKS: dict[str, dict[str, Check]] = {
     "Agent": _ALL | _AGENT,
-    "Detector": _ALL | {"detect": _detections, "name_things": _things},
+    "Detector": _ALL
+    | {
+        "detect": _detections,
+        "name_things": _things,
+        "things_in": _detections,
+    },
     "Segmenter": _ALL | {"segment": _mask},
     "Explorer": _ALL | {"next_destination": _destination},
     "BlockReasoner": _ALL | {"choose": _block},

@@ -67,6 +67,8 @@ class Destination:
         face: Heading to turn to on arrival, ``map`` frame, radians; None keeps the heading.
         most_steps: Number of steps after which the explorer is asked again; None sets no limit.
             The same answer again is the same destination.
+        thing: Number of the remembered thing that it leads to; then no explorer chose it. None for
+            all others.
     """
 
     x: float
@@ -80,6 +82,7 @@ class Destination:
     arrival_m: float | None = None
     face: float | None = None
     most_steps: int | None = None
+    thing: int | None = None
 
     @property
     def xy(self) -> tuple[float, float]:

@@ -129,17 +129,21 @@ class EpisodeWorker:
         try:
             scene = self._scene_of(episode.scene_id)
             scene.renderer.colours = self._searcher.looks_at_colours or self._job.save == "videos"
-            keeps_memory = not self._job.fresh_memory and remembers(self._searcher.agent)
+            agent, memory = self._searcher.agent, None
+            keeps_memory = not self._job.fresh_memory and remembers(agent)
             goes_on = number > 1 and keeps_memory
+            if episode.life and keeps_memory:
+                memory = agent.memory if number > 1 else agent.new_memory()
             if number > 1 and not goes_on:
                 world = scene.world
                 episode = replace(episode, start=world.pose, start_z=world.position[2])
             run = EpisodeRun(
-                self._searcher.agent,
+                agent,
                 scene.world,
                 episode,
                 rng=rng,
                 told=self._searcher.truth,
+                memory=memory,
                 goes_on=goes_on,
             )
             return self._watch(run, scene, number)

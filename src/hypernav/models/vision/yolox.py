@@ -5,6 +5,7 @@ Megvii-BaseDetection/YOLOX (``yolox/data/data_augment.py::preproc``, ``yolox/uti
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -104,6 +105,12 @@ class YoloxDetector:
         closer = {id(one): self._looked_closer(one, observation.rgb) for one in weak[:_MOST_CLOSER]}
         found = [closer.get(id(one), one) for one in found]
         return sorted(found, key=lambda one: -one.score)
+
+    def things_in(
+        self, observation: Observation, detections: Sequence[Detection]
+    ) -> list[Detection]:
+        """All that `detect` found: one run of the network sees all classes."""
+        return list(detections)
 
     def _looked_closer(
         self, weak: Detection, rgb: UInt8[np.ndarray, "height width 3"]

@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 from hypernav.core.curve import along
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.memory.target import GoalEvidence, Measure, Rejection, Target, areas_touch
+from hypernav.mapping.memory.things import Things
 from hypernav.mapping.memory.visibility import is_cut_off, seems_to_hold, should_be_visible
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.shape.evidence import form_evidence
@@ -249,6 +251,27 @@ def with_sightings(
         count=count,
     )
     return replace(after, chosen=_best(after, observation.robot))
+
+
+def with_earlier_looks(
+    evidence: GoalEvidence, before: GoalEvidence, things: Things, goal: Goal, config: LocalConfig
+) -> GoalEvidence:
+    """The evidence with what earlier searches saw of the candidates that are new in it.
+
+    Args:
+        evidence: The evidence after an image.
+        before: The evidence before it.
+        things: Things that were remembered when the search began.
+        goal: Goal of the search.
+        config: What scores are worth.
+    """
+    for one in evidence.candidates:
+        if one.number >= before.count:
+            for thing in things.at(*one.area.centre, goal):
+                for x, y, score in thing.views if not thing.refuted_in else ():
+                    one = one.with_look((x, y), along(config.score_weights or _YOLOX, score))
+            evidence = evidence.with_target(one)
+    return evidence
 
 
 def _measured(one: Target, measure: Measure, kind: KindShape) -> Target:

@@ -1,6 +1,6 @@
 """Detection by perfect labels from a simulated world, for work on everything but recognition."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +15,7 @@ from hypernav.core.observation import LabelledPixels, Observation
 MIN_AREA_SHARE = 0.0005
 """Share of the image below which objects are overlooked, as by a real detector: 12×12 pixels in
 640×480."""
+_COARSE = 4
 _STRIDE = 8
 _LEAST_PIXELS = 2
 """To name things every 8th pixel in both directions is read, and two of them must show one."""
@@ -49,6 +50,32 @@ class GroundTruthDetector:
             for number in visible_objects(truth, self.min_area_share)
             if truth.labels[number].satisfies(goal)
         ]
+
+    def things_in(
+        self, observation: Observation, detections: Sequence[Detection]
+    ) -> list[Detection]:
+        """All visible labelled instances, in the order of their numbers.
+
+        Boxes are rounded to `_COARSE` pixels, since all pixels would be read for nothing more.
+
+        Raises:
+            LabelsMissingError: The world supplies no labels.
+        """
+        truth = true_labels(observation)
+        ids = truth.ids[::_COARSE, ::_COARSE]
+        pixels = np.bincount(ids.ravel() + 1)[1:]
+        found = []
+        for number in np.flatnonzero(pixels >= max(self.min_area_share * ids.size, 1.0)).tolist():
+            if number not in truth.labels:
+                continue
+            rows, columns = np.nonzero(ids == number)
+            top, left = (int(one.min()) * _COARSE for one in (rows, columns))
+            bottom, right = (int(one.max() + 1) * _COARSE for one in (rows, columns))
+            mask = np.zeros(truth.ids.shape, dtype=bool)
+            mask[top:bottom, left:right] = truth.ids[top:bottom, left:right] == number
+            box = Box(float(left), float(top), float(right), float(bottom))
+            found.append(Detection(box, 1.0, truth.labels[number].category, mask))
+        return found
 
     def name_things(
         self, observation: Observation, *, besides: Collection[int]

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool
 
-from hypernav.core.components.abilities import NamesThings
+from hypernav.core.components.abilities import NamesThings, SeesAllThings
 from hypernav.core.components.protocols import Detector, Segmenter
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.exploring.sightings import Sightings
@@ -19,11 +19,13 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.memory.memory import Floor
+from hypernav.mapping.memory.things import Things
 from hypernav.perception.local.belief import (
     Sighting,
     before_a_look,
     is_rejected,
     weight_of,
+    with_earlier_looks,
     with_latest,
     with_sightings,
 )
@@ -88,6 +90,9 @@ class LocalPerception:
         least = 0.0 if config.target == "latest" else _STRONG
         strong = [one for one in detections if one.score >= least]
         floor.sightings = self._with_things(floor.sightings, observation, strong)
+        remembered = search.remembered_of(floor.things)
+        if search.lasts:
+            floor.things = self._remembered(floor, observation, goal, detections)
         kind = kind_shape(goal.thing)
         evidence, records = search.evidence, list[DetectionRecord]()
         sightings, far_positions = list[Sighting](), list[tuple[float, float]]()
@@ -116,6 +121,7 @@ class LocalPerception:
         else:
             others = [one for one in detections if not one.is_goal]
             evidence = with_sightings(evidence, config, sightings, others, observation, kind)
+            evidence = with_earlier_looks(evidence, search.evidence, remembered, goal, config)
         far_position = evidence.far_position
         if evidence.target is not None:
             far_position = None
@@ -132,6 +138,24 @@ class LocalPerception:
             named = self.detector.name_things(observation, besides=known.named)
             known = known.with_named(named)
         return known
+
+    def _remembered(
+        self, floor: Floor, observation: Observation, goal: Goal, detections: list[Detection]
+    ) -> Things:
+        """The floor's things after an image; a detector of the goal alone misses nothing else."""
+        only: Goal | None = goal
+        search = floor.search
+        refuted = [area.centre for area in search.evidence.rejected_areas]
+        if isinstance(self.detector, SeesAllThings):
+            detections, only = self.detector.things_in(observation, detections), None
+        things = floor.things.after_image(
+            observation,
+            [one for one in detections if one.score >= _STRONG],
+            self.camera,
+            search=search.number,
+            only=only,
+        )
+        return things.refuted_at(refuted, goal, search.number) if refuted else things
 
     def _mask(
         self, detection: Detection, observation: Observation

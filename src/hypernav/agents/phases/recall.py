@@ -1,0 +1,102 @@
+"""Recall: the way to a remembered thing that may be the goal, before anything is explored."""
+
+import math
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.agents.plan import Plan
+from hypernav.agents.step import Step
+from hypernav.core.exploring.exploration import Destination
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.thing import Thing
+from hypernav.mapping.reachable_area import ReachableArea
+from hypernav.mapping.sight_lines import lines_are_clear
+
+_BESIDE_M = 1.0
+"""Distance from a thing within which the robot goes, in sight of it, metres."""
+
+
+def recalled(step: Step, memory: Memory) -> Destination | None:
+    """The remembered thing with the least path per chance to be the goal; None if none is left.
+
+    This order has the shortest expected path if chances are independent and paths don't depend on
+    where the robot was before.
+    """
+    search, floor = memory.search, memory.floor
+    if not step.config.recall or not search.remembered:
+        return None
+    likely = [
+        (thing, chance)
+        for thing, chance in floor.things.fitting(step.goal)
+        if thing.number in search.remembered and thing.number not in search.gone_to
+    ]
+    if not likely:
+        return None
+    with step.clock("plan"):
+        clearance_m = step.use.planning.clearances_m(step.use.embodiment.body)[0]
+        reach = ReachableArea.of(step.grid, step.robot, step.use.mapping, clearance_m)
+        reached = [
+            (thing, chance, *_way_to(thing, memory, reach, step)) for thing, chance in likely
+        ]
+    thing, _, position, _ = min(reached, key=lambda one: (one[3] / one[1], one[0].number))
+    x, y, _ = thing.position
+    return Destination(
+        *position,
+        reason=f"a {thing.label} was seen there before",
+        holds=True,
+        face=math.atan2(y - position[1], x - position[0]),
+        thing=thing.number,
+    )
+
+
+def is_refuted(memory: Memory, plan: Plan) -> bool:
+    """Whether images from the way have shown that the remembered thing is no longer there."""
+    if plan.destination is None or plan.destination.thing is None:
+        return False
+    thing = memory.floor.things.find(plan.destination.thing)
+    return thing is None or thing.is_gone
+
+
+def _way_to(
+    thing: Thing, memory: Memory, reach: ReachableArea, step: Step
+) -> tuple[tuple[float, float], float]:
+    """The reachable position beside a thing, in sight of it, and the length of the path there.
+
+    Where there is none, the position is one that the robot has seen it from.
+    """
+    grid = reach.grid
+    rows, columns = np.nonzero(_near(thing, grid) & (reach.reachable > 0))
+    points = grid.centres_of(np.column_stack([rows, columns]))
+    inside = np.clip(points, thing.low[:2], thing.high[:2])
+    if len(points):
+        around = np.concatenate([points, inside])
+        is_clear = lines_are_clear(
+            memory.floor.map.eye_level(around), points, inside, through=_filled(thing, grid)
+        )
+        rows, columns, points = rows[is_clear], columns[is_clear], points[is_clear]
+    if not len(points):
+        return thing.seen_from, 2.0 * step.robot.distance_to(*thing.seen_from)
+    nearest = int(reach.travel_m[rows, columns].argmin())
+    x, y = points[nearest].tolist()
+    return (x, y), float(reach.travel_m[rows[nearest], columns[nearest]])
+
+
+def _near(thing: Thing, grid: OccupancyGrid) -> np.ndarray:
+    """Mask of the cells of which the middle lies near a thing, not in its box."""
+    (left, bottom), size = grid.origin, grid.resolution_m
+    x = left + (np.arange(grid.cells.shape[1]) + 0.5) * size
+    y = bottom + (np.arange(grid.cells.shape[0]) + 0.5) * size
+    away_x = np.maximum(np.maximum(thing.low[0] - x, x - thing.high[0]), 0.0)
+    away_y = np.maximum(np.maximum(thing.low[1] - y, y - thing.high[1]), 0.0)
+    away = np.hypot(away_x[None, :], away_y[:, None])
+    return (away > 0.0) & (away <= _BESIDE_M)
+
+
+def _filled(thing: Thing, grid: OccupancyGrid) -> Float64[np.ndarray, "n 2"]:
+    """Middles of the cells that a thing's box covers, ``(x, y)``, metres."""
+    size = grid.resolution_m
+    x = np.arange(thing.low[0] - size / 2.0, thing.high[0] + size, size)
+    y = np.arange(thing.low[1] - size / 2.0, thing.high[1] + size, size)
+    return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)

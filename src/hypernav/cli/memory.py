@@ -1,0 +1,115 @@
+"""The command `hypernav memory`: a page about what a robot remembers, and what to forget of it."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+from hypernav.cli.guards.outputs import check_file
+from hypernav.cli.guards.statuses import ExitStatus
+from hypernav.cli.options.memory import Options
+from hypernav.cli.screen.memory_page import memory_page
+from hypernav.cli.screen.terminal import Terminal
+from hypernav.core.errors import MemoryFolderError, OutputError
+from hypernav.core.files.whole_files import write_whole
+from hypernav.core.labels import same_name
+from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.mapping.memory.reading import read_index
+from hypernav.mapping.memory.thing import Thing
+from hypernav.mapping.memory.things import Things
+
+_ANY_SIZE_MB = 1e6
+PAGE_NAME = "index.html"
+
+
+def run(options: Options) -> int:
+    """Run the command.
+
+    Returns:
+        The status of success.
+
+    Raises:
+        MemoryFolderError: There is no memory, or it is broken.
+        OutputError: Something can't be written.
+        RunFolderError: A search is using the memory.
+    """
+    if options.export is not None:
+        check_file(options.export)
+    index = read_index(options.folder)
+    if index is None:
+        raise MemoryFolderError(
+            f"there is no memory in {options.folder}; hypernav find GOAL --memory "
+            f"{options.folder} begins one"
+        )
+    console = Terminal(stderr=False, soft_wrap=True)
+    with MemoryFolder(
+        options.folder, index.mapping, index.robot, most_megabytes=_ANY_SIZE_MB
+    ) as home:
+        for line in home.left_out:
+            console.print(line, markup=False)
+        for name in options.forget:
+            console.print(f"{_forgotten(home.memory, name)} {name} things forgotten", markup=False)
+        if options.forget_images:
+            home.memory.forget_images(0)
+        if options.forget or options.forget_images:
+            home.save()
+        page = options.folder / PAGE_NAME
+        _write(page, memory_page(home))
+        if options.export is not None:
+            _write(options.export, json.dumps(geojson(home.memory), indent=1) + "\n")
+        floors = home.memory.floors
+        console.print(
+            f"{len(home.history)} searches, {sum(len(one.things.known) for one in floors)} things, "
+            f"{len(home.memory.images.kept if home.memory.images else ())} key images, "
+            f"{len(floors)} {'floor' if len(floors) == 1 else 'floors'}; open {page}",
+            markup=False,
+        )
+    return ExitStatus.SUCCESS
+
+
+def geojson(memory: Memory) -> dict[str, Any]:
+    """All things as GeoJSON polygons; coordinates are metres of the ``map`` frame, no degrees."""
+    return {
+        "type": "FeatureCollection",
+        "features": [
+            _feature(thing, number)
+            for number, floor in enumerate(memory.floors)
+            for thing in floor.things.known
+        ],
+    }
+
+
+def _feature(thing: Thing, floor: int) -> dict[str, Any]:
+    corners = thing.outline[1:].tolist()
+    return {
+        "type": "Feature",
+        "geometry": {"type": "Polygon", "coordinates": [[*corners, corners[0]]]},
+        "properties": {
+            "label": thing.label,
+            "chance": round(thing.chance, 3),
+            "floor": floor,
+            "bottom_m": thing.low[2],
+            "top_m": thing.high[2],
+            "seen": thing.seen,
+            "missed": thing.missed,
+            "last_search": thing.last_search,
+        },
+    }
+
+
+def _forgotten(memory: Memory, name: str) -> int:
+    """Forget the things of a name; returns their number."""
+    number = 0
+    for floor in memory.floors:
+        kept = tuple(one for one in floor.things.known if not same_name(one.label, name))
+        number += len(floor.things.known) - len(kept)
+        floor.things = Things(kept, floor.things.count)
+    return number
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, text)
+    except OSError as error:
+        raise OutputError(f"{path} cannot be written ({error.strerror})") from error

@@ -1,0 +1,21 @@
+"""The options of `hypernav memory`."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+
+@dataclass(frozen=True)
+class Options:
+    """The memory, and what to do with it; without further options a page about it is written."""
+
+    folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
+    """Folder of the memory."""
+    forget: tuple[str, ...] = field(default_factory=tuple)
+    """Names of things to forget, such as cup; all that were seen are forgotten."""
+    forget_images: bool = False
+    """Forget all key images."""
+    export: Path | None = None
+    """GeoJSON file to write with all things; coordinates are metres of the map frame."""

@@ -1,0 +1,113 @@
+"""The page about a memory: a plan of every floor with its things, key images and the history."""
+
+from typing import Any
+
+import cv2
+import numpy as np
+
+from hypernav.mapping.memory.key_images import KeyImage
+from hypernav.mapping.memory.memory import Floor
+from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.mapping.memory.thing import Thing
+from hypernav.show.drawing.map_images import draw_map
+from hypernav.show.drawing.map_view import MapView
+from hypernav.show.pages.templating import data_uri, image_uri, page_environment
+
+_PLAN_PX = 900
+_THUMBNAIL_PX = 240
+_OUTCOMES = {
+    "found": "found",
+    "not_found": "not found",
+    "model_unavailable": "the model was unavailable",
+    "interrupted": "interrupted",
+    "": "under way, or killed",
+}
+
+
+def memory_page(home: MemoryFolder) -> str:
+    """The page, as HTML in one file.
+
+    Args:
+        home: The opened memory.
+    """
+    memory = home.memory
+    kept = memory.images.kept if memory.images else []
+    images = {one.number: _thumbnail(one) for one in kept}
+    template = page_environment().get_template("memory.html.j2")
+    return template.render(
+        name=home.folder.resolve().name,
+        building="" if home.place is None else home.place.building,
+        left_out=home.left_out,
+        floors=[_floor(number, floor, images) for number, floor in enumerate(memory.floors)],
+        images=[
+            {
+                "uri": images[one.number],
+                "floor": one.floor,
+                "search": one.search,
+                "shows": sorted(
+                    {
+                        thing.label
+                        for thing in memory.floors[one.floor].things.known
+                        if thing.image == one.number
+                    }
+                ),
+            }
+            for one in kept
+            if one.floor < len(memory.floors)
+        ],
+        megabytes=sum(one.size for one in kept) / 1e6,
+        history=[
+            {
+                "goal": one.goal,
+                "began": one.began.replace("T", " ")[:16],
+                "outcome": _OUTCOMES.get(one.outcome, one.outcome),
+                "steps": one.steps,
+                "refuted": len(one.refuted),
+            }
+            for one in reversed(home.history)
+        ],
+    )
+
+
+def _floor(number: int, floor: Floor, images: dict[int, str]) -> dict[str, Any]:
+    grid = floor.map.grid.cropped()
+    view = MapView.fit(grid, _PLAN_PX)
+    plan = draw_map(grid, view=view, trajectory=floor.trajectory)
+    return {
+        "number": number,
+        "z": floor.z,
+        "area_m2": float(grid.free.sum()) * grid.resolution_m**2,
+        "plan": image_uri(plan),
+        "size": _PLAN_PX,
+        "things": [
+            _thing(one, view, images)
+            for one in sorted(floor.things.known, key=lambda one: (one.label, one.number))
+        ],
+    }
+
+
+def _thing(thing: Thing, view: MapView, images: dict[int, str]) -> dict[str, Any]:
+    (left, bottom), (right, top) = (view.pixel_of(*one[:2]) for one in (thing.low, thing.high))
+    x, y, z = thing.position
+    return {
+        "label": thing.label,
+        "box": (left, top, max(right - left, 4.0), max(bottom - top, 4.0)),
+        "position": f"{x:.1f}, {y:.1f}, {z:.1f}",
+        "size": " × ".join(f"{side:.1f}" for side in thing.size),
+        "chance": thing.chance,
+        "is_gone": thing.is_gone,
+        "seen": thing.seen,
+        "missed": thing.missed,
+        "last_search": thing.last_search,
+        "image": "" if thing.image is None else images.get(thing.image, ""),
+    }
+
+
+def _thumbnail(image: KeyImage) -> str:
+    rgb = image.rgb
+    height = max(round(rgb.shape[0] * _THUMBNAIL_PX / rgb.shape[1]), 1)
+    small = cv2.resize(
+        np.ascontiguousarray(rgb), (_THUMBNAIL_PX, height), interpolation=cv2.INTER_AREA
+    )
+    _, data = cv2.imencode(".jpg", small[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 80])
+    return data_uri(data.tobytes(), "image/jpeg")

@@ -1,0 +1,217 @@
+"""A memory on disk, open in one process: loaded once, saved now and then, whole at any time.
+
+Files that belong to the memory are never changed: a save writes new ones, then replaces the index
+in one step, and removes the old ones last. So a process that is killed leaves the memory as it was
+saved last. ``map.yaml`` and ``map.pgm`` beside them are for other programs and are never read back.
+"""
+
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from datetime import datetime
+from pathlib import Path
+
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.errors import MemoryFolderError
+from hypernav.core.files.folder_lock import folder_lock
+from hypernav.core.geometry.transforms import Transform
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.index import GoalRecord, Index, Place
+from hypernav.mapping.memory.key_images import KeyImages
+from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.reading import Contents, read_memory
+from hypernav.mapping.memory.start import check_start
+from hypernav.mapping.memory.writing import Writer
+
+MOST_MEGABYTES = 50.0
+"""Size of a memory on disk, unless another is chosen."""
+SAVE_EVERY_S = 10.0
+"""Least time between two saves during a search, seconds."""
+_MOST_GOALS = 1000
+"""Number of searches that the history keeps."""
+
+
+class MemoryFolder:
+    """A folder with the memory of one building, which one process at a time may use.
+
+    Attributes:
+        folder: The folder.
+        memory: What is known of the building.
+        place: Where it lies, if the building is simulated.
+        history: The searches so far, the oldest first.
+        left_out: One line about each part that is damaged and was left out.
+
+    Examples:
+        >>> with open_memory("home") as home:  # doctest: +SKIP
+        ...     for step in find("bed", memory=home):
+        ...         print(step.trace.reason)
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        mapping: MappingConfig,
+        embodiment: Embodiment,
+        *,
+        most_megabytes: float = MOST_MEGABYTES,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Lock the folder and load what is in it; an empty one begins a memory.
+
+        Args:
+            folder: The folder; made if missing.
+            mapping: Configuration of the maps.
+            embodiment: The robot.
+            most_megabytes: Size of the folder beyond which the key images that tell least are
+                forgotten.
+            clock: Clock in seconds, for the time between two saves.
+
+        Raises:
+            RunFolderError: Another process uses it, or it can't be written.
+            MemoryFolderError: It holds no memory, a broken one, or that of another robot.
+        """
+        self.folder: Path = folder
+        self._most_bytes = round(most_megabytes * 1e6)
+        self._clock = clock
+        with ExitStack() as opened:
+            opened.enter_context(folder_lock(folder, option="--memory"))
+            contents = read_memory(folder, mapping, embodiment, most_bytes=self._most_bytes)
+            if contents is None:
+                images = KeyImages(self._most_bytes)
+                contents = Contents(Memory(mapping, embodiment, images=images))
+            self.memory: Memory = contents.memory
+            self.place: Place | None = contents.place
+            self.history: list[GoalRecord] = list(contents.history)
+            self.left_out: tuple[str, ...] = contents.left_out
+            self._is_new = contents.index is None
+            self._writer = Writer(folder, contents.index)
+            self._open = opened.pop_all()
+        self._saved_s = clock()
+        self._is_searching = False
+
+    def __enter__(self) -> "MemoryFolder":
+        """The opened memory."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Save what is under way, and let other processes use the folder."""
+        self.close()
+
+    def close(self) -> None:
+        """Save what is under way, and let other processes use the folder."""
+        try:
+            if self._is_searching:
+                self.end("interrupted", steps=0)
+        finally:
+            self._open.close()
+
+    def check_building(self, building: str) -> None:
+        """Refuse a simulated building that the memory isn't of.
+
+        Raises:
+            MemoryFolderError: It is of another one, or of none that is simulated.
+        """
+        if self.place is None and not self._is_new:
+            raise MemoryFolderError(
+                f"{self.folder} is the memory of a robot, and {building} is simulated; name "
+                "another folder for it"
+            )
+        if self.place is not None and self.place.building != building:
+            raise MemoryFolderError(
+                f"{self.folder} is the memory of {self.place.building}, and this is {building}; "
+                "name another folder for it"
+            )
+
+    def begin(
+        self,
+        goal: Goal,
+        observation: Observation,
+        *,
+        building: str = "",
+        map_to_scene: Transform | None = None,
+    ) -> Memory:
+        """Begin a search where the robot stands.
+
+        Args:
+            goal: What to find.
+            observation: First frame, in the ``map`` frame of the memory.
+            building: Name of the simulated building; empty on a robot.
+            map_to_scene: The ``map`` frame in it; None on a robot.
+
+        Returns:
+            The memory, for `Agent.reset`.
+
+        Raises:
+            MemoryFolderError: The memory is of another building.
+            MemoryStartError: What the robot sees contradicts the map.
+        """
+        if map_to_scene is not None:
+            self.check_building(building)
+            self.place = self.place or Place.of(building, map_to_scene)
+        elif self.place is not None:
+            raise MemoryFolderError(
+                f"{self.folder} is the memory of {self.place.building}, which is simulated; name "
+                "another folder for a robot"
+            )
+        if not self._is_new:
+            floor = self.memory.begin_at(observation)
+            check_start(floor.map, floor.seen_from(observation), self.folder)
+        self._is_new, self._is_searching = False, True
+        self.history.append(
+            GoalRecord(
+                search=self.memory.searches + 1,
+                goal=goal.text,
+                began=datetime.now().astimezone().isoformat(timespec="seconds"),
+            )
+        )
+        del self.history[:-_MOST_GOALS]
+        return self.memory
+
+    def keep(self) -> None:
+        """Save if the last save was long ago; called after every step.
+
+        Raises:
+            OutputError: The disk is full, or the folder can't be written.
+        """
+        if self._clock() - self._saved_s >= SAVE_EVERY_S:
+            self.save()
+
+    def end(self, outcome: str, *, steps: int) -> None:
+        """Note how the search ended, and save.
+
+        Raises:
+            OutputError: The disk is full, or the folder can't be written.
+        """
+        if not self._is_searching:
+            return
+        self._is_searching = False
+        floor = self.memory.floor
+        candidates = floor.search.evidence.candidates
+        self.history[-1] = self.history[-1].model_copy(
+            update={
+                "outcome": outcome,
+                "steps": steps,
+                "end": floor.trajectory[-1] if floor.trajectory else None,
+                "floor": self.memory.number,
+                "refuted": tuple(one.area.centre for one in candidates if one.is_refuted),
+            }
+        )
+        self.save()
+
+    def save(self) -> None:
+        """Write everything to disk.
+
+        Raises:
+            OutputError: The disk is full, or the folder can't be written.
+        """
+        self._writer.write(
+            self.memory, self.place, tuple(self.history), most_bytes=self._most_bytes
+        )
+        self._saved_s = self._clock()
+
+    @property
+    def index(self) -> Index | None:
+        """The index as it was saved last; None before the first save."""
+        return self._writer.index

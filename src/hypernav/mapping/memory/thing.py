@@ -1,0 +1,184 @@
+"""A thing that a robot remembers: where it is, and how surely it is one and still there."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.goal import Goal
+from hypernav.core.labels import ObjectLabel, canonical
+
+_SAME_SHARE = 0.35
+_SAME_M = (0.15, 0.6)
+"""Margin around a thing in which the middle of another view of it may lie: this share of its larger
+side on the floor plan, within these limits, metres. Front and back of a sofa are one thing, and
+chairs around a table are not."""
+_SAME_HEIGHT_M = 0.5
+_SUREST = 0.9
+"""Largest chance that a thing is what it was taken for, before any miss."""
+_RECALL = (0.3, 0.95)
+"""Limits of how often a detector is believed to see a thing that is there."""
+_REFUTED = 0.4
+"""Share of the chance that is left of a thing that a search has rejected."""
+_MOST_VIEWS = 4
+_APART_M = 1.0
+"""Distance between two positions, metres, from which their images are different views."""
+_GONE = 0.2
+"""Chance below which a thing counts as gone."""
+
+Corner = tuple[float, float, float]
+View = tuple[float, float, float]
+"""Position ``(x, y)`` of the robot, metres, and score."""
+
+
+@dataclass(frozen=True)
+class Thing:
+    """A thing on a floor, as an upright box.
+
+    Attributes:
+        number: Its number on this floor.
+        label: The detector's word for it.
+        score: Highest score of a detection of it, 0 to 1.
+        low: Lowest corner ``(x, y, z)`` of its box, ``map`` frame, heights above the floor, metres.
+        high: Highest corner of its box.
+        views: Positions ``(x, y)`` of the robot, metres, far enough apart to be different, each
+            with the highest score there; first that of the image that shows it largest.
+        pixels: Area of its box in that image, square pixels.
+        first_search: Number of the search that saw it first.
+        last_search: Number of the search that saw it last.
+        seen: Number of images that it was detected in.
+        missed: Number of images since the last detection that should have shown it.
+        overlooked: Number of images before the last detection that should have shown it.
+        image: Number of the key image that shows it largest; None if there is none.
+        image_pixels: Area of its box in that image, square pixels.
+        refuted_in: Number of the search that took it for its goal last and rejected it; 0 if none.
+    """
+
+    number: int
+    label: str
+    score: float
+    low: Corner
+    high: Corner
+    views: tuple[View, ...]
+    pixels: float
+    first_search: int
+    last_search: int
+    seen: int = 1
+    missed: int = 0
+    overlooked: int = 0
+    image: int | None = None
+    image_pixels: float = 0.0
+    refuted_in: int = 0
+
+    @property
+    def seen_from(self) -> tuple[float, float]:
+        """Position ``(x, y)``, metres, of the robot in the image that shows it largest."""
+        x, y, _ = self.views[0]
+        return (x, y)
+
+    @property
+    def position(self) -> Corner:
+        """The middle of its box ``(x, y, z)``, metres."""
+        x, y, z = ((a + b) / 2.0 for a, b in zip(self.low, self.high, strict=True))
+        return (x, y, z)
+
+    @property
+    def size(self) -> Corner:
+        """The extent of its box along x, y and z, metres."""
+        x, y, z = (b - a for a, b in zip(self.low, self.high, strict=True))
+        return (x, y, z)
+
+    @property
+    def outline(self) -> Float64[np.ndarray, "5 2"]:
+        """Its middle and the corners of its box on the floor plan, ``(x, y)``, metres."""
+        (x0, y0, _), (x1, y1, _), (x, y, _) = self.low, self.high, self.position
+        return np.array([(x, y), (x0, y0), (x1, y0), (x1, y1), (x0, y1)])
+
+    @property
+    def chance(self) -> float:
+        """Chance that it is what it was taken for and still there.
+
+        Scores count as independent chances, up to `_SUREST`. Every miss since the last detection
+        counts by Bayes' rule for a detector that sees this thing as often as it did before.
+        """
+        before = min(1.0 - (1.0 - min(self.score, 1.0)) ** self.seen, _SUREST)
+        before *= _REFUTED if self.refuted_in else 1.0
+        if self.missed == 0:
+            return before
+        recall = (self.seen + 1) / (self.seen + self.overlooked + 2)
+        unseen = (1.0 - min(max(recall, _RECALL[0]), _RECALL[1])) ** self.missed
+        return before * unseen / (before * unseen + 1.0 - before)
+
+    @property
+    def is_gone(self) -> bool:
+        """Whether it was missed so often that it probably is no longer there."""
+        return self.missed > 0 and self.chance < _GONE
+
+    def fits(self, goal: Goal) -> float:
+        """How well its label fits a goal: 1 as far as asked, 0.5 only its kind, 0 not at all."""
+        label = ObjectLabel(self.label)
+        if label.satisfies(goal):
+            return 1.0
+        return 0.5 if label.may_satisfy(goal) else 0.0
+
+
+def is_same(a: Thing, b: Thing) -> bool:
+    """Whether two views are of one thing: one's middle lies in the other's box, or beside it."""
+    if canonical(a.label) != canonical(b.label):
+        return False
+    return holds(a, b.position) or holds(b, a.position)
+
+
+def holds(one: Thing, position: Corner) -> bool:
+    """Whether a position lies in a thing's box, or right beside it."""
+    width_m = max(one.size[0], one.size[1])
+    beside_m = min(max(_SAME_SHARE * width_m, _SAME_M[0]), _SAME_M[1])
+    margins = (beside_m, beside_m, _SAME_HEIGHT_M)
+    return all(
+        low - margin <= at <= high + margin
+        for low, at, high, margin in zip(one.low, position, one.high, margins, strict=True)
+    )
+
+
+def joined(known: list[Thing], new: Thing) -> Thing:
+    """A thing after one more view of it, which may show that several things are one.
+
+    What was remembered from earlier searches gives way to the first view of this one that shows the
+    thing as large: it may have been moved a little.
+    """
+    if not known:
+        return new
+    best = max(known, key=lambda one: one.pixels)
+    is_larger = new.pixels > best.pixels
+    is_renewed = best.last_search < new.last_search and 2.0 * new.pixels >= best.pixels
+    first = new.views[0] if is_larger or is_renewed else best.views[0]
+    boxes = [new] if is_renewed else [*known, new]
+    low = np.min([one.low for one in boxes], axis=0).tolist()
+    high = np.max([one.high for one in boxes], axis=0).tolist()
+    return replace(
+        best,
+        number=min(one.number for one in known),
+        score=max(best.score, new.score),
+        low=tuple(low),
+        high=tuple(high),
+        views=_views(first, [view for one in (best, *known, new) for view in one.views]),
+        pixels=new.pixels if is_larger or is_renewed else best.pixels,
+        first_search=min(one.first_search for one in known),
+        last_search=new.last_search,
+        seen=sum(one.seen for one in known) + 1,
+        missed=0,
+        overlooked=sum(one.overlooked + one.missed for one in known),
+    )
+
+
+def _views(first: View, others: list[View]) -> tuple[View, ...]:
+    """A view and others from elsewhere, the highest score of each; at most `_MOST_VIEWS`."""
+    kept = [first]
+    for view in others:
+        near = [k for k, one in enumerate(kept) if math.dist(one[:2], view[:2]) < _APART_M]
+        if not near:
+            kept.append(view)
+        elif view[2] > kept[near[0]][2]:
+            kept[near[0]] = (*kept[near[0]][:2], view[2])
+    return tuple(kept[:_MOST_VIEWS])

@@ -1,0 +1,114 @@
+"""Searches that remember: straight to what was seen, and on where it is gone."""
+
+import pytest
+
+from box_scenes import room_boxes, scene_of
+from hypernav.build.agents import build_search
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.trace import ExchangeLog, Mode
+from hypernav.episodes.episode_run import EpisodeRun
+from hypernav.mapping.memory.memory import Memory
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.worlds.simulation import SimulatedWorld
+from small_episodes import episode_from
+from small_worlds import small_config, two_rooms
+
+CONFIG = small_config()
+START = Pose2(2.5, 1.0, 1.5)
+IN_BEDROOM = Pose2(6.0, 3.0, 0.0)
+
+
+def rooms(bed: tuple[float, float]) -> SimulatedWorld:
+    """`two_rooms` with the bed's lower left corner elsewhere."""
+    x, y = bed
+    boxes = [
+        *room_boxes(9.0, 4.0),
+        (None, (4.95, 0.0, 0.0), (5.05, 2.6, 2.5)),
+        (None, (4.95, 3.6, 0.0), (5.05, 4.0, 2.5)),
+        ("sofa", (0.1, 1.2, 0.0), (0.9, 2.8, 0.7)),
+        ("bed", (x, y, 0.0), (x + 1.0, y + 0.8, 0.5)),
+    ]
+    return SimulatedWorld(scene_of(*boxes, name="two rooms"), CONFIG.world, CONFIG.embodiment)
+
+
+def searched(world, goal: str, start: Pose2, memory: Memory | None, **search):
+    """The steps of a search in the frame of START, and the memory it leaves."""
+    config = small_config(search=search)
+    agent = build_search(config, GroundTruthDetector(), ExchangeLog())
+    world.keep_map_frame(START.to_transform())
+    run = EpisodeRun(agent, world, episode_from(start, goal, max_steps=200), memory=memory)
+    steps = [step.trace for step in run]
+    world.keep_map_frame(None)
+    return steps, run.result(), agent.memory
+
+
+@pytest.fixture
+def memory() -> Memory:
+    """What a robot knows that has explored both rooms in vain."""
+    _, _, memory = searched(two_rooms(), "piano", START, None)
+    return memory
+
+
+def test_a_remembered_thing_is_gone_to_at_once(memory):
+    steps, result, _ = searched(two_rooms(), "sofa", IN_BEDROOM, memory)
+    assert steps[0].reason == "a sofa was seen there before"
+    assert result.metrics.success
+    assert result.metrics.spl > 0.8
+    assert not any(step.mode is Mode.LOOK_AROUND for step in steps)
+
+
+def test_without_recall_the_map_is_known_and_the_thing_is_not_gone_to(memory):
+    steps, _, _ = searched(two_rooms(), "sofa", IN_BEDROOM, memory, recall=False)
+    assert not any("was seen there before" in step.reason for step in steps)
+
+
+def test_the_present_search_recalls_nothing_of_its_own():
+    steps, _, memory = searched(two_rooms(), "piano", START, None)
+    assert memory.search.remembered == frozenset()
+    assert not any("was seen there before" in step.reason for step in steps)
+
+
+def test_what_was_moved_is_missed_then_looked_for_and_found_and_remembered_where_it_is():
+    before, after = rooms((7.5, 0.3)), rooms((7.5, 3.0))
+    _, _, memory = searched(before, "piano", START, None)
+    steps, result, memory = searched(after, "bed", START, memory)
+    assert steps[0].reason == "a bed was seen there before"
+    assert result.metrics.success
+    beds = [one for one in memory.floor.things.known if one.label == "bed"]
+    assert sum(not one.is_gone for one in beds) >= 1
+    _, again, _ = searched(after, "bed", START, memory)
+    assert again.metrics.success
+    assert again.steps <= result.steps
+
+
+def test_what_was_taken_away_is_looked_for_everywhere_and_then_given_up(memory):
+    without = rooms((7.5, 0.3))
+    empty = SimulatedWorld(
+        scene_of(
+            *room_boxes(9.0, 4.0),
+            (None, (4.95, 0.0, 0.0), (5.05, 2.6, 2.5)),
+            (None, (4.95, 3.6, 0.0), (5.05, 4.0, 2.5)),
+            ("bed", (7.5, 0.3, 0.0), (8.5, 1.1, 0.5)),
+            name="two rooms",
+        ),
+        CONFIG.world,
+        CONFIG.embodiment,
+    )
+    _, _, known = searched(without, "piano", START, None)
+    steps, result, known = searched(empty, "sofa", IN_BEDROOM, known)
+    assert not result.metrics.success
+    assert steps[-1].reason == "nothing is left to explore"
+    assert known.search.looks_again
+    (sofa,) = [one for one in known.floor.things.known if one.label == "sofa"]
+    assert sofa.is_gone
+    assert known.floor.things.fitting(Goal("sofa")) == []
+
+
+def test_a_thing_that_was_never_seen_is_looked_for_again_where_all_is_known(memory):
+    steps, _, known = searched(two_rooms(), "piano", IN_BEDROOM, memory)
+    assert any("all is known, looking again" in step.events for step in steps)
+    over = known.search.looked_over
+    assert over is not None
+    grid = known.floor.map.grid
+    assert over.cells[grid.explored].mean() > 0.7

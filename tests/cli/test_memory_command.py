@@ -1,0 +1,101 @@
+"""`find --memory` and `hypernav memory`, from the command line."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from box_scenes import room_glb
+from hypernav.cli.main import main
+from hypernav.core.files.folder_lock import folder_lock
+
+SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
+
+
+def hypernav(*arguments):
+    """Run the command; returns its exit status."""
+    with pytest.raises(SystemExit) as stop:
+        main([str(argument) for argument in arguments])
+    return stop.value.code
+
+
+@pytest.fixture(scope="module")
+def searched(tmp_path_factory) -> Path:
+    """A folder with a scene, and the memory of a search in it."""
+    folder = tmp_path_factory.mktemp("searched")
+    glb = room_glb(folder / "room.glb")
+    memory = folder / "home"
+    out = folder / "out"
+    status = hypernav("find", "bed", "--scene", glb, "--out", out, "--memory", memory, *SMALL)
+    assert status == 0
+    return folder
+
+
+@pytest.fixture
+def home(searched, tmp_path) -> Path:
+    """A copy of that memory."""
+    copy = tmp_path / "home"
+    for path in (searched / "home").rglob("*"):
+        if path.is_file():
+            target = copy / path.relative_to(searched / "home")
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes(path.read_bytes())
+    return copy
+
+
+def test_a_second_search_goes_on_from_the_first(searched, home, tmp_path):
+    status = hypernav(
+        "find", "bed", "--scene", searched / "room.glb", "--out", tmp_path / "out",
+        "--memory", home, "--seed", 3, *SMALL,
+    )  # fmt: skip
+    assert status == 0
+    history = json.loads((home / "memory.json").read_text())["history"]
+    assert [one["outcome"] for one in history] == ["found", "found"]
+
+
+def test_the_page_shows_things_images_and_searches(home, capsys):
+    assert hypernav("memory", home) == 0
+    page = (home / "index.html").read_text()
+    assert page.count('class="thing"') == page.count("<rect ")
+    assert 'data-words="bed"' in page
+    assert "<figure" in page
+    assert f"open {home / 'index.html'}" in capsys.readouterr().out.replace("\n", "")
+
+
+def test_things_are_exported_as_closed_polygons_on_the_map(home, tmp_path):
+    assert hypernav("memory", home, "--export", tmp_path / "things.geojson") == 0
+    found = json.loads((tmp_path / "things.geojson").read_text())
+    beds = [one for one in found["features"] if one["properties"]["label"] == "bed"]
+    ring = beds[0]["geometry"]["coordinates"][0]
+    assert ring[0] == ring[-1]
+    assert len(ring) == 5
+
+
+def test_what_is_forgotten_is_gone_from_the_folder(home):
+    assert hypernav("memory", home, "--forget", "beds", "--forget-images") == 0
+    index = json.loads((home / "memory.json").read_text())
+    assert not any(one["label"] == "bed" for one in index["floors"][0]["things"])
+    assert index["images"] == []
+    assert list((home / "images").iterdir()) == []
+
+
+def test_a_memory_that_a_search_uses_is_left_alone(home, capsys):
+    before = (home / "memory.json").read_bytes()
+    with folder_lock(home):
+        assert hypernav("memory", home, "--forget", "bed") == 2
+    assert "is in use by another run" in capsys.readouterr().err
+    assert (home / "memory.json").read_bytes() == before
+
+
+def test_no_memory_is_one_line(tmp_path, capsys):
+    assert hypernav("memory", tmp_path / "none") == 2
+    assert "there is no memory in" in capsys.readouterr().err
+    assert not (tmp_path / "none").exists()
+
+
+def test_another_building_and_an_impossible_size_are_one_line(home, tmp_path, capsys):
+    command = ("find", "bed", "--out", tmp_path, "--memory", home, *SMALL)
+    assert hypernav(*command, "--memory-mb", "0") == 2
+    assert "most_megabytes" in capsys.readouterr().err
+    assert hypernav(*command) == 2
+    assert "is the memory of room.glb, and this is builtin" in capsys.readouterr().err

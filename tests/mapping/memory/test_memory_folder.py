@@ -1,0 +1,297 @@
+"""A memory on disk: the same after loading, whole after a kill, bounded, and for one process."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hypernav.build.agents import build_search
+from hypernav.build.memories import open_memory
+from hypernav.core.errors import MemoryFolderError, MemoryStartError, RunFolderError
+from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.trace import ExchangeLog
+from hypernav.episodes.episode_run import EpisodeRun
+from hypernav.mapping.memory.key_images import KeyImages
+from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.mapping.ros_map import load_ros_map
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from small_episodes import episode_from
+from small_worlds import small_config, two_rooms
+
+CONFIG = small_config()
+LIVING_ROOM, DOOR = Pose2(2.5, 1.0, 1.5), Pose2(4.0, 3.1, 0.0)
+
+
+def run(memory, start: Pose2 = LIVING_ROOM, goal: str = "bed", most: int = 60, world=None):
+    """A search; returns its actions and poses."""
+    agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog())
+    search = EpisodeRun(
+        agent, world or two_rooms(), episode_from(start, goal, max_steps=most), memory=memory
+    )
+    return [(step.trace.action, step.trace.pose, step.trace.reason) for step in search]
+
+
+@pytest.fixture
+def home(tmp_path) -> Path:
+    """A folder with the memory of a search for the bed."""
+    with open_memory(tmp_path / "home", CONFIG) as memory:
+        run(memory)
+    return tmp_path / "home"
+
+
+def images_of(folder: MemoryFolder) -> KeyImages:
+    assert folder.memory.images is not None
+    return folder.memory.images
+
+
+def is_same(a: Memory, b: Memory) -> None:
+    assert len(a.floors) == len(b.floors)
+    assert (a.number, a.searches) == (b.number, b.searches)
+    for one, other in zip(a.floors, b.floors, strict=True):
+        for name, array in one.map.state.items():
+            assert np.array_equal(array, other.map.state[name]), name
+        assert one.trajectory == other.trajectory
+        assert one.things.known == other.things.known
+        assert one.things.count == other.things.count
+        assert one.sightings == other.sightings
+        assert one.z == other.z
+    assert a.images is not None
+    assert b.images is not None
+    assert a.images.showing == b.images.showing
+    for one, other in zip(a.images.kept, b.images.kept, strict=True):
+        assert (one.jpeg, one.png, one.number, one.robot) == (
+            other.jpeg,
+            other.png,
+            other.number,
+            other.robot,
+        )
+        assert np.array_equal(one.camera_to_map.matrix, other.camera_to_map.matrix)
+        assert np.array_equal(one.patches, other.patches)
+
+
+def test_loading_gives_what_was_saved(tmp_path):
+    with open_memory(tmp_path, CONFIG) as first:
+        run(first)
+    with open_memory(tmp_path, CONFIG) as second:
+        is_same(first.memory, second.memory)
+        assert [one.goal for one in second.history] == ["bed"]
+        assert second.history[0].outcome == "found"
+        assert second.left_out == ()
+
+
+def test_a_search_goes_on_from_disk_as_it_does_from_the_memory_in_the_process(tmp_path):
+    with open_memory(tmp_path / "a", CONFIG) as memory:
+        run(memory, most=15)
+        within = run(memory, DOOR, "sofa")
+    with open_memory(tmp_path / "b", CONFIG) as memory:
+        run(memory, most=15)
+    with open_memory(tmp_path / "b", CONFIG) as memory:
+        assert run(memory, DOOR, "sofa") == within
+
+
+def test_a_first_search_takes_the_steps_of_one_without_memory(tmp_path):
+    with open_memory(tmp_path, CONFIG) as memory:
+        assert run(memory) == run(None)
+
+
+def test_a_search_is_saved_on_its_way(tmp_path):
+    now = iter(range(0, 10_000, 4))
+    with MemoryFolder(
+        tmp_path, CONFIG.mapping, CONFIG.embodiment, clock=lambda: float(next(now))
+    ) as home:
+        saves = []
+        agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog())
+        episode = episode_from(LIVING_ROOM, max_steps=9)
+        for _ in EpisodeRun(agent, two_rooms(), episode, memory=home):
+            saves.append(home.index.saves if home.index else 0)
+    assert saves == sorted(saves)
+    assert 2 <= saves[-1] < len(saves)
+    history = json.loads((tmp_path / "memory.json").read_text())["history"]
+    assert history[0]["outcome"] == "not_found"
+
+
+def test_one_process_at_a_time(home):
+    with (
+        open_memory(home, CONFIG),
+        pytest.raises(RunFolderError, match=r"in use.*another --memory"),
+        open_memory(home, CONFIG),
+    ):
+        pass
+    with open_memory(home, CONFIG):
+        pass
+
+
+def test_the_ros_map_is_the_map(home):
+    grid = load_ros_map(home / "floor-0" / "map.yaml")
+    with open_memory(home, CONFIG) as memory:
+        own = memory.memory.floor.map.grid.cropped()
+    assert np.array_equal(grid.cells, own.cells)
+    assert grid.origin == pytest.approx(own.origin)
+
+
+@pytest.mark.parametrize("size", [0, 1, 0.5])
+def test_an_index_that_is_cut_off_is_refused_in_words(home, size):
+    path = home / "memory.json"
+    content = path.read_bytes()
+    path.write_bytes(content[: int(size * len(content)) if size < 1 else size])
+    with pytest.raises(MemoryFolderError, match=r"memory\.json is broken .*move .* away"):
+        open_memory(home, CONFIG)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "told"),
+    [
+        ("format", "pixels", "is broken"),
+        ("version", 99, "has version 99 .* reads version 1"),
+        ("searches", -1, "is broken .searches"),
+        ("floors", [], "is broken .floors"),
+    ],
+)
+def test_an_index_of_another_kind_is_refused(home, key, value, told):
+    path = home / "memory.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {key: value}))
+    with pytest.raises(MemoryFolderError, match=told):
+        open_memory(home, CONFIG)
+
+
+@pytest.mark.parametrize("name", ["images/000000.jpg", "images/000000.png"])
+def test_a_damaged_image_is_left_out_by_name_and_the_rest_is_kept(home, name):
+    path = home / name
+    path.write_bytes(path.read_bytes()[:-7])
+    with open_memory(home, CONFIG) as memory:
+        assert memory.left_out == (
+            f"1 of {len(images_of(memory).kept) + 1} key images are damaged and left out: 0",
+        )
+        assert memory.memory.floor.map.grid.explored.any()
+        assert all(one.image != 0 for one in memory.memory.floor.things.known)
+        run(memory, DOOR, "sofa")
+    with open_memory(home, CONFIG) as memory:
+        assert memory.left_out == ()
+
+
+@pytest.mark.parametrize("damage", ["cut", "other bytes", "gone"])
+def test_a_damaged_map_is_drawn_anew_and_things_and_images_are_kept(home, damage):
+    (path,) = home.glob("floor-0/state-*.npz")
+    content = path.read_bytes()
+    if damage == "gone":
+        path.unlink()
+    else:
+        path.write_bytes(content[: len(content) // 2] if damage == "cut" else b"x" * len(content))
+    with open_memory(home, CONFIG) as memory:
+        (line,) = memory.left_out
+        assert line.startswith("the map of floor 0 is damaged (")
+        assert not memory.memory.floor.map.grid.explored.any()
+        assert memory.memory.floor.things.known
+        assert all(len(one.patches) for one in images_of(memory).kept)
+        actions = run(memory, DOOR, "bed")
+    assert actions[-1][2] == "here is the bed"
+
+
+def test_another_robot_building_or_folder_is_refused(home, tmp_path):
+    other = small_config(mapping={"cell_size_m": 0.1})
+    with pytest.raises(MemoryFolderError, match=r"made with mapping\.cell_size_m 0\.05 \(now 0\.1"):
+        open_memory(home, other)
+    agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog())
+    elsewhere = replace(episode_from(DOOR), scene_id="elsewhere")
+    with (
+        open_memory(home, CONFIG) as memory,
+        pytest.raises(MemoryFolderError, match="memory of tests, and this is elsewhere"),
+    ):
+        EpisodeRun(agent, two_rooms(), elsewhere, memory=memory)
+    (tmp_path / "thesis").mkdir()
+    (tmp_path / "thesis" / "chapter.tex").touch()
+    with pytest.raises(MemoryFolderError, match=r"holds other files .chapter\.tex"):
+        open_memory(tmp_path / "thesis", CONFIG)
+
+
+def test_a_robot_that_was_moved_unnoticed_is_refused(home):
+    with open_memory(home, CONFIG) as memory:
+        assert memory.place is not None
+        memory.place = memory.place.model_copy(update={"start": (2.5, 1.0, -1.6)})
+        with pytest.raises(MemoryStartError, match="is not what"):
+            run(memory, LIVING_ROOM)
+
+
+def test_the_size_is_bounded_whatever_is_seen(tmp_path):
+    with open_memory(tmp_path, CONFIG) as memory:
+        run(memory, goal="piano", most=60)
+        kept = list(images_of(memory).kept)
+    least = sum(one.size for one in kept) // 2
+    size = size_of(tmp_path)
+    with MemoryFolder(
+        tmp_path, CONFIG.mapping, CONFIG.embodiment, most_megabytes=(size - least) / 1e6
+    ) as memory:
+        memory.save()
+        assert 0 < len(images_of(memory).kept) < len(kept)
+    assert size_of(tmp_path) <= size - least
+
+
+def size_of(folder: Path) -> int:
+    return sum(one.stat().st_size for one in folder.rglob("*") if one.is_file())
+
+
+def test_two_floors_are_kept_apart(tmp_path):
+    agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog())
+    with open_memory(tmp_path, CONFIG) as home:
+        episode = episode_from(LIVING_ROOM, "piano", max_steps=12)
+        *_, last = EpisodeRun(agent, two_rooms(), episode, memory=home)
+        observation = last.observation
+        memory = home.memory
+        up = Transform(np.eye(3), np.array([0.0, 0.0, 3.0]))
+        upstairs = replace(observation, camera_to_map=up @ observation.camera_to_map)
+        floor = memory.begin_at(upstairs)
+        floor.integrate(floor.seen_from(upstairs))
+        memory.keep_image(floor.seen_from(upstairs))
+        home.save()
+    with open_memory(tmp_path, CONFIG) as again:
+        is_same(memory, again.memory)
+        assert [one.z for one in again.memory.floors] == [0.0, pytest.approx(3.0)]
+        assert {one.floor for one in images_of(again).kept} == {0, 1}
+        assert again.memory.begin_at(observation) is again.memory.floors[0]
+
+
+KILLED = """
+import sys
+sys.path.insert(0, {tests!r})
+from test_memory_folder import CONFIG, run
+from hypernav.build.memories import open_memory
+with open_memory({folder!r}, CONFIG) as memory:
+    run(memory, goal="piano", most=14)
+    print("searched", flush=True)
+    while True:
+        memory.memory.floor.trajectory.append((0.0, 0.0))
+        memory.save()
+        print("saved", flush=True)
+"""
+
+
+@pytest.mark.slow
+def test_a_memory_opens_after_any_kill(tmp_path):
+    here = Path(__file__).parent
+    code = KILLED.format(tests=str(here), folder=str(tmp_path / "home"))
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join([*sys.path, str(here)])}
+    rng = np.random.default_rng(0)
+    for _ in range(8):
+        with subprocess.Popen(
+            [sys.executable, "-c", code], stdout=subprocess.PIPE, env=environment
+        ) as process:
+            assert process.stdout is not None
+            assert process.stdout.readline() == b"searched\n"
+            for _ in range(int(rng.integers(1, 5))):
+                assert process.stdout.readline() == b"saved\n"
+            try:
+                process.wait(float(rng.uniform(0.0, 0.05)))
+            except subprocess.TimeoutExpired:
+                process.send_signal(signal.SIGKILL)
+            process.stdout.read()
+        with open_memory(tmp_path / "home", CONFIG) as memory:
+            assert memory.left_out == ()
+            assert memory.memory.floor.map.grid.explored.any()
+            assert memory.history[-1].goal == "piano"

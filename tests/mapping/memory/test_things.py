@@ -1,0 +1,178 @@
+"""Things that are remembered: what is one thing, and what images without it say."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from box_views import CAMERA, room, view_of
+from hypernav.core.embodiment import CameraConfig
+from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.mapping.memory.thing import Thing
+from hypernav.mapping.memory.things import MOST_THINGS, Things
+
+SENSOR = CameraConfig(width=CAMERA.width, height=CAMERA.height)
+HALL = room(8.0, 6.0)
+SOFA = ((4.0, 2.4, 0.0), (4.35, 3.6, 0.8))
+
+
+def looks_at(robot: Pose2, solid=SOFA, label: str = "sofa", score: float = 1.0):
+    """An image of a box in the hall, and the detection of all its pixels."""
+    seen, without = view_of([*HALL, solid], robot), view_of(HALL, robot)
+    mask = seen.depth != without.depth
+    rows, columns = np.nonzero(mask)
+    if not len(rows):
+        return seen, []
+    box = Box(float(columns.min()), float(rows.min()), columns.max() + 1.0, rows.max() + 1.0)
+    return seen, [Detection(box, score, label, mask)]
+
+
+def after(things: Things, robot: Pose2, *, search: int = 1, only=None, **what) -> Things:
+    image, detections = looks_at(robot, **what)
+    return things.after_image(image, detections, SENSOR, search=search, only=only)
+
+
+def test_a_thing_lies_where_it_was_seen():
+    (sofa,) = after(Things(), Pose2(2.0, 3.0, 0.0)).known
+    assert sofa.low[0] == pytest.approx(4.0, abs=0.1)
+    assert (sofa.low[1], sofa.high[1]) == pytest.approx((2.4, 3.6), abs=0.15)
+    assert sofa.seen_from == (2.0, 3.0)
+
+
+def test_views_from_two_sides_are_one_thing_as_large_as_both_show_it():
+    things = after(after(Things(), Pose2(2.0, 3.0, 0.0)), Pose2(7.0, 3.0, np.pi))
+    (sofa,) = things.known
+    assert (sofa.low[0], sofa.high[0]) == pytest.approx((4.0, 4.35), abs=0.1)
+    assert (sofa.seen, sofa.number, things.count) == (2, 0, 1)
+
+
+def test_another_label_or_another_place_is_another_thing():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0))
+    assert len(after(things, Pose2(2.0, 3.0, 0.0), label="bench").known) == 2
+    moved = after(things, Pose2(2.0, 3.0, 0.0), solid=((4.0, 0.2, 0.0), (5.0, 1.4, 0.8)))
+    assert len(moved.known) == 2
+
+
+def test_names_that_mean_the_same_are_one_thing():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0), label="couch")
+    assert len(after(things, Pose2(2.1, 3.0, 0.0), label="sofa").known) == 1
+
+
+def test_a_detection_without_depth_is_no_thing():
+    image, (detection,) = looks_at(Pose2(2.0, 3.0, 0.0))
+    blind = replace(image, depth=np.zeros_like(image.depth))
+    assert Things().after_image(blind, [detection], SENSOR, search=1).known == ()
+
+
+def test_without_a_mask_what_stands_far_behind_the_middle_does_not_count():
+    image, (detection,) = looks_at(Pose2(2.0, 3.0, 0.0), solid=((4.0, 2.9, 0.0), (4.3, 3.1, 1.2)))
+    wide = Box(detection.box.x_min - 60, detection.box.y_min, detection.box.x_max + 60, 200.0)
+    (pole,) = Things().after_image(image, [Detection(wide, 0.8, "pole")], SENSOR, search=1).known
+    assert pole.high[0] < 4.7
+
+
+def test_images_without_a_thing_that_should_show_it_make_it_gone_and_a_new_one_brings_it_back():
+    things = Things()
+    for x in (1.0, 1.5, 2.0):
+        things = after(things, Pose2(x, 3.0, 0.0))
+    chances = [things.known[0].chance]
+    for x in (1.2, 1.6, 2.0):
+        image = view_of(HALL, Pose2(x, 3.0, 0.0))
+        things = things.after_image(image, [], SENSOR, search=2)
+        chances.append(things.known[0].chance)
+    assert chances == sorted(chances, reverse=True)
+    assert things.known[0].is_gone
+    assert things.fitting(Goal("sofa")) == []
+    (back,) = after(things, Pose2(2.0, 3.0, 0.0), search=2).known
+    assert (back.missed, back.overlooked, back.is_gone) == (0, 3, False)
+
+
+def test_a_miss_says_less_of_a_thing_that_was_often_overlooked():
+    often = Thing(0, "cup", 0.9, (0, 0, 0), (1, 1, 1), ((0, 0, 1),), 1.0, 1, 1, seen=5, missed=2)
+    assert replace(often, overlooked=5).chance > often.chance
+
+
+@pytest.mark.parametrize(
+    ("robot", "why"),
+    [
+        (Pose2(2.0, 3.0, np.pi), "it is behind the robot"),
+        (Pose2(0.3, 0.3, 0.6), "it is too far away"),
+    ],
+)
+def test_an_image_that_need_not_show_a_thing_is_no_miss(robot, why):
+    things = after(Things(), Pose2(2.0, 3.0, 0.0))
+    image = view_of(HALL, robot)
+    assert things.after_image(image, [], SENSOR, search=1).known[0].missed == 0, why
+
+
+def test_what_stands_before_it_hides_it():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0))
+    screen = ((3.0, 1.5, 0.0), (3.1, 4.5, 2.0))
+    image = view_of([*HALL, SOFA, screen], Pose2(2.0, 3.0, 0.0))
+    assert things.after_image(image, [], SENSOR, search=1).known[0].missed == 0
+
+
+def test_a_detector_that_looks_for_beds_alone_misses_no_sofa():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0))
+    image = view_of(HALL, Pose2(2.0, 3.0, 0.0))
+    one = things.after_image(image, [], SENSOR, search=1, only=Goal("bed"))
+    assert one.known[0].missed == 0
+    one = things.after_image(image, [], SENSOR, search=1, only=Goal("couch"))
+    assert one.known[0].missed == 1
+
+
+def test_a_later_search_that_sees_it_as_large_moves_it():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0))
+    nearer = ((3.8, 2.3, 0.0), (4.8, 3.5, 0.8))
+    (sofa,) = after(things, Pose2(2.0, 3.0, 0.0), solid=nearer, search=2).known
+    assert sofa.high[1] == pytest.approx(3.5, abs=0.15)
+    assert (sofa.first_search, sofa.last_search) == (1, 2)
+
+
+@pytest.mark.parametrize(
+    ("goal", "fits"),
+    [("couch", 1.0), ("the sofa", 1.0), ("red sofa", 0.5), ("sofa in the hall", 0.5), ("bed", 0.0)],
+)
+def test_a_label_fits_a_goal_as_far_as_it_tells(goal, fits):
+    (sofa,) = after(Things(), Pose2(2.0, 3.0, 0.0)).known
+    assert sofa.fits(Goal(goal)) == fits
+
+
+def test_the_least_certain_of_too_many_things_are_forgotten():
+    many = tuple(
+        Thing(n, "cup", 0.2 if n == 3 else 0.9, (n, 50, 0), (n, 50, 0), ((0, 0, 1),), 1.0, 1, 1)
+        for n in range(MOST_THINGS)
+    )
+    things = after(Things(many, MOST_THINGS), Pose2(2.0, 3.0, 0.0))
+    assert len(things.known) == MOST_THINGS
+    assert things.find(3) is None
+    assert things.find(MOST_THINGS) is not None
+
+
+def test_an_image_is_wanted_of_a_thing_that_no_key_image_shows_nearly_as_large():
+    things = after(Things(), Pose2(1.0, 3.0, 0.0))
+    assert things.wants_image
+    things = things.with_image(7)
+    assert things.known[0].image == 7
+    assert not after(things, Pose2(1.2, 3.0, 0.0)).wants_image
+    assert after(things, Pose2(3.2, 3.0, 0.0)).wants_image
+    assert things.without_images([7]).known[0].image is None
+
+
+def test_views_from_one_place_are_one_and_the_surest_of_it_counts():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0), score=0.5)
+    things = after(things, Pose2(2.3, 3.0, 0.0), score=0.8)
+    things = after(things, Pose2(0.8, 3.0, 0.0), score=0.4)
+    (sofa,) = things.known
+    assert sofa.seen_from == (2.3, 3.0)
+    assert sorted(score for _, _, score in sofa.views) == [0.4, 0.8]
+
+
+def test_what_a_search_rejected_is_less_likely_in_the_next_one():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0))
+    refuted = things.refuted_at([(4.1, 3.0)], Goal("sofa"), 1)
+    assert 0.0 < refuted.known[0].chance < things.known[0].chance
+    for elsewhere, goal in (((1.0, 1.0), "sofa"), ((4.1, 3.0), "bed")):
+        assert things.refuted_at([elsewhere], Goal(goal), 1).known == things.known
