@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -5,8 +7,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from drawn_grids import divide_into_blocks, drawn
+from hypernav.core.exploring.exploration import WayOut
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.blocks import CLIMB_M, stairs_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.inflation import inflate
 from hypernav.mapping.reachable_area import ReachableArea
@@ -136,3 +140,15 @@ def test_the_middle_of_a_block_is_gone_to_as_nearly_as_it_can_be(coarse):
         inside = points[(np.abs(points - middle) < block.size_m / 2).all(axis=1)]
         nearest = np.linalg.norm(inside - middle, axis=1).min()
         assert np.hypot(x - middle[0], y - middle[1]) <= nearest + 0.08
+
+
+def test_stairs_are_blocks_of_their_own_where_the_robot_can_reach_them():
+    cells = FLOOR.copy()
+    cells[:, 100:104] = Cell.OCCUPIED
+    grid = OccupancyGrid(cells, 0.05, CORNER)
+    reach = ReachableArea.of(grid, ORIGIN, CONFIG, CLEARANCE_M)
+    near, behind = WayOut(3, 1.5, 1.0, "stairs up"), WayOut(4, 4.0, 1.0, "stairs down")
+    (block,) = stairs_blocks(reach, [near, behind], 7)
+    assert (block.number, block.connector, block.words) == (7, 3, "stairs up")
+    assert block.travel_m >= CLIMB_M + math.hypot(1.5, 1.0) - 0.2
+    assert block.holds(near.xy)

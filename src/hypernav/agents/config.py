@@ -75,6 +75,8 @@ class SearchConfig(RoomConfig):
             to go back, with the last steps, to the nearest position that it was seen from.
         max_steps: Number of steps that a search has; the last of them lead to the likeliest
             candidate, even if it was refuted (with `LocalConfig.target` "candidates").
+        use_stairs: Whether a robot that climbs stairs looks for them, and goes on to other floors
+            (paper: one floor).
         pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:
             to where that range ended, also through the unknown, before anything else is explored.
         recall: Whether a search with a memory first goes to remembered things that may be the goal,
@@ -106,6 +108,7 @@ class SearchConfig(RoomConfig):
     go_nearer: bool = True
     open_the_way: bool = True
     max_steps: int = Field(default=500, ge=1, le=MOST_STEPS)
+    use_stairs: bool = True
     pursue_far_sightings: bool = True
     recall: bool = True
 

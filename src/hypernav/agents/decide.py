@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from hypernav.agents.phases.approach import approach
+from hypernav.agents.phases.climb import climb
 from hypernav.agents.phases.end import end
 from hypernav.agents.phases.explore import explore, look_around
 from hypernav.agents.phases.second_look import second_look
@@ -20,6 +21,7 @@ _PHASES: Mapping[Phase, Callable[[Step, Memory, Plan], tuple[Decision | Phase, P
     Phase.APPROACH: approach,
     Phase.VERIFY: verify,
     Phase.SECOND_LOOK: second_look,
+    Phase.CLIMB: climb,
     Phase.END: end,
 }
 
@@ -42,6 +44,8 @@ def decide(step: Step, memory: Memory, plan: Plan) -> tuple[Decision, Plan]:
 def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
     """The phase that gets the step first: the approach if there is a candidate to go to now."""
     config, approaching = step.config, plan.approaching
+    if plan.climbing is not None:
+        return Phase.CLIMB, plan
     must_finish_look = config.look_around_at_start and config.finish_first_look
     if must_finish_look and step.number < step.motion.turns_of_a_circle:
         return Phase.LOOK_AROUND, plan

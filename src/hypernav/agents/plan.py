@@ -207,12 +207,32 @@ class Approaching:
 
 
 @dataclass(frozen=True, eq=False)
+class Climbing:
+    """The part of the plan that leads over a connector to another floor.
+
+    Attributes:
+        connector: Number of the connector.
+        is_back: Whether the robot has turned back on it.
+        steps: Number of steps and turns spent on it so far.
+        turned: Number of turns since stairs were last seen ahead.
+        touching: Whether the robot has bumped into something and has not got away from it yet.
+    """
+
+    connector: int
+    is_back: bool = False
+    steps: int = 0
+    turned: int = 0
+    touching: bool = False
+
+
+@dataclass(frozen=True, eq=False)
 class Plan:
     """What the robot intends. Every step replaces it; what the robot knows is in the memory.
 
     Attributes:
         exploring: Where to look for the goal.
         approaching: How to get to it.
+        climbing: How to get over stairs to another floor; None if the robot is not on any.
         turns_left: Number of turns that are left of the look around.
         full_turn: Whether that look makes all its turns, even those that show nothing unseen.
         looked_around_at: Position ``(x, y)``, metres, of the latest look around; None before.
@@ -222,6 +242,7 @@ class Plan:
 
     exploring: Exploring
     approaching: Approaching
+    climbing: Climbing | None = None
     turns_left: int = 0
     full_turn: bool = True
     looked_around_at: Position | None = None

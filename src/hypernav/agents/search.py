@@ -50,7 +50,7 @@ class SearchAgent:
         """
         components, lasts = self.components, memory is not None
         memory = memory or self.new_memory()
-        memory.begin_search(lasts=lasts)
+        memory.begin_search(lasts=lasts, sees_stairs=components.config.use_stairs)
         components.log.drain()
         self._goal, self._memory, self._plan = goal, memory, None
         self._trace, self._steps = None, 0
@@ -62,22 +62,27 @@ class SearchAgent:
     def act(self, observation: Observation) -> Action | None:
         """Integrate the observation and choose an action; None ends the search without a claim."""
         goal, memory = self._running
-        floor_before, use = memory.floor, self.components
+        number_before, use = memory.number, self.components
         clock, events = ModuleClock(), list[str]()
         floor = memory.follow(observation)
         seen = floor.seen_from(observation)
         plan = self._plan
-        if plan is None or floor is not floor_before:
+        if plan is not None and plan.climbing is not None and memory.number != number_before:
+            memory.crossed(plan.climbing.connector)
+            events.append("another floor reached")
+        if plan is None or memory.number != number_before:
             plan = Plan.at_start(use.paced, turns=self._first_turns(floor))
         plan = plan.explore(offered=(), insight=None)
         with clock("map"):
-            floor.integrate(seen)
-            robot, grid = seen.robot, floor.map.grid
-            floor.map.mark_occupied(
-                bumped_points(plan.ordered, robot, grid, use.planning, use.embodiment)
+            if not memory.on_stairs:  # stairs belong to no floor
+                floor.integrate(seen)
+            touched = memory.obstacles
+            memory.mark_occupied(
+                bumped_points(plan.ordered, seen.robot, touched, use.planning, use.embodiment)
             )
         with clock("local"):
-            detections = use.local.look(seen, goal, floor, asks=self._asks_the_camera())
+            asks = self._asks_the_camera() and not memory.on_stairs
+            detections = use.local.look(seen, goal, floor, asks=asks)
             memory.keep_image(seen)
         step = Step(self._steps, goal, seen, floor.map.grid, use, clock, events)
         if isinstance(use.explorer, Learns):
@@ -143,6 +148,7 @@ class SearchAgent:
             action=decision.action,
             mode=decision.mode,
             reason=decision.reason,
+            floor=memory.number + 1 if len(memory.floors) > 1 else None,
             destination=going_to,
             path=decision.path,
             goal_area=target.area.outlines if target else [],

@@ -121,6 +121,7 @@ class Step:
             things=floor.sightings.things,
             floor=memory.number,
             notes=floor.search.notes,
+            ways_out=memory.ways_out(new=True) if self.config.use_stairs else (),
         )
 
 
@@ -151,6 +152,7 @@ class Phase(Enum):
     APPROACH = auto()
     VERIFY = auto()
     SECOND_LOOK = auto()
+    CLIMB = auto()
     END = auto()
 
 

@@ -35,7 +35,7 @@ _NAVVLM: dict[str, Any] = {
         "motion": {"forward_m": 0.3, "turn_angle_deg": 30.0},
     },
     "world": {"sliding": True},
-    "search": {"look_around_at_start": False},
+    "search": {"look_around_at_start": False, "use_stairs": False},
 }
 
 
@@ -55,6 +55,7 @@ def _vlfm(base: HyPerNavConfig) -> dict[str, Any]:
             "enter_fully": False,
             "go_nearer": False,
             "open_the_way": False,
+            "use_stairs": False,
         },
         "presence": {"enabled": False},
     }

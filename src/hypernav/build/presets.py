@@ -260,6 +260,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             enter_fully=False,
             go_nearer=False,
             open_the_way=False,
+            use_stairs=False,
             pursue_far_sightings=False,
             recall=False,
         ),

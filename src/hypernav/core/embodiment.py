@@ -14,6 +14,9 @@ _BYTES_PER_PIXEL = 200
 _MOST_BYTES = 1_000_000_000
 """The limit for an image, bytes: five million pixels."""
 
+STAIR_CLIMB_M = 0.2
+"""Height of steps, metres, from which a robot climbs stairs: Habitat's."""
+
 
 class BodyConfig(RoomConfig):
     """The robot's body: a cylinder.
@@ -34,6 +37,11 @@ class BodyConfig(RoomConfig):
     height_m: float = Field(default=1.0, ge=0.1, le=10.0)
     max_step_m: float = Field(default=0.1, ge=0.0, le=1.0)
     max_slope_deg: float = Field(default=45.0, ge=0.0, lt=90.0)
+
+    @property
+    def climbs_stairs(self) -> bool:
+        """Whether it takes the steps of stairs."""
+        return self.max_step_m >= STAIR_CLIMB_M
 
     @model_validator(mode="after")
     def _step_is_lower_than_the_body(self) -> "BodyConfig":

@@ -3,7 +3,7 @@
 Videos, pages, logs, failure analysis and the operator's screen all read this stream.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from enum import StrEnum
 from typing import Any, ClassVar
 
@@ -25,6 +25,7 @@ class Mode(StrEnum):
     EXPLORE = "explore"
     APPROACH = "approach"
     VERIFY = "verify"
+    CLIMB = "climb"
     STOP = "stop"
 
 
@@ -120,6 +121,8 @@ class StepTrace(_Record):
         action: Action of the step; None in the last step of a search that was given up.
         mode: Mode of the agent.
         reason: Reason for the action, in one short sentence for people.
+        floor: Number of the floor that the robot is on, from 1 in the order in which it came to
+            know them; None, and left out of the JSON, as long as it knows of one only.
         destination: Position ``(x, y)`` that the robot is going to.
         path: Remaining path there.
         goal_area: Polygons around the goal area.
@@ -138,6 +141,7 @@ class StepTrace(_Record):
     action: Action | None
     mode: Mode
     reason: str = ""
+    floor: int | None = None
     destination: tuple[float, float] | None = None
     path: list[tuple[float, float]] = Field(default_factory=list)
     goal_area: list[list[tuple[float, float]]] = Field(default_factory=list)
@@ -150,11 +154,18 @@ class StepTrace(_Record):
     seconds: dict[str, float] = Field(default_factory=dict)
 
     @model_serializer(mode="wrap")
-    def _without_empty_insight(self, content: Callable[[Any], dict[str, Any]]) -> dict[str, Any]:
+    def _without_empty_parts(self, content: Callable[[Any], dict[str, Any]]) -> dict[str, Any]:
         values = content(self)
         if self.insight is None:
             values.pop("insight", None)
+        if self.floor is None:
+            values.pop("floor", None)
         return values
+
+
+def on_last_floor(steps: Sequence[StepTrace]) -> list[StepTrace]:
+    """The steps made on the floor of the last one, whose map was the last one shown."""
+    return [one for one in steps if (one.floor or 1) == (steps[-1].floor or 1)]
 
 
 class ExchangeLog:

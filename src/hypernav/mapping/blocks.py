@@ -1,16 +1,24 @@
 """Division of the explored map into blocks: numbered squares."""
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import cv2
 import numpy as np
 from jaxtyping import Bool, Int64, UInt8
 
+from hypernav.core.exploring.exploration import WayOut
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.distance_kernels import nearest_open_cell
 from hypernav.mapping.reachable_area import ReachableArea
+
+CLIMB_M = 8.0
+"""Length of path that stairs to another floor are worth, metres: their own, and the way back."""
+STAIRS_SIDE_M = 1.0
+_BESIDE_CELLS = 10
+"""Rows and columns around the position before stairs in which a reachable cell is looked for."""
 
 
 def blocks_of(reach: ReachableArea, config: MappingConfig) -> tuple[Block, ...]:
@@ -51,6 +59,38 @@ def blocks_of(reach: ReachableArea, config: MappingConfig) -> tuple[Block, ...]:
                 frontier_cells=int(frontier_cells[row, column]),
                 destination=reach.grid.centre_of(*destination),
                 travel_m=float(reach.travel_m[destination]),
+            )
+        )
+    return tuple(blocks)
+
+
+def stairs_blocks(
+    reach: ReachableArea, ways_out: Sequence[WayOut], first: int
+) -> tuple[Block, ...]:
+    """Stairs to other floors as blocks of their own, those that can be reached.
+
+    Args:
+        reach: The map and what the robot can reach on it.
+        ways_out: The stairs.
+        first: Number of the first of them.
+    """
+    blocks: list[Block] = []
+    for one in ways_out:
+        at = nearest_open_cell(reach.reachable, *reach.grid.cell_of(*one.xy), _BESIDE_CELLS)
+        if at == (-1, -1):
+            continue
+        blocks.append(
+            Block(
+                number=first + len(blocks),
+                x_min=one.x - STAIRS_SIDE_M / 2.0,
+                y_min=one.y - STAIRS_SIDE_M / 2.0,
+                size_m=STAIRS_SIDE_M,
+                free_cells=0,
+                frontier_cells=round(STAIRS_SIDE_M / reach.grid.resolution_m),
+                destination=reach.grid.centre_of(*at),
+                travel_m=float(reach.travel_m[at]) + CLIMB_M,
+                connector=one.connector,
+                words=one.words,
             )
         )
     return tuple(blocks)

@@ -14,6 +14,7 @@ MODES: dict[Mode, str] = {
     Mode.EXPLORE: "Exploring",
     Mode.APPROACH: "Going to the goal",
     Mode.VERIFY: "Checking",
+    Mode.CLIMB: "On the stairs",
     Mode.STOP: "Stopped",
 }
 
@@ -22,6 +23,7 @@ MODES_EXPLAINED: dict[Mode, str] = {
     Mode.EXPLORE: "It has not seen the goal and drives to a promising part of the map.",
     Mode.APPROACH: "It believes that it sees the goal and drives there.",
     Mode.VERIFY: "It stands in front of the goal and looks once more.",
+    Mode.CLIMB: "It goes over stairs to another floor.",
     Mode.STOP: "It has ended its search.",
 }
 
@@ -62,6 +64,11 @@ _PARTS_WITHOUT_MODEL: dict[str, str] = {
     "value map": "the value map",
     "truth": "a stand-in that knows what is in view (no model)",
 }
+
+
+def floor_prefix(step: StepTrace) -> str:
+    """The floor of a step, before other words; empty as long as the robot knows of one only."""
+    return "" if step.floor is None else f"floor {step.floor} · "
 
 
 def component_caption(name: str) -> str:

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 from hypothesis import given
@@ -135,3 +136,17 @@ def test_a_tour_does_not_change_when_the_robot_turns_on_the_spot(values):
         for yaw in (0.0, 1.5, 3.0, -1.5)
     }
     assert len(chosen) == 1
+
+
+def test_stairs_are_weighed_against_all_blocks_however_many_there_are():
+    """They are far for the greedy choice of a tour's stops, and yet the most is behind them."""
+
+    def crumbs_and_a_floor(blocks):
+        areas = np.array([20.0 if one.connector is not None else 0.5 for one in blocks])
+        return Prospects(areas, np.eye(len(blocks), dtype=bool), np.zeros((len(blocks), 2)))
+
+    crumbs = [block(k, 10, 6.0, (6.0, 0.1 * k)) for k in range(1, 14)]
+    stairs = replace(block(14, 20, 8.5), connector=0, words="stairs up")
+    choice = choose(*crumbs, stairs, prospects=crumbs_and_a_floor, gain="view")
+    assert choice.number == 14
+    assert "stairs up" in choice.reason

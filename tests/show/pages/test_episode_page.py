@@ -135,6 +135,25 @@ def test_what_models_and_people_write_cannot_become_markup(
     assert player(page)["reasons"] == [evil]
 
 
+def test_the_map_is_that_of_the_last_floor_and_shows_the_robot_there_only(
+    make_step: MakeStep, result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
+) -> None:
+    floors = [None, None, 2, 2]
+    steps = [make_step(k, floor=floor) for k, floor in enumerate(floors)]
+    data = player(read(write_page(tmp_path, result, steps, room)))
+    assert [robot is not None for robot in data["robots"]] == [False, False, True, True]
+    assert data["reasons"][-1].startswith("Floor 2")
+    assert "of floor 2" in (tmp_path / "index.html").read_text()
+
+
+def test_as_long_as_one_floor_is_known_no_floor_is_named(
+    steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
+) -> None:
+    write_page(tmp_path, result, steps, room)
+    assert "of floor" not in (tmp_path / "index.html").read_text()
+    assert all("floor" not in step.model_dump() for step in steps)
+
+
 def test_the_script_knows_where_the_robot_was(
     steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
 ) -> None:

@@ -8,18 +8,21 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.agents.phases.recall import is_refuted, recalled
-from hypernav.agents.plan import Plan, patience_of
+from hypernav.agents.plan import Climbing, Plan, patience_of
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Mode
+from hypernav.mapping.memory.connectors import Passage
 from hypernav.mapping.memory.memory import Memory
 
 _CHOICES_PER_STEP = 4
 _AROUND_M = 0.75
 """Radius, metres, within which all must be explored for a destination to count as explored."""
+_AT_STAIRS_M = 0.35
+"""Distance from the position before stairs, metres, at which the robot turns to them."""
 _WORTH_A_TURN_M = 0.3
 """Length of a boundary to the unknown, metres, below which it is noise and worth no turn."""
 
@@ -61,9 +64,14 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
                 return Phase.LOOK_AROUND, replace(plan, turns_left=turns, full_turn=True)
             destination = recalled(step, memory) or _explored(step, memory)
             if destination is None:
+                memory.search.is_explored = True
+                destination = _way_out(step, memory)
+            if destination is None:
                 return Phase.END, plan
             exploring = plan.exploring.towards(destination, config, left=())
             plan = replace(plan, exploring=exploring)
+        if _is_at_stairs(destination, step):
+            return _onto_stairs(destination, plan)
         turn = _facing_turn(destination, step)
         if turn is not None:
             return _decision(turn, destination.reason, step, plan), plan
@@ -75,6 +83,8 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
                 plan.exploring.route, step.grid, robot, np.array([destination.xy])
             )
         plan = plan.explore(route=route)
+        if action is None and route.arrived and destination.connector is not None:
+            return _onto_stairs(destination, plan)
         if action is None:
             event = "destination reached" if route.arrived else "no path to destination"
             plan = _ended(event, step, memory, plan)
@@ -102,6 +112,16 @@ def _explored(step: Step, memory: Memory) -> Destination | None:
             step.events.append("all is known, looking again")
             destination = explorer.next_destination(step.view(memory))
     return destination
+
+
+def _way_out(step: Step, memory: Memory) -> Destination | None:
+    """The nearest stairs towards what is unseen, where the explorer has nothing left to offer."""
+    known = memory.ways_out() if step.config.use_stairs else []
+    nearest = min(known, key=lambda one: step.robot.distance_to(*one.xy), default=None)
+    if nearest is None:
+        return None
+    reason = f"nothing is left to explore on this floor: {nearest.words}"
+    return Destination(*nearest.xy, reason=reason, connector=nearest.connector)
 
 
 def _decision(action: Action, reason: str, step: Step, plan: Plan) -> Decision:
@@ -135,7 +155,7 @@ def _pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
 def _without_finished(step: Step, memory: Memory, plan: Plan) -> Plan:
     """The plan without a destination that is reached, or around which all is explored."""
     destination, config = plan.destination, step.config
-    if destination is None:
+    if destination is None or destination.connector is not None:
         return plan
     if is_refuted(memory, plan):
         return _ended("remembered thing is gone", step, memory, plan)
@@ -206,7 +226,9 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
     if destination is None:
         return plan
     step.events.append(event)
-    if destination.is_sighting:
+    if destination.connector is not None:
+        memory.set_passage(destination.connector, Passage.REFUTED)
+    elif destination.is_sighting:
         search.evidence = replace(search.evidence, far_position=None)
         plan = plan.explore(pursued=(*plan.exploring.pursued, destination.xy))
     elif destination.thing is not None:
@@ -215,6 +237,16 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
     elif destination.face is None:
         search.visits.append(destination.xy)
     return plan.explore(destination=None, age=0)
+
+
+def _onto_stairs(destination: Destination, plan: Plan) -> tuple[Phase, Plan]:
+    climbing = None if destination.connector is None else Climbing(destination.connector)
+    return Phase.CLIMB, replace(plan.explore(destination=None), climbing=climbing)
+
+
+def _is_at_stairs(destination: Destination, step: Step) -> bool:
+    near_m = step.robot.distance_to(*destination.xy)
+    return destination.connector is not None and near_m <= _AT_STAIRS_M
 
 
 def _arrival_m(destination: Destination, step: Step) -> float:
@@ -241,6 +273,7 @@ def _look_across(step: Step, memory: Memory, plan: Plan) -> Action | None:
         or destination is None
         or destination.is_sighting
         or destination.holds
+        or destination.connector is not None
         or plan.exploring.age >= config.endurance_steps
         or robot.distance_to(*destination.xy) >= _arrival_m(destination, step)
     ):

@@ -13,6 +13,28 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 
 
+@dataclass(frozen=True)
+class WayOut:
+    """Stairs or a ramp from the robot's floor towards floors where something may be unseen.
+
+    Attributes:
+        connector: Number of the connector in the memory.
+        x: Position before it along the x axis, ``map`` frame, metres.
+        y: Position before it along the y axis, ``map`` frame, metres.
+        words: Name for models and people, such as "stairs up".
+    """
+
+    connector: int
+    x: float
+    y: float
+    words: str
+
+    @property
+    def xy(self) -> tuple[float, float]:
+        """The position, metres."""
+        return (self.x, self.y)
+
+
 @dataclass(frozen=True, eq=False)
 class ExplorationView:
     """Everything that an explorer may know when it chooses where to go.
@@ -30,6 +52,8 @@ class ExplorationView:
         notes: Explorers' own notes on this floor for this goal, each under a key of its own; the
             only part of the view that they may change. The memory keeps them, so they hold plain
             values, arrays or generators that can be copied, and no component.
+        ways_out: Stairs that the robot has not taken yet. Those to floors that it left before all
+            was seen are taken where the explorer has nothing left to offer.
         may_be_here: Whether a component has just said that the goal is where the robot is.
     """
 
@@ -41,6 +65,7 @@ class ExplorationView:
     things: Sequence[SeenThing] = ()
     floor: int = 0
     notes: dict[str, Any] = field(default_factory=dict)
+    ways_out: Sequence[WayOut] = ()
     may_be_here: bool = False
 
     @property
@@ -60,6 +85,7 @@ class Destination:
         blocks: Blocks that were offered, for the trace; empty for explorers without blocks.
         insight: What the explorer looked at when it chose, for videos and pages.
         floor: Number of the floor that it lies on; None for the floor that the robot is on.
+        connector: Number of the connector that the robot takes there; None if it takes none.
         is_sighting: Whether the goal is in sight in this direction; then no explorer chose it.
         holds: Whether it stays valid whatever the map shows on the way: a move chosen from an
             image is made to its end.
@@ -77,6 +103,7 @@ class Destination:
     blocks: tuple[Block, ...] = ()
     insight: Insight | None = None
     floor: int | None = None
+    connector: int | None = None
     is_sighting: bool = False
     holds: bool = False
     arrival_m: float | None = None

@@ -25,6 +25,8 @@ class Block:
         destination: Position ``(x, y)`` in the block that the robot would go to, metres; the middle
             of a free cell.
         travel_m: Length of the path there over the known map, metres; infinite if there is none.
+        connector: Number of the connector that begins there; None for a part of the floor.
+        words: Name of the connector, such as "stairs up".
     """
 
     number: int
@@ -35,6 +37,8 @@ class Block:
     frontier_cells: int
     destination: tuple[float, float]
     travel_m: float
+    connector: int | None = None
+    words: str = ""
 
     def holds(self, position: tuple[float, float]) -> bool:
         """Whether a position ``(x, y)``, metres, lies in the block."""

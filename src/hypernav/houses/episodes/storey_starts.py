@@ -13,7 +13,7 @@ from itertools import islice
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.embodiment import BodyConfig, CameraConfig
+from hypernav.core.embodiment import STAIR_CLIMB_M, BodyConfig, CameraConfig
 from hypernav.core.errors import SceneError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -24,7 +24,7 @@ from hypernav.houses.episodes.rules import EpisodeRules
 from hypernav.houses.episodes.starts import Start
 from hypernav.houses.random_stream import RandomStream
 from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.navmesh.robot_navmesh import STAIR_CLIMB_M, robot_navmesh
+from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
 from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions

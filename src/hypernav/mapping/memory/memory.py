@@ -11,13 +11,24 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float64
 
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.exploring.exploration import WayOut
 from hypernav.core.exploring.sightings import Sightings
-from hypernav.core.geometry.transforms import Transform
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.elevation_map import ElevationMap
+from hypernav.mapping.ground import Ground
+from hypernav.mapping.memory.connectors import (
+    Connector,
+    Passage,
+    connectors_in,
+    with_crossing,
+    with_sightings,
+)
 from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.memory.looked_over import LookedOver
 from hypernav.mapping.memory.target import GoalEvidence
@@ -29,6 +40,14 @@ _ANOTHER_M = 1.0
 _SAME_M = 0.5
 """Greatest difference in height, metres, at which the robot is on a floor that it knows."""
 _LEVEL_M = 0.1
+_OFF_M = 0.12
+"""Difference in height, metres, from which a climbing robot is off its floor."""
+_LEAST_FLOOR_M2 = 3.5
+"""Ground at one height within the robot's reach, square metres, that tells floors from landings."""
+_STOREY_M = 2.2
+"""Height, metres, above or below the last floor at which hardly any landing lies."""
+_LEAST_LANDING_M2 = 1.0
+"""Ground that suffices there for a floor, square metres: the head of stairs may be small."""
 _WALKED_M = 0.75
 """Distance at one height, metres, that tells a floor from stairs: treads are shorter."""
 _MOST_POSITIONS = 5000
@@ -57,6 +76,7 @@ class SearchMemory:
         visits: Destinations ``(x, y)`` that were reached or given up, the oldest first, metres.
         looked: Where the robot has looked from its position; None before the first look.
         notes: What explorers have noted, by keys of their own: plain values that can be copied.
+        is_explored: Whether nothing was left to explore.
         number: Number of the search in this memory.
         lasts: Whether later searches are to know what it has seen.
         remembered: Numbers of the things that were known before it began.
@@ -69,6 +89,7 @@ class SearchMemory:
     visits: list[tuple[float, float]] = field(default_factory=list)
     looked: Looked | None = None
     notes: dict[str, Any] = field(default_factory=dict)
+    is_explored: bool = False
     number: int = 0
     lasts: bool = False
     remembered: frozenset[int] = frozenset()
@@ -83,6 +104,7 @@ class SearchMemory:
 
     def forget_exploration(self) -> None:
         """Forget visits and notes: what counts as visited may hardly have been seen."""
+        self.is_explored = False
         self.visits.clear()
         self.notes.clear()
 
@@ -146,6 +168,9 @@ class Memory:
         embodiment: The robot; the height of its camera tells that of the floor.
         searches: Number of searches that have begun with it.
         images: Key images; None if none are kept.
+        connectors: Connectors between floors, seen from both ends; a number is an index.
+        elevation: Heights of the ground around the robot; None if it looks for no stairs.
+        z: Height of the robot, ``map`` frame, metres.
     """
 
     def __init__(
@@ -169,6 +194,10 @@ class Memory:
         self.floors: list[Floor] = []
         self.floors.append(self._new_floor(0.0))
         self.number: int = 0
+        self.connectors: tuple[Connector, ...] = ()
+        self.elevation: ElevationMap | None = None
+        self.z: float = 0.0
+        self._level_began = Pose2(0.0, 0.0, 0.0)
         self._level_z = 0.0
         self._walked_m = 0.0
         self._position: tuple[float, float] | None = None
@@ -183,13 +212,16 @@ class Memory:
         """What the present search has learned on this floor."""
         return self.floor.search
 
-    def begin_search(self, *, lasts: bool = False) -> None:
+    def begin_search(self, *, lasts: bool = False, sees_stairs: bool = False) -> None:
         """Keep floors, maps and things seen; forget what the search for another goal learned.
 
         Args:
             lasts: Whether later searches are to know what this one sees: its things and key images.
+            sees_stairs: Whether connectors are looked for, if the robot can climb stairs.
         """
         self.searches += 1
+        if sees_stairs and self.elevation is None and self.embodiment.body.climbs_stairs:
+            self.elevation = ElevationMap(self.embodiment, self.mapping.cell_size_m)
         for floor in self.floors:
             floor.begin_search(self.searches, lasts=lasts)
 
@@ -203,13 +235,20 @@ class Memory:
         here = observation.robot.xy
         moved_m = 0.0 if self._position is None else math.dist(self._position, here)
         self._position = here
+        self.z = z
+        shows_steps = self.elevation is not None and self.elevation.integrate(observation)
         if abs(z - self._level_z) > _LEVEL_M:
             self._level_z, self._walked_m = z, 0.0
+            self._level_began = observation.robot
         else:
             self._walked_m += moved_m
         is_another = abs(self._level_z - self.floor.z) > _ANOTHER_M
-        if is_another and self._walked_m >= _WALKED_M:
+        if is_another and self._walked_m >= _WALKED_M and self._may_be_floor(here):
             self.number = self._number_at(self._level_z)
+        if shows_steps and not self.on_stairs:
+            ground = self.ground_around(here, down=True)
+            seen = connectors_in(ground, self.number, self.floor.z)
+            self.connectors = with_sightings(self.connectors, seen)
         return self.floor
 
     def begin_at(self, observation: Observation) -> Floor:
@@ -249,12 +288,98 @@ class Memory:
         for floor in self.floors if forgotten else ():
             floor.things = floor.things.without_images(forgotten)
 
+    @property
+    def on_stairs(self) -> bool:
+        """Whether the robot, which looks for stairs, is on them: on no floor, but off the last."""
+        return self.elevation is not None and abs(self.z - self.floor.z) > _OFF_M
+
+    @property
+    def is_on_slope(self) -> bool:
+        """Whether the latest step changed the robot's height, as treads and ramps do."""
+        return self._walked_m == 0.0
+
+    def ground_around(self, position: tuple[float, float], *, down: bool) -> Ground:
+        """The ground that a climbing robot could walk to; see `ElevationMap.ground_from`."""
+        assert self.elevation is not None, "only a robot that looks for stairs has an elevation map"
+        return self.elevation.ground_from(position, down=down)
+
+    @property
+    def obstacles(self) -> OccupancyGrid:
+        """The obstacles around the robot: those of the floor's map or, on stairs, those on them."""
+        if self.elevation is not None and self.on_stairs:
+            return self.elevation.obstacles
+        return self.floor.map.grid
+
+    def mark_occupied(self, points_xy: Float64[np.ndarray, "n 2"]) -> None:
+        """Remember positions ``(x, y)``, metres, where the robot bumped into something."""
+        if self.elevation is not None:
+            self.elevation.mark_occupied(points_xy)
+        if not self.on_stairs:
+            self.floor.map.mark_occupied(points_xy)
+
+    def set_passage(self, number: int, passage: Passage) -> None:
+        """Note what was learned of the way over a connector."""
+        connectors = list(self.connectors)
+        connectors[number] = replace(connectors[number], passage=passage)
+        self.connectors = tuple(connectors)
+
+    def crossed(self, number: int) -> None:
+        """Note that a connector led to the floor that the robot is on now."""
+        here = self._level_began
+        self.connectors = with_crossing(
+            self.connectors, number, self.number, here.xy, here.yaw + math.pi
+        )
+
+    def ways_out(self, *, new: bool = False) -> list[WayOut]:
+        """The stairs here that nobody knows or, unless `new`, that lead to floors left early."""
+        return [
+            WayOut(k, *one.approach, words=one.words)
+            for k, one in enumerate(self.connectors)
+            if one.floor == self.number
+            and one.is_usable
+            and (one.is_new if new else self._leads_on(one))
+        ]
+
+    def _leads_on(self, connector: Connector) -> bool:
+        known = {self.number}
+        queue = [connector]
+        for one in queue:
+            if one.is_new:
+                return True
+            if one.other_floor is None or one.other_floor in known:
+                continue
+            if not self.floors[one.other_floor].search.is_explored:
+                return True
+            known.add(one.other_floor)
+            queue += [c for c in self.connectors if c.floor == one.other_floor and c.is_usable]
+        return False
+
+    def _may_be_floor(self, position: tuple[float, float]) -> bool:
+        """Whether there is enough ground at the robot's height for a floor."""
+        if self.elevation is None:
+            return True
+        ground = self.ground_around(position, down=False)
+        rises_far = abs(self._level_z - self.floor.z) >= _STOREY_M
+        least_m2 = _LEAST_LANDING_M2 if rises_far else _LEAST_FLOOR_M2
+        return ground.area_m2(self._level(ground)) >= least_m2
+
+    def way_on(self, ground: Ground, least_m: float) -> Bool[np.ndarray, "rows columns"]:
+        """Mask of the ground at the robot's height, so far from where this height began, metres."""
+        return self._level(ground) & (ground.distances_m(self._level_began.xy) >= least_m)
+
+    def _level(self, ground: Ground) -> Bool[np.ndarray, "rows columns"]:
+        return ground.between(self._level_z - _LEVEL_M, self._level_z + _LEVEL_M)
+
     def _number_at(self, z: float) -> int:
         """The number of the floor at a height, metres, which is added if none is near it."""
         away_m = [abs(floor.z - z) for floor in self.floors]
         nearest = away_m.index(min(away_m))
         if away_m[nearest] <= _SAME_M:
             return nearest
+        return self.add_floor(z)
+
+    def add_floor(self, z: float) -> int:
+        """Add a floor of which nothing is known at a height, metres; return its number."""
         self.floors.append(self._new_floor(z))
         return len(self.floors) - 1
 

@@ -16,13 +16,15 @@ from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.overview import Block, Overview, Prospects
-from hypernav.mapping.blocks import blocks_of
+from hypernav.mapping.blocks import CLIMB_M, blocks_of, stairs_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import fresh_frontiers, frontiers_of
 from hypernav.mapping.prospects import find_legs_m, find_prospects
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.show.drawing.question_map import QuestionStyle, draw_question_map
 
+UNSEEN_FLOOR_M2 = 20.0
+"""Area that the first look at an unseen floor is expected to show, square metres."""
 _KEY = "blocks"
 """Key of this explorer's notes."""
 
@@ -131,6 +133,7 @@ class BlockExplorer:
         for clearance_m in self.clearances_m:
             reach = ReachableArea.of(view.grid, view.robot, self.mapping, clearance_m)
             blocks = blocks_of(reach, self.mapping)
+            blocks += stairs_blocks(reach, view.ways_out, len(blocks) + 1)
             if _squares(blocks) == _squares(offered):
                 break
             offered = blocks
@@ -179,8 +182,15 @@ class BlockExplorer:
             if choice.number is None:
                 return None
             block = overview.block(choice.number)
-            if all(math.dist(block.destination, visit) >= radius_m for visit in visits):
-                return Destination(*block.destination, reason=choice.reason, blocks=blocks)
+            if block.connector is not None or all(
+                math.dist(block.destination, visit) >= radius_m for visit in visits
+            ):
+                return Destination(
+                    *block.destination,
+                    reason=choice.reason,
+                    blocks=blocks,
+                    connector=block.connector,
+                )
             excluded |= {choice.number}
         return None
 
@@ -221,11 +231,23 @@ def _drawn(
 
 
 def _prospects(reach: ReachableArea, range_m: float, of: Sequence[Block]) -> Prospects:
-    return find_prospects(reach, [one.destination for one in of], range_m)
+    shown = find_prospects(reach, [one.destination for one in of], range_m)
+    stairs = [k for k, one in enumerate(of) if one.connector is not None]
+    if not stairs:
+        return shown
+    beyond = np.zeros((len(of), len(stairs)), dtype=bool)
+    beyond[stairs, np.arange(len(stairs))] = True
+    return Prospects(
+        np.concatenate([shown.areas_m2, np.full(len(stairs), UNSEEN_FLOOR_M2)]),
+        np.concatenate([shown.shows, beyond], axis=1),
+        np.concatenate([shown.positions, [of[k].destination for k in stairs]]),
+    )
 
 
 def _legs_m(reach: ReachableArea, between: Sequence[Block]) -> Float64[np.ndarray, "_ _"]:
-    return find_legs_m(reach, [one.destination for one in between])
+    legs_m = find_legs_m(reach, [one.destination for one in between])
+    extra_m = np.array([0.0 if one.connector is None else CLIMB_M for one in between])
+    return legs_m + extra_m[:, None] + extra_m
 
 
 def _squares(blocks: tuple[Block, ...]) -> set[tuple[float, float, int]]:

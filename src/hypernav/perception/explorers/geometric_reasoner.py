@@ -117,7 +117,8 @@ class GeometricReasoner:
         best_first = sorted(range(len(blocks)), key=lambda k: -values[k])  # the nearer of equals
         best = best_first[0]
         if config.order == "tour":
-            stops = best_first[:_TOUR_STOPS]
+            stairs_first = sorted(best_first, key=lambda k: blocks[k].connector is None)
+            stops = stairs_first[:_TOUR_STOPS]
             legs_m = (overview.legs_m if by_view else straight_legs_m)([blocks[k] for k in stops])
             unseen = unseen_after(prospects.areas_m2, prospects.shows[stops]) + _NEVER_SEEN_M2
             best = stops[soonest_tour(np.array([costs[k] for k in stops]), legs_m, unseen)[0]]
@@ -129,6 +130,10 @@ class GeometricReasoner:
         return block.travel_m + _TURN_COST_M * abs(robot.bearing_to(*block.destination))
 
     def _reason(self, block: Block, gain: float) -> str:
+        if block.connector is not None:
+            return (
+                f"block {block.number}: {block.words}, another floor, {block.travel_m:.1f} m away"
+            )
         worth = f"{gain:.1f} m² of the unknown in view"
         if self.config.gain == "boundary":
             worth = f"{block.frontier_cells} cells of unexplored boundary"

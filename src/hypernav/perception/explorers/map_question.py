@@ -196,13 +196,16 @@ def _facts(blocks: list[Block], overview: Overview) -> str:
     boundary = max(sum(block.frontier_cells for block in overview.blocks), 1)
     lines = []
     for block in blocks:
+        where = _whereabouts(block, overview.robot)
+        if block.connector is not None:
+            lines.append(f"- block {block.number}: {block.words} to another floor; {where}")
+            continue
         share = block.frontier_cells / boundary
         borders = f"{share:.0%} of the boundary to the unexplored" if share else "nothing new"
         was_there = any(map(block.holds, overview.trajectory))
         visited = "the robot was there" if was_there else "not visited yet"
         seen = sorted({one.label for one in overview.things if block.holds(one.position)})
         things = f"; seen there: {', '.join(seen)}" if seen else ""
-        where = _whereabouts(block, overview.robot)
         lines.append(f"- block {block.number}: {where}; {borders}; {visited}{things}")
     return "\n".join(lines)
 

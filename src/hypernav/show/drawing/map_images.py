@@ -10,7 +10,7 @@ from PIL import Image
 from hypernav.core.exploring.insight import ThingGraph, ValueImage
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.trace import StepTrace
+from hypernav.core.trace import StepTrace, on_last_floor
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.insight_overlays import draw_graph, draw_values
 from hypernav.show.drawing.legend import Layer, draw_legend
@@ -89,14 +89,14 @@ def draw_map(
 
 
 def final_view(grid: OccupancyGrid, steps: Sequence[StepTrace], size: int) -> MapView:
-    """The window that shows the explored area and the whole trajectory."""
-    return MapView.fit(grid, size, points=[step.pose[:2] for step in steps])
+    """The window that shows the explored area and the trajectory on the last floor."""
+    return MapView.fit(grid, size, points=[step.pose[:2] for step in on_last_floor(steps)])
 
 
 def draw_result(
     grid: OccupancyGrid, steps: Sequence[StepTrace], *, size: int = _MAP_SIZE, robot: bool = True
 ) -> UInt8[np.ndarray, "_ _ 3"]:
-    """Draw the map at the end of an episode, with the whole trajectory.
+    """Draw the map at the end of an episode, with the trajectory on its floor.
 
     Args:
         grid: The last map.
@@ -105,12 +105,13 @@ def draw_result(
         robot: Whether to draw the robot where it stopped.
     """
     last = steps[-1] if steps else None
+    trajectory = [step.pose[:2] for step in on_last_floor(steps)]
     return draw_map(
         grid,
         view=final_view(grid, steps, size),
         robot=Pose2(*last.pose) if last and robot else None,
-        trajectory=[step.pose[:2] for step in steps],
-        start=steps[0].pose[:2] if steps else None,
+        trajectory=trajectory,
+        start=trajectory[0] if trajectory else None,
         goal_area=last.goal_area if last else (),
     )
 

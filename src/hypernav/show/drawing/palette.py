@@ -42,6 +42,7 @@ MODES: dict[Mode, Rgb] = {
     Mode.EXPLORE: (0, 96, 160),
     Mode.APPROACH: (230, 159, 0),
     Mode.VERIFY: (160, 84, 134),
+    Mode.CLIMB: (130, 90, 60),
     Mode.STOP: (0, 128, 92),
 }
 

@@ -11,7 +11,7 @@ from urllib.parse import quote
 import yaml
 
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.trace import StepTrace
+from hypernav.core.trace import StepTrace, on_last_floor
 from hypernav.show import captions
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.map_images import draw_result, final_view
@@ -98,7 +98,7 @@ def _video_source(folder: Path, video: Path, embed_limit_bytes: int) -> str:
 def _map(grid: OccupancyGrid, steps: Sequence[StepTrace]) -> dict[str, Any]:
     # The robot is drawn by the page itself, so that it can follow the video.
     image = draw_result(grid, steps, size=_MAP_SIZE, robot=False)
-    return {"uri": image_uri(image), "size": _MAP_SIZE}
+    return {"uri": image_uri(image), "size": _MAP_SIZE, "floor": steps[-1].floor if steps else None}
 
 
 def _band(phase: episode_summary.Phase, total: int) -> dict[str, Any]:
@@ -120,7 +120,12 @@ def _player_data(
     robots, destinations = [], []
     if grid is not None:
         view = final_view(grid, steps, _MAP_SIZE)
+        shown = {step.step for step in on_last_floor(steps)}
         for step in steps:
+            if step.step not in shown:  # on a floor whose map is not on the page
+                robots.append(None)
+                destinations.append(None)
+                continue
             u, v = view.pixel_of(step.pose[0], step.pose[1])
             robots.append([round(u, 1), round(v, 1), round(-math.degrees(step.pose[2]), 1)])
             at = view.pixel_of(*step.destination) if step.destination is not None else None
@@ -129,7 +134,7 @@ def _player_data(
         "times": [round(time, 3) for time in frame_timing.start_times(frame_counts)],
         "steps": [step.step + 1 for step in steps],
         "modes": [captions.MODES[step.mode] for step in steps],
-        "reasons": [captions.sentence(step.reason) for step in steps],
+        "reasons": [captions.sentence(captions.floor_prefix(step) + step.reason) for step in steps],
         "robots": robots,
         "destinations": destinations,
     }

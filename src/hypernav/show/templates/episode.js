@@ -33,8 +33,9 @@
     slider.value = place;
     slider.setAttribute("aria-valuetext", now.textContent);
     if (robot && player.robots.length) {
-      const [u, v, angle] = player.robots[place];
-      robot.setAttribute("transform", `translate(${u} ${v}) rotate(${angle})`);
+      const here = player.robots[place];
+      robot.setAttribute("visibility", here ? "visible" : "hidden");
+      if (here) robot.setAttribute("transform", `translate(${here[0]} ${here[1]}) rotate(${here[2]})`);
       const at = player.destinations[place];
       destination.setAttribute("visibility", at ? "visible" : "hidden");
       if (at) destination.setAttribute("transform", `translate(${at[0]} ${at[1]})`);

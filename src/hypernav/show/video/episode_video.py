@@ -10,7 +10,7 @@ from jaxtyping import UInt8
 from hypernav.core.exploring.insight import ThingGraph, ValueImage
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.trace import StepTrace
+from hypernav.core.trace import StepTrace, on_last_floor
 from hypernav.show.drawing.map_images import draw_map, draw_result
 from hypernav.show.drawing.map_view import SteadyView
 from hypernav.show.video.end_card import draw_end_card
@@ -224,7 +224,7 @@ class EpisodeVideo:
             self._file.close()
 
     def _map_image(self, step: StepTrace, grid: OccupancyGrid) -> UInt8[np.ndarray, "_ _ 3"]:
-        trajectory = [past.pose[:2] for past in self._steps]
+        trajectory = [past.pose[:2] for past in on_last_floor(self._steps)]
         decision = self._decision
         age = step.step - decision.step if decision is not None else _BLOCKS_STAY_STEPS
         fresh = decision if decision is not None and age < _BLOCKS_STAY_STEPS else None

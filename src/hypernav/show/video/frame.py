@@ -138,7 +138,7 @@ def _draw_header(frame: Image, title: EpisodeInfo, step: StepTrace) -> None:
     draw_text(frame, line, (_MARGIN, 49), 13, color=palette.MUTED)
     draw_badge(frame, captions.MODES[step.mode], palette.MODES[step.mode], _MAP_LEFT, 23)
     limit = f" of {title.step_limit}" if title.step_limit is not None else ""
-    count = f"step {step.step + 1}{limit}"
+    count = f"{captions.floor_prefix(step)}step {step.step + 1}{limit}"
     draw_text(frame, count, (WIDTH - _MARGIN, 23), 16, align=1.0)
 
 

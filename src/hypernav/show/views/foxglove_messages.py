@@ -167,7 +167,7 @@ def scene(
 
 def log(stamp: fg.Timestamp, step: StepTrace) -> list[fg.Log]:
     """What the robot does and why, and the events of the step."""
-    reason = f"{captions.MODES[step.mode]}: {step.reason}"
+    reason = f"{captions.floor_prefix(step)}{captions.MODES[step.mode]}: {step.reason}"
     return [
         fg.Log(timestamp=stamp, level=fg.LogLevel.Info, message=message, name=f"step {step.step}")
         for message in (reason, *step.events)

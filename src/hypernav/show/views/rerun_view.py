@@ -73,7 +73,10 @@ class _Entities:
             log("map/blocks", made.blocks(step))
         elif step.mode is not Mode.EXPLORE:
             log("map/blocks", rr.Clear(recursive=False))
-        for line in (f"{captions.MODES[step.mode]}: {step.reason}", *step.events):
+        for line in (
+            f"{captions.floor_prefix(step)}{captions.MODES[step.mode]}: {step.reason}",
+            *step.events,
+        ):
             log("log", rr.TextLog(line, level=rr.TextLogLevel.INFO))
         if step.exchanges:
             log("answer", made.answers(step))

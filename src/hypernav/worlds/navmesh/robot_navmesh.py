@@ -24,9 +24,6 @@ from hypernav.worlds.navmesh.recast.build import compute_navmesh
 from hypernav.worlds.navmesh.recast.scene_triangles import habitat_vertices
 from hypernav.worlds.scenes.scene import Scene
 
-STAIR_CLIMB_M = 0.2
-"""Step of a robot that climbs stairs, metres: that of Habitat's agents."""
-
 
 def robot_navmesh(scene: Scene, body: BodyConfig, choice: NavmeshChoice) -> Navmesh | None:
     """The mesh that a robot walks on; None if there is no file and none is to be computed.
@@ -40,19 +37,12 @@ def robot_navmesh(scene: Scene, body: BodyConfig, choice: NavmeshChoice) -> Navm
         NavmeshError: The file can't be used, or there is nothing to walk on.
     """
     has_stairs = choice == "auto" and bool(scene.storeys)
-    if has_stairs and not climbs_stairs(body):
+    # A scan has a mesh for every robot, as in habitat-sim: its storeys are not known.
+    if has_stairs and not body.climbs_stairs:
         return None
     if is_computed(scene.navmesh, body, choice) or (has_stairs and scene.navmesh is None):
         return Navmesh(navmesh_of(computed_for(scene, body)))
     return None if scene.navmesh is None else Navmesh.load(scene.navmesh)
-
-
-def climbs_stairs(body: BodyConfig) -> bool:
-    """Whether a robot takes the steps of stairs, for which Habitat's climb of 0.2 m is needed.
-
-    A scan has such a mesh for every robot, as in habitat-sim: its storeys are not known.
-    """
-    return body.max_step_m >= STAIR_CLIMB_M
 
 
 def is_computed(file: Path | None, body: BodyConfig, choice: NavmeshChoice) -> bool:

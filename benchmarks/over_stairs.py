@@ -1,0 +1,76 @@
+"""Searches over stairs, by where the goal is: on the floor of the start, above it, or below it.
+
+python benchmarks/over_stairs.py storeys-train#3000:3010 --last 230 --every 5
+python benchmarks/over_stairs.py storeys-train#3000:3010 --last 230 --every 5 \
+        --set search.use_stairs=false
+"""
+
+from bisect import bisect
+from collections import defaultdict
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.data.datasets import load_episodes
+from hypernav.build.presets import preset
+from hypernav.core.config import layered
+from hypernav.core.episodes.episode import Episode
+from hypernav.evaluation.record import EpisodeRecord
+from hypernav.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.houses.building import Building
+from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
+from hypernav.houses.house_cache import cached_building
+
+_ABOVE_FLOOR_M = 0.3
+"""Height above a floor below which things that stand on it begin, metres."""
+
+
+def direction(episode: Episode) -> str:
+    """Where the goal of a search is, seen from its start."""
+    scene = cached_building(Building("storeys", int(episode.scene_id.split(":")[1])))
+    goal_z = next(
+        one.box_min[2]
+        for one in scene.instances
+        if one.label is not None and one.label.satisfies(episode.goal)
+    )
+    start = bisect(scene.storeys, (episode.start_z or 0.0) + _ABOVE_FLOOR_M)
+    goal = bisect(scene.storeys, goal_z + _ABOVE_FLOOR_M)
+    return "same" if goal == start else "above" if goal > start else "below"
+
+
+def main(
+    split: Annotated[str, tyro.conf.Positional],
+    /,
+    last: int = 300,
+    every: int = 1,
+    set: tuple[str, ...] = (),
+) -> None:
+    """Run every n-th of the first searches of a split with ground-truth labels.
+
+    Args:
+        split: Split of buildings with storeys.
+        last: Number of searches from which they are taken.
+        every: Distance between two of them.
+        set: Changes of the `default` preset.
+    """
+    base = preset("default")
+    robot = base.embodiment.model_copy(update={"body": CLIMBING_BODY})
+    config = layered(base.model_copy(update={"embodiment": robot}), assignments=set)
+    worker = EpisodeWorker(Job(Path(), config, ComponentSpecs(agent="hypernav"), 0))
+    records: dict[str, list[EpisodeRecord]] = defaultdict(list)
+    for episode in load_episodes(split)[:last:every]:
+        where, record = direction(episode), worker.run(episode)
+        records[where].append(record)
+        records["all"].append(record)
+        print(where, episode.scene_id, episode.goal.text, record.outcome, record.steps, flush=True)
+    for where in ("same", "above", "below", "all"):
+        chosen = records[where]
+        found = sum(one.outcome == "found" for one in chosen)
+        spl = sum(one.spl for one in chosen) / max(len(chosen), 1)
+        print(f"{where}: {found} of {len(chosen)} found, SPL {spl:.3f}")
+
+
+if __name__ == "__main__":
+    tyro.cli(main)

@@ -1,0 +1,91 @@
+"""The way over stairs to another floor."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from hypernav.agents.plan import Climbing, Plan
+from hypernav.agents.step import Decision, Phase, Step, turn_towards
+from hypernav.core.actions import Action
+from hypernav.core.trace import Mode
+from hypernav.mapping.memory.connectors import Passage, stairs_ahead
+from hypernav.mapping.memory.memory import Memory
+from hypernav.planning.stair_steps import step_over_ground
+
+_OFF_STAIRS_M = 0.8
+"""Length of the way on from the head or foot of stairs, metres, before it is clear of them."""
+_PATIENCES = 2
+"""Patience with one connector, in patiences with a destination (`SearchConfig.endurance_steps`)."""
+_MOVED_SHARE = 0.5
+"""Share of a step below which the robot has bumped into something."""
+
+
+def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
+    """Go over a connector and on to the next floor; turn back where it does not lead there.
+
+    The robot counts as on the floor that it came from until the memory says otherwise.
+    """
+    climbing = plan.climbing
+    if climbing is None:
+        return Phase.LOOK_AROUND, plan
+    connector = memory.connectors[climbing.connector]
+    climbing = replace(climbing, steps=climbing.steps + 1, touching=_touches(step, plan, climbing))
+    if climbing.steps > _PATIENCES * step.config.endurance_steps:
+        return _given_up(step, memory, plan, climbing)
+    if climbing.is_back and not memory.on_stairs:
+        return _given_up(step, memory, plan, climbing)
+    goes_up = connector.goes_up != climbing.is_back
+    ground = memory.ground_around(step.robot.xy, down=not goes_up)
+    on_slope = memory.on_stairs and memory.is_on_slope and not climbing.touching
+    to = stairs_ahead(ground, step.robot, memory.z, connector, up=goes_up, on_slope=on_slope)
+    words = f"on the stairs to floor {_next_floor(memory, climbing) + 1}"
+    if not to.any() and memory.on_stairs and not climbing.turned:
+        to = memory.way_on(ground, _OFF_STAIRS_M)
+        if to[ground.grid.cell_of(*step.robot.xy)]:  # the robot is there
+            to = np.zeros_like(to)
+    turn = Action.TURN_LEFT
+    if not memory.on_stairs and not to.any():
+        turn = turn_towards(step.robot, connector.beyond, step.motion)
+    if turn is None or climbing.turned >= step.motion.turns_of_a_circle:
+        return _given_up(step, memory, plan, climbing)
+    action = None
+    if to.any():
+        with step.clock("plan"):
+            action = step_over_ground(
+                ground, step.robot, to, step.motion, touching=climbing.touching
+            )
+    climbing = replace(climbing, turned=0 if action is not None else climbing.turned + 1)
+    if action is None:
+        words += ", looking where they lead on"
+    decision = Decision(action or turn, Mode.CLIMB, words)
+    return decision, replace(plan, climbing=climbing)
+
+
+def _next_floor(memory: Memory, climbing: Climbing) -> int:
+    """Number of the floor that the robot is going to; the next free one if it is new."""
+    if climbing.is_back:
+        return memory.number
+    other = memory.connectors[climbing.connector].other_floor
+    return len(memory.floors) if other is None else other
+
+
+def _touches(step: Step, plan: Plan, climbing: Climbing) -> bool:
+    """Whether the robot has bumped into something and has not got away from it yet."""
+    if plan.ordered is None or plan.ordered[1] is not Action.MOVE_FORWARD:
+        return climbing.touching
+    moved_m = plan.ordered[0].distance_to(*step.robot.xy)
+    return moved_m < _MOVED_SHARE * step.motion.forward_m
+
+
+def _given_up(
+    step: Step, memory: Memory, plan: Plan, climbing: Climbing
+) -> tuple[Decision | Phase, Plan]:
+    """Turn back, or end the attempt where the robot has turned back already."""
+    memory.set_passage(climbing.connector, Passage.REFUTED)
+    if climbing.is_back or not memory.on_stairs:
+        step.events.append("stairs given up")
+        return Phase.LOOK_AROUND, replace(plan, climbing=None)
+    step.events.append("turning back on the stairs")
+    back = Climbing(climbing.connector, is_back=True)
+    decision = Decision(Action.TURN_LEFT, Mode.CLIMB, "the stairs lead nowhere, turning back")
+    return decision, replace(plan, climbing=back)

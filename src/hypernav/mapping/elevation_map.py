@@ -1,0 +1,275 @@
+"""The heights of the ground around the robot, stairs included, and what of it can be climbed."""
+
+import math
+
+import cv2
+import numpy as np
+from jaxtyping import Bool, Float32, Float64, UInt8
+
+from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.observation import Observation
+from hypernav.mapping.elevation_kernels import BUMPED, survey
+from hypernav.mapping.ground import Ground, nearest_cell
+
+SIDE_CELLS = 256
+"""Number of rows and columns of the map, whose middle stays near the robot."""
+_SHIFT_CELLS = 32
+"""Cells by which the map moves with the robot."""
+_STEEPEST = 0.75
+"""Slope of steep stairs, rise over run."""
+_LEAST_CELLS = 20
+_OBSTACLE_HITS = 2
+"""Evidence from which a cell holds an obstacle."""
+_SAME_STOREY_M = 1.6
+"""Height above or below the robot, metres, beyond which ground is of another storey."""
+_UNDER_M = 0.1
+"""Distance within which the ground is what the robot stands on, metres."""
+_OTHER_M = 0.6
+"""Difference in height from which it must be of another storey, metres: treads are kept."""
+_SAME_LEVEL_M = 0.15
+"""Greatest difference in height, metres, between two sights of one edge of the floor."""
+_NEAR_LEVEL_M = 0.5
+"""Height above or below the robot, metres, of the ground from which the blind zone is filled in."""
+_STEP_SLACK_M = 0.04
+"""Addition to the highest step, metres, for errors of measured heights."""
+_CLEARANCE = 0.65
+"""Distance from edges and obstacles that a climbing robot's middle keeps, by its radius."""
+
+
+class ElevationMap:
+    """Heights of level ground, in cells around the robot; it moves along with it.
+
+    A cell has one height, that of the highest level surface below the camera in the latest frame
+    that showed one: floor, tread or tabletop. Robot-centric as in Fankhauser et al.,
+    "Probabilistic Terrain Mapping for Mobile Robots with Uncertain Localization", 2018, but without
+    variances.
+    """
+
+    def __init__(self, embodiment: Embodiment, cell_size_m: float) -> None:
+        """Begin with nothing known.
+
+        Args:
+            embodiment: Size of the robot, its highest step, and the range of its camera.
+            cell_size_m: Side of a cell, metres.
+        """
+        self._embodiment = embodiment
+        self._cell_m = cell_size_m
+        shape = (SIDE_CELLS, SIDE_CELLS)
+        self._heights = np.full(shape, np.nan, dtype=np.float32)
+        self._hits = np.zeros(shape, dtype=np.uint8)
+        self._hit_z = np.zeros(shape, dtype=np.float32)
+        self._below = np.full(shape, np.inf, dtype=np.float32)
+        self._scratch = (
+            np.full(shape, -np.inf, dtype=np.float32),
+            np.zeros(shape, dtype=np.uint8),
+            np.zeros(SIDE_CELLS * SIDE_CELLS, dtype=np.int32),
+        )
+        self._robot_z = 0.0
+        self._corner: tuple[int, int] | None = None
+        camera = embodiment.camera
+        lowest = math.atan(camera.intrinsics.cy / camera.intrinsics.fy)
+        lowest += math.radians(camera.pitch_deg)
+        self._blind_m = camera.height_m / math.tan(lowest) + 2 * cell_size_m
+
+    def integrate(self, observation: Observation) -> bool:
+        """Add a frame, whose heights are those of the ``map`` frame.
+
+        Returns:
+            Whether it shows enough ground a step or two above or below the robot's, or depth
+            below it, to look for stairs.
+        """
+        self._centre(*observation.robot.xy)
+        pose, camera = observation.camera_to_map, observation.camera
+        body, sensor = self._embodiment.body, self._embodiment.camera
+        x, y = camera.ray_slopes()
+        across = x[:, None] * pose.rotation[:, 0]
+        down = y[:, None] * pose.rotation[:, 1] + pose.rotation[:, 2]
+        floor_z = float(pose.translation[2]) - sensor.height_m
+        self._stand(observation.robot.xy, floor_z)
+        off_level = survey(
+            np.require(observation.depth, np.float32, ["C", "W"]),
+            across.astype(np.float32),
+            down.astype(np.float32),
+            tuple(pose.translation.tolist()),
+            (sensor.min_depth_m, sensor.max_depth_m),
+            (floor_z, body.height_m, body.max_step_m + _STEP_SLACK_M),
+            (*self._origin, self._cell_m),
+            (self._heights, self._hits, self._hit_z, self._below),
+            self._scratch,
+        )
+        return off_level >= _LEAST_CELLS
+
+    @property
+    def obstacles(self) -> OccupancyGrid:
+        """What stands on the ground: occupied, and unknown elsewhere."""
+        is_hit = self._hits >= _OBSTACLE_HITS
+        cells = np.where(is_hit, np.uint8(Cell.OCCUPIED), np.uint8(Cell.UNKNOWN))
+        return OccupancyGrid(cells, self._cell_m, self._origin)
+
+    def mark_occupied(self, points_xy: Float64[np.ndarray, "n 2"]) -> None:
+        """Remember the middle of positions ``(x, y)``, metres, where the robot has bumped.
+
+        On stairs all that is near would close the way.
+        """
+        if len(points_xy):
+            middle = points_xy.mean(axis=0, keepdims=True)
+            self._hits[self.obstacles.mask_of(middle)] = BUMPED
+
+    def ground_from(self, position: tuple[float, float], *, down: bool = False) -> Ground:
+        """What the robot could walk to from a position.
+
+        Args:
+            position: The robot ``(x, y)``, metres.
+            down: Whether unseen steps down are presumed where nothing but the depth below was seen.
+        """
+        body = self._embodiment.body
+        robot_z = self._robot_z
+        with np.errstate(invalid="ignore"):  # what is farther up or down belongs to other storeys
+            seen = np.abs(self._heights - robot_z) <= _SAME_STOREY_M
+        closed, gaps = _without_gaps(self._heights, seen)
+        dropped_m = self._below - robot_z
+        seen = seen | gaps
+        drop = ~seen & (np.abs(dropped_m) <= _SAME_LEVEL_M)
+        # Right before the robot the camera sees no stairs; they go on as they began.
+        lower = ~seen & (dropped_m > 0.0) & (dropped_m < self._blind_m * _STEEPEST)
+        blind = ~seen & ~drop & self._disc(position, self._blind_m)
+        with np.errstate(invalid="ignore"):
+            near_level = np.abs(self._heights - robot_z) < _NEAR_LEVEL_M
+        filled = _filled(np.where(near_level, self._heights, np.float32(np.nan)))
+        heights = np.where(seen, closed, np.where(blind, filled, np.float32(np.nan)))
+        known = seen | blind
+        # Stairs may lie one above another: only what stands on the ground is an obstacle.
+        step_m = body.max_step_m + _STEP_SLACK_M
+        above_m = self._hit_z - np.where(seen, closed, robot_z)
+        stands = (above_m > np.where(seen, step_m / 2.0, -step_m)) & (above_m < body.height_m)
+        clear = ~((self._hits >= _OBSTACLE_HITS) & stands) & (self._hits < BUMPED)
+        presumed = (drop | (lower & ~blind)) & clear if down else np.zeros_like(known)
+        # What lies lower may be joined to the robot by steps that it does not see.
+        measured = np.where(seen, heights, np.float32(np.nan)) if down else heights
+        is_open = (known & clear & _is_even(measured, step_m)) | presumed
+        grid = OccupancyGrid(
+            np.where(is_open, np.uint8(Cell.FREE), np.uint8(Cell.OCCUPIED)),
+            self._cell_m,
+            self._origin,
+        )
+        clearance = cv2.distanceTransform(
+            is_open.view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
+        )
+        clearance_m = clearance * np.float32(self._cell_m)
+        fits = clearance_m > _CLEARANCE * body.radius_m
+        start = nearest_cell(fits, grid, position)
+        reached = np.zeros_like(fits)
+        if start is not None:
+            _, parts = cv2.connectedComponents(fits.view(np.uint8), connectivity=4)
+            reached = parts == parts[start]
+        heights = np.where(presumed & ~blind, self._below, heights)
+        return Ground(grid, heights, seen, clearance_m, reached, presumed)
+
+    @property
+    def _origin(self) -> tuple[float, float]:
+        row, column = self._corner or (0, 0)
+        return (column * self._cell_m, row * self._cell_m)
+
+    def _disc(
+        self, position: tuple[float, float], radius_m: float
+    ) -> Bool[np.ndarray, "rows columns"]:
+        """Mask of the cells within a distance of a position, metres."""
+        row, column = self._corner or (0, 0)
+        x, y = (one / self._cell_m for one in position)
+        rows, columns = np.ogrid[:SIDE_CELLS, :SIDE_CELLS]
+        squared = (rows + row + 0.5 - y) ** 2 + (columns + column + 0.5 - x) ** 2
+        return squared <= (radius_m / self._cell_m) ** 2
+
+    def _centre(self, x: float, y: float) -> None:
+        """Move the map along with the robot, by whole cells."""
+        at = (math.floor(y / self._cell_m), math.floor(x / self._cell_m))
+        if self._corner is None:
+            self._corner = (at[0] - SIDE_CELLS // 2, at[1] - SIDE_CELLS // 2)
+        row, column = self._corner
+        off = (at[0] - row - SIDE_CELLS // 2, at[1] - column - SIDE_CELLS // 2)
+        shift = tuple(
+            0 if abs(one) < _SHIFT_CELLS else round(one / _SHIFT_CELLS) * _SHIFT_CELLS
+            for one in off
+        )
+        if shift == (0, 0):
+            return
+        self._heights = _shifted(self._heights, shift, np.float32(np.nan))
+        self._hits = _shifted(self._hits, shift, np.uint8(0))
+        self._hit_z = _shifted(self._hit_z, shift, np.float32(0.0))
+        self._below = _shifted(self._below, shift, np.float32(np.inf))
+        self._corner = (row + shift[0], column + shift[1])
+
+    def _stand(self, position: tuple[float, float], floor_z: float) -> None:
+        """The robot stands on ground, which its camera does not see."""
+        row0, column0 = self._corner or (0, 0)
+        row = math.floor(position[1] / self._cell_m) - row0
+        column = math.floor(position[0] / self._cell_m) - column0
+        reach = round(_UNDER_M / self._cell_m)
+        window = np.s_[row - reach : row + reach + 1, column - reach : column + reach + 1]
+        self._hits[window] = 0
+        with np.errstate(invalid="ignore"):
+            is_other = ~(np.abs(self._heights[window] - floor_z) <= _OTHER_M)
+        self._heights[window][is_other] = floor_z
+        self._robot_z = floor_z
+
+
+def _filled(heights: Float32[np.ndarray, "rows columns"]) -> Float32[np.ndarray, "rows columns"]:
+    """The heights with all gaps filled in: averages of what is known around, the nearest first.
+
+    The pyramid of Gortler et al., "The Lumigraph", 1996 ("pull and push").
+    """
+    known = ~np.isnan(heights)
+    weights = [known.astype(np.float32)]
+    totals = [np.where(known, heights, np.float32(0.0))]
+    while min(weights[-1].shape) > 1 and (weights[-1] == 0.0).any():
+        half = (weights[-1].shape[1] // 2, weights[-1].shape[0] // 2)
+        sums = [
+            cv2.resize(one, half, interpolation=cv2.INTER_AREA) for one in (weights[-1], totals[-1])
+        ]
+        mean = sums[1] / np.maximum(sums[0], 1e-9)
+        weights.append(np.minimum(sums[0] * 4.0, 1.0))
+        totals.append(mean * weights[-1])
+    level = totals[-1]
+    for weight, total in zip(weights[-2::-1], totals[-2::-1], strict=True):
+        wider = cv2.resize(level, total.shape[::-1], interpolation=cv2.INTER_LINEAR)
+        level = total + (1.0 - weight) * wider
+    return level
+
+
+def _without_gaps(
+    heights: Float32[np.ndarray, "rows columns"], seen: Bool[np.ndarray, "rows columns"]
+) -> tuple[Float32[np.ndarray, "rows columns"], Bool[np.ndarray, "rows columns"]]:
+    """The heights where gaps of one cell are filled in, as at risers, and a mask of these gaps."""
+    square = np.ones((3, 3), np.uint8)
+    gaps = (cv2.morphologyEx(seen.view(np.uint8), cv2.MORPH_CLOSE, square) > 0) & ~seen
+    higher = cv2.dilate(np.where(seen, heights, np.float32(-1e6)), square)
+    return np.where(gaps, higher, heights), gaps
+
+
+def _is_even(
+    heights: Float32[np.ndarray, "rows columns"], step_m: float
+) -> Bool[np.ndarray, "rows columns"]:
+    """Where the heights around a cell differ by a step at most."""
+    known = ~np.isnan(heights)
+    square = np.ones((3, 3), np.uint8)
+    highest = cv2.dilate(np.where(known, heights, np.float32(-1e6)), square)
+    lowest = cv2.erode(np.where(known, heights, np.float32(1e6)), square)
+    return highest - lowest <= step_m
+
+
+def _shifted(
+    array: Float32[np.ndarray, "rows columns"]
+    | UInt8[np.ndarray, "rows columns"]
+    | Bool[np.ndarray, "rows columns"],
+    shift: tuple[int, ...],
+    fill: np.generic,
+) -> np.ndarray:
+    """The array after a move of its window by rows and columns; what is new is filled."""
+    moved = np.full_like(array, fill)
+    (i, j), (rows, columns) = shift, array.shape
+    if abs(i) < rows and abs(j) < columns:
+        moved[max(-i, 0) : rows - max(i, 0), max(-j, 0) : columns - max(j, 0)] = array[
+            max(i, 0) : rows + min(i, 0), max(j, 0) : columns + min(j, 0)
+        ]
+    return moved

@@ -1,0 +1,246 @@
+"""Connectors between the floors of a building: stairs and ramps, seen without training.
+
+Stairs are told from furniture by what they are for: a robot that takes their steps could walk on
+them from the floor to far above or below it. Stairs down are mostly out of a level camera's sight.
+They are told by an open edge of the floor, wide enough for the robot, beyond which the camera sees
+below the floor.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import cv2
+import numpy as np
+from jaxtyping import Bool
+
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.ground import Ground
+
+LEVEL_M = 0.08
+"""Greatest height above or below a floor, metres, that belongs to it: rugs and sills do."""
+_RISE_M = 0.45
+"""Height above or below the floor, metres, to which stairs lead at least: three steps."""
+_LEAST_M2 = 0.1
+"""Ground that far from the floor's height, within the robot's reach, square metres."""
+_DROP_M2 = 0.25
+"""Presumed stairs down, within the robot's reach, square metres."""
+_ALONG_M = 1.0
+"""Length of the stairs from their end, metres, that tells their direction."""
+_SAME_M = 1.0
+"""Distance between the ends of two sightings of one connector, metres."""
+_SAME_REFUTED_M = 0.5
+"""The same for a connector that was refuted: the true head of stairs may be beside a railing."""
+_AHEAD_M = 0.9
+"""Distance of the next aim on stairs, metres."""
+_LEAST_AHEAD_M = 0.3
+_NEXT_M = 2.5
+"""Length of the axis, metres, on which presumed stairs must begin for the robot to follow it."""
+_SAME_DROP_M = 0.3
+_SAME_TREAD_M = 0.06
+_BESIDE_AXIS_M = 0.15
+"""Distance from the axis within which the robot goes down stairs that it does not see, metres."""
+_LEAST_CELLS = 10
+_SIGHTINGS = 2
+"""Images that must show a connector before the robot relies on it."""
+
+
+class Passage(StrEnum):
+    """What the robot knows of the way over a connector."""
+
+    UNTRIED = "untried"
+    USED = "used"
+    REFUTED = "refuted"
+    """There is no way, or what was seen are no stairs."""
+
+
+@dataclass(frozen=True)
+class Connector:
+    """Stairs or a ramp, as seen from one of the two floors that they connect.
+
+    Attributes:
+        floor: Number of the floor that it is seen from.
+        goes_up: Whether it leads up from there.
+        end: Its end on this floor: position ``(x, y)`` in the middle of the first edge, metres.
+        axis: Direction in which it leads away from there, radians.
+        passage: What is known of the way.
+        other_floor: Number of the floor at its other end; None if it is not known.
+        sightings: Number of images that showed it.
+    """
+
+    floor: int
+    goes_up: bool
+    end: tuple[float, float]
+    axis: float
+    passage: Passage = Passage.UNTRIED
+    other_floor: int | None = None
+    sightings: int = 1
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether the robot may rely on it."""
+        return self.passage is not Passage.REFUTED and self.sightings >= _SIGHTINGS
+
+    @property
+    def is_new(self) -> bool:
+        """Whether nobody knows where it leads."""
+        return self.is_usable and self.other_floor is None
+
+    @property
+    def approach(self) -> tuple[float, float]:
+        """Position ``(x, y)`` on the floor, right before the stairs, metres."""
+        x, y = self.end
+        return (x - 0.3 * math.cos(self.axis), y - 0.3 * math.sin(self.axis))
+
+    @property
+    def beyond(self) -> tuple[float, float]:
+        """Position ``(x, y)`` on the stairs, metres."""
+        x, y = self.end
+        return (x + math.cos(self.axis), y + math.sin(self.axis))
+
+    @property
+    def words(self) -> str:
+        """Name for models and people."""
+        return "stairs up" if self.goes_up else "stairs down"
+
+    def is_same(self, other: "Connector") -> bool:
+        """Whether another sighting is of this connector."""
+        same_m = _SAME_REFUTED_M if self.passage is Passage.REFUTED else _SAME_M
+        return (
+            self.floor == other.floor
+            and self.goes_up == other.goes_up
+            and math.dist(self.end, other.end) <= same_m
+        )
+
+
+def with_sightings(known: Sequence[Connector], seen: Sequence[Connector]) -> tuple[Connector, ...]:
+    """The known connectors with those of one more image; numbers, their indices, stay."""
+    connectors = list(known)
+    for one in seen:
+        number = next((k for k, old in enumerate(connectors) if old.is_same(one)), None)
+        if number is None:
+            connectors.append(one)
+            continue
+        old = connectors[number]
+        is_untried = old.passage is Passage.UNTRIED
+        now = replace(old, end=one.end, axis=one.axis) if is_untried else old
+        connectors[number] = replace(now, sightings=old.sightings + 1)
+    return tuple(connectors)
+
+
+def with_crossing(
+    known: Sequence[Connector],
+    number: int,
+    floor: int,
+    end: tuple[float, float],
+    axis: float,
+) -> tuple[Connector, ...]:
+    """The known connectors after one of them was taken; it is known from both ends then.
+
+    Args:
+        known: The connectors.
+        number: Number of the one that was taken.
+        floor: Number of the floor that it led to.
+        end: Where the robot came to that floor ``(x, y)``, metres.
+        axis: Direction back from there, radians.
+    """
+    connectors = list(known)
+    there = connectors[number]
+    connectors[number] = replace(there, passage=Passage.USED, other_floor=floor)
+    back = Connector(floor, not there.goes_up, end, axis, sightings=_SIGHTINGS)
+    same = next((k for k, one in enumerate(connectors) if one.is_same(back)), len(connectors))
+    seen = connectors[same] if same < len(connectors) else back
+    connectors[same:] = [
+        replace(seen, passage=Passage.USED, other_floor=there.floor, sightings=_SIGHTINGS),
+        *connectors[same + 1 :],
+    ]
+    return tuple(connectors)
+
+
+def connectors_in(ground: Ground, floor: int, floor_z: float) -> list[Connector]:
+    """The connectors that begin within reach on a floor.
+
+    Args:
+        ground: Ground around the robot, which is on that floor; unseen steps down presumed.
+        floor: Number of the floor.
+        floor_z: Its height, metres.
+    """
+    reached = ground.reached
+    above = ground.between(floor_z + LEVEL_M, math.inf) & ground.seen
+    below = ground.between(-math.inf, floor_z - LEVEL_M) & ground.seen
+    below |= reached & ground.presumed
+    level = ground.between(floor_z - LEVEL_M, floor_z + LEVEL_M) & ~ground.presumed
+    found = list[Connector]()
+    for part in _parts(above):
+        high = part & ground.between(floor_z + _RISE_M, math.inf)
+        steps = part & ~high
+        if min(ground.area_m2(high), ground.area_m2(steps)) >= _LEAST_M2:
+            found += _connector(ground, part, level, floor, goes_up=True)
+    for part in _parts(below):
+        low = part & ground.seen & ground.between(-math.inf, floor_z - _RISE_M)
+        presumed = part & ground.presumed
+        if ground.area_m2(low) >= _LEAST_M2 or ground.area_m2(presumed) >= _DROP_M2:
+            found += _connector(ground, part, level, floor, goes_up=False)
+    return found
+
+
+def _connector(
+    ground: Ground,
+    part: Bool[np.ndarray, "rows columns"],
+    level: Bool[np.ndarray, "rows columns"],
+    floor: int,
+    *,
+    goes_up: bool,
+) -> list[Connector]:
+    """The connector of a part of the ground; empty if it does not begin on the floor."""
+    edge = level & (cv2.dilate(part.view(np.uint8), np.ones((3, 3), np.uint8)) > 0)
+    if not edge.any():
+        return []
+    points, steps = ground.positions(edge), ground.positions(part)
+    end = points[ground.clearance_m[edge].argmax()]  # in the middle between railings
+    away = steps[np.linalg.norm(steps - end, axis=1) <= _ALONG_M].mean(axis=0) - end
+    beside = points[np.linalg.norm(points - end, axis=1) <= _ALONG_M / 2.0] - end
+    along = np.linalg.svd(beside)[2][0]  # stairs lead away at right angles to their first edge
+    ahead = away - (away @ along) * along
+    axis = math.atan2(ahead[1], ahead[0])
+    return [Connector(floor, goes_up, (float(end[0]), float(end[1])), axis)]
+
+
+def _parts(mask: Bool[np.ndarray, "rows columns"]) -> list[Bool[np.ndarray, "rows columns"]]:
+    """The connected parts of a mask, without specks."""
+    if not mask.any():
+        return []
+    count, parts, stats, _ = cv2.connectedComponentsWithStats(mask.view(np.uint8), connectivity=8)
+    return [parts == k for k in range(1, count) if stats[k, cv2.CC_STAT_AREA] > 10]
+
+
+def stairs_ahead(
+    ground: Ground, robot: Pose2, robot_z: float, connector: Connector, *, up: bool, on_slope: bool
+) -> Bool[np.ndarray, "rows columns"]:
+    """Mask of the ground to go to next on stairs; empty where they end.
+
+    It is the highest ground in reach, or the lowest. Where no ground below is seen, it lies ahead
+    on the axis of the connector, as long as the robot is on a slope or stairs are presumed there;
+    beyond a landing, it is any presumed stairs.
+    """
+    sign = 1.0 if up else -1.0
+    away = ground.distances_m(robot.xy)
+    with np.errstate(invalid="ignore"):
+        rise = sign * (ground.heights - robot_z)
+        beyond = ground.reached & (rise > LEVEL_M + 0.04) & ~ground.presumed
+        if beyond.sum() < _LEAST_CELLS and not up:
+            beyond = ground.reached & ground.presumed
+            axis = connector.axis + (math.pi if connector.goes_up else 0.0)
+            ahead_m = ground.along(robot.xy, axis)[0]
+            next_m = _AHEAD_M if on_slope else _NEXT_M
+            on_axis = ground.along(connector.end, axis)[1] <= _BESIDE_AXIS_M
+            on_axis &= ground.reached if on_slope else beyond
+            on_axis &= (ahead_m > _LEAST_AHEAD_M) & (ahead_m < next_m)
+            if on_axis.sum() >= _LEAST_CELLS:
+                return on_axis & (ahead_m >= min(_AHEAD_M, float(ahead_m[on_axis].max())) - 0.1)
+        if not beyond.any():
+            return beyond
+        best = np.where(beyond, rise, -np.inf).max()
+        beyond &= rise >= best - np.where(ground.presumed, _SAME_DROP_M, _SAME_TREAD_M)
+    return beyond & (away >= min(_AHEAD_M, float(away[beyond].max())))

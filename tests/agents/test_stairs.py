@@ -1,0 +1,109 @@
+"""A search goes over stairs to what is on another floor."""
+
+from dataclasses import replace
+from functools import cache
+
+import pytest
+
+from box_scenes import Box, scene_of
+from hypernav.build.agents import build_search
+from hypernav.build.presets import preset, with_changes
+from hypernav.core.actions import Action
+from hypernav.core.episodes.episode import Episode
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.trace import Mode, StepTrace
+from hypernav.mapping.memory.connectors import Passage
+from hypernav.mapping.memory.memory import Memory
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.worlds.simulation import SimulatedWorld
+from stair_views import FIRST_X, RISE_M, SIDES_Y, STEPS, TREAD_M
+
+CONFIG = with_changes(preset("default"), {"embodiment": {"body": {"max_step_m": 0.2}}})
+ABOVE_M = STEPS * RISE_M
+START_X = 1.5
+HEAD_X = FIRST_X + (STEPS - 1) * TREAD_M
+
+
+@cache
+def split_level() -> SimulatedWorld:
+    """A room with a sofa; stairs between walls lead from it to one with a bed, 1.8 m higher."""
+    low, high = SIDES_Y
+    boxes: list[Box] = [
+        (None, (-0.1, -0.1, -0.1), (13.1, 4.1, 0.0)),
+        (None, (-0.1, -0.1, 0.0), (13.1, 0.0, 4.4)),
+        (None, (-0.1, 4.0, 0.0), (13.1, 4.1, 4.4)),
+        (None, (-0.1, 0.0, 0.0), (0.0, 4.0, 4.4)),
+        (None, (13.0, 0.0, 0.0), (13.1, 4.0, 4.4)),
+        (None, (-0.1, -0.1, 4.4), (13.1, 4.1, 4.5)),
+        (None, (FIRST_X, 0.0, 0.0), (HEAD_X, low, 4.4)),
+        (None, (FIRST_X, high, 0.0), (HEAD_X, 4.0, 4.4)),
+        (None, (HEAD_X, 0.0, 0.0), (13.0, 4.0, ABOVE_M)),
+        ("sofa", (0.1, 3.0, 0.0), (1.6, 3.9, 0.7)),
+        ("bed", (11.0, 0.1, ABOVE_M), (12.9, 1.7, ABOVE_M + 0.5)),
+    ]
+    boxes += [
+        (
+            None,
+            (FIRST_X + k * TREAD_M, low, 0.0),
+            (FIRST_X + (k + 1) * TREAD_M, high, (k + 1) * RISE_M),
+        )
+        for k in range(STEPS - 1)
+    ]
+    scene = replace(scene_of(*boxes, name="split level"), storeys=(0.0, ABOVE_M))
+    return SimulatedWorld(scene, CONFIG.world, CONFIG.embodiment)
+
+
+def search(goal: str, **switches: bool) -> tuple[list[StepTrace], Memory]:
+    """The trace of a search from the lower room, and what it knows after."""
+    world = split_level()
+    config = CONFIG.model_copy(update={"search": CONFIG.search.model_copy(update=switches)})
+    agent = build_search(config, GroundTruthDetector())
+    agent.reset(Goal(goal))
+    observation = world.reset(Episode("x", "0", Goal(goal), Pose2(START_X, 1.0, 0.0), start_z=0.0))
+    trace: list[StepTrace] = []
+    for _ in range(250):
+        action = agent.act(observation)
+        trace.append(agent.last_step)
+        if action is None or action is Action.STOP:
+            break
+        observation = world.step(action)
+    return trace, agent.memory
+
+
+@pytest.mark.slow
+def test_a_search_goes_up_to_the_goal():
+    trace, memory = search("bed")
+    assert trace[-1].action is Action.STOP
+    assert [one.z for one in memory.floors] == pytest.approx([0.0, ABOVE_M], abs=0.1)
+    assert [one.floor for one in (trace[0], trace[-1])] == [None, 2]
+    climbing = [one for one in trace if one.mode is Mode.CLIMB]
+    assert climbing
+    assert all(one.reason.startswith("on the stairs to floor 2") for one in climbing)
+    assert {one.passage for one in memory.connectors} == {Passage.USED}
+    on_stairs_x = [one.pose[0] + START_X for one in climbing]
+    assert max(x for x, _ in memory.floors[0].trajectory) + START_X < FIRST_X + 2.0 * TREAD_M
+    assert max(on_stairs_x) > HEAD_X - TREAD_M
+
+
+@pytest.mark.slow
+def test_without_stairs_a_search_stays_on_its_floor():
+    trace, memory = search("bed", use_stairs=False)
+    assert trace[-1].action is not Action.STOP
+    assert len(memory.floors) == 1
+    assert not memory.connectors
+    assert all(one.mode is not Mode.CLIMB for one in trace)
+
+
+@pytest.mark.slow
+def test_a_search_comes_back_by_the_stairs_that_it_took():
+    trace, memory = search("umbrella")
+    floors = [one.floor for one in trace if one.mode is not Mode.CLIMB]
+    assert floors[-1] == 1
+    assert 2 in floors
+    assert memory.number == 0
+
+
+def test_the_paper_stays_on_one_floor():
+    assert not preset("paper").search.use_stairs
+    assert preset("default").search.use_stairs

@@ -1,0 +1,101 @@
+"""Stairs are seen in both directions, and furniture is no stairs."""
+
+import math
+
+import pytest
+
+from box_views import FLOOR, SolidBox, room, turning, view_of
+from hypernav.core.embodiment import BodyConfig, Embodiment
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.connectors import Connector, Passage
+from hypernav.mapping.memory.memory import Memory
+from stair_views import FIRST_X, SIDES_Y, stairs_down, stairs_up
+
+CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
+CAMERA = CLIMBER.camera.intrinsics
+MIDDLE_Y = sum(SIDES_Y) / 2.0
+
+
+def memory_after(boxes: list[SolidBox], *poses: Pose2, robot: Embodiment = CLIMBER) -> Memory:
+    memory = Memory(MappingConfig(), robot)
+    memory.begin_search(sees_stairs=True)
+    for pose in poses:
+        memory.follow(view_of(boxes, pose, camera=CAMERA))
+    return memory
+
+
+def before_stairs(*distances_m: float, yaw: float = 0.0) -> list[Pose2]:
+    return [Pose2(FIRST_X - away_m, MIDDLE_Y, yaw) for away_m in distances_m]
+
+
+def usable(memory: Memory) -> list[Connector]:
+    return [one for one in memory.connectors if one.is_usable]
+
+
+@pytest.mark.parametrize(("goes_up", "distances_m"), [(True, (3.0, 2.5, 2.0)), (False, (2.0, 1.8))])
+@pytest.mark.parametrize("yaw", [0.0, 0.25])
+def test_stairs_ahead_are_seen_with_their_end_and_axis(
+    goes_up: bool, distances_m: tuple[float, ...], yaw: float
+):
+    boxes = [FLOOR, *stairs_up()] if goes_up else stairs_down()
+    (found,) = usable(memory_after(boxes, *before_stairs(*distances_m, yaw=yaw)))
+    assert found.goes_up is goes_up
+    assert math.dist(found.end, (FIRST_X, MIDDLE_Y)) < 0.4
+    assert abs(found.axis) < math.radians(15.0)
+
+
+def test_one_image_is_not_enough_to_rely_on_stairs():
+    memory = memory_after([FLOOR, *stairs_up()], *before_stairs(2.5))
+    assert memory.connectors
+    assert not memory.ways_out()
+
+
+FURNITURE: dict[str, SolidBox] = {
+    "bed": ((3.0, 0.5, 0.0), (5.0, 2.1, 0.5)),
+    "stool": ((3.0, 1.8, 0.0), (3.4, 2.2, 0.4)),
+    "step": ((3.0, 0.0, 0.0), (6.0, 4.0, 0.18)),
+    "table": ((3.0, 1.0, 0.7), (4.6, 2.0, 0.75)),
+}
+
+
+@pytest.mark.parametrize("name", sorted(FURNITURE))
+def test_furniture_and_single_steps_are_no_stairs(name: str):
+    memory = memory_after(
+        [*room(6.0, 4.0), FURNITURE[name]], *turning(2.0, 2.0), *turning(1.0, 2.0)
+    )
+    assert not usable(memory)
+
+
+def test_an_edge_behind_a_wall_leads_nowhere():
+    wall: SolidBox = ((FIRST_X - 0.1, -10.0, 0.0), (FIRST_X, 10.0, 0.85))
+    assert not usable(memory_after([*stairs_down(), wall], *before_stairs(3.0, 2.5, 2.0)))
+
+
+def test_a_robot_that_cannot_climb_looks_for_no_stairs():
+    memory = memory_after([FLOOR, *stairs_up()], *before_stairs(2.5, 2.0), robot=Embodiment())
+    assert memory.elevation is None
+    assert not memory.connectors
+    assert not memory.on_stairs
+
+
+def test_stairs_that_were_refuted_are_no_way_out_however_often_they_are_seen():
+    memory = memory_after([FLOOR, *stairs_up()], *before_stairs(3.0, 2.5))
+    assert len(memory.ways_out()) == 1
+    memory.set_passage(0, Passage.REFUTED)
+    for pose in before_stairs(2.5, 2.4):
+        memory.follow(view_of([FLOOR, *stairs_up()], pose, camera=CAMERA))
+    assert not memory.ways_out()
+
+
+def test_used_stairs_are_known_from_both_ends_and_lead_on_until_all_is_explored():
+    memory = memory_after([FLOOR, *stairs_up()], *before_stairs(3.0, 2.5))
+    memory.number = memory.add_floor(1.8)
+    memory.crossed(0)
+    there, back = memory.connectors
+    assert (there.floor, there.other_floor, there.goes_up) == (0, 1, True)
+    assert (back.floor, back.other_floor, back.goes_up) == (1, 0, False)
+    assert [one.connector for one in memory.ways_out()] == [1]
+    assert not memory.ways_out(new=True)
+    memory.floors[0].search.is_explored = True
+    assert not memory.ways_out()

@@ -1,0 +1,36 @@
+"""Stairs out of boxes: up from a room, and down from the edge of its floor."""
+
+from box_views import SolidBox
+
+TREAD_M, RISE_M, STEPS = 0.28, 0.18, 10
+FIRST_X, SIDES_Y = 4.0, (1.4, 2.6)
+
+
+def stairs_up(*, storey_m: float = STEPS * RISE_M) -> list[SolidBox]:
+    """Steps towards +x from x = 4, between y 1.4 and 2.6, and the floor that they lead to."""
+    low, high = SIDES_Y
+    steps: list[SolidBox] = [
+        ((FIRST_X + k * TREAD_M, low, 0.0), (FIRST_X + (k + 1) * TREAD_M, high, (k + 1) * RISE_M))
+        for k in range(STEPS - 1)
+    ]
+    head = FIRST_X + (STEPS - 1) * TREAD_M
+    return [*steps, ((head, -10.0, 0.0), (head + 8.0, 10.0, storey_m))]
+
+
+def stairs_down() -> list[SolidBox]:
+    """A floor that ends at x = 4, from where steps lead down between walls to one 1.8 m lower."""
+    low, high = SIDES_Y
+    steps: list[SolidBox] = [
+        (
+            (FIRST_X + k * TREAD_M, low, -3.0),
+            (FIRST_X + (k + 1) * TREAD_M, high, -(k + 1) * RISE_M),
+        )
+        for k in range(STEPS - 1)
+    ]
+    return [
+        ((-10.0, -10.0, -3.0), (FIRST_X, 10.0, 0.0)),
+        *steps,
+        ((FIRST_X, -10.0, -3.0), (30.0, 10.0, -STEPS * RISE_M)),
+        ((FIRST_X, -10.0, -3.0), (12.0, low, 2.5)),
+        ((FIRST_X, high, -3.0), (12.0, 10.0, 2.5)),
+    ]
