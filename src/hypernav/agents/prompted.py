@@ -26,7 +26,8 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode, StepTrace
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.memory import Floor, Memory
+from hypernav.mapping.memory.floor import Floor
+from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.visual_prompts.arrow_explorer import VlmnavExplorer
 from hypernav.perception.visual_prompts.config import ArrowsConfig
 from hypernav.perception.visual_prompts.pivot import PivotExplorer

@@ -14,7 +14,8 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import BlockRecord, DetectionRecord, Mode, StepTrace
-from hypernav.mapping.memory.memory import Floor, Memory
+from hypernav.mapping.memory.floor import Floor
+from hypernav.mapping.memory.memory import Memory
 from hypernav.planning.bump_sensor import bumped_points
 
 

@@ -10,7 +10,8 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.memory import Memory, SearchMemory
+from hypernav.mapping.memory.floor import SearchMemory
+from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.explorers.block_explorer import BlockExplorer, OverviewConfig
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.explorers.nearest_frontier import NearestFrontierExplorer

@@ -11,7 +11,8 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.memory import Memory, SearchMemory
+from hypernav.mapping.memory.floor import SearchMemory
+from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.belief import (
     confirmed,
     is_convincing,

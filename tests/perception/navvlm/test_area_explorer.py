@@ -19,7 +19,7 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.memory import SearchMemory
+from hypernav.mapping.memory.floor import SearchMemory
 from hypernav.perception.navvlm.area_explorer import AreaConfig, AreaExplorer, _largest_piece
 from hypernav.perception.navvlm.guides import ChatGuide, TruthGuide, direction_in
 from images import thing_before_wall

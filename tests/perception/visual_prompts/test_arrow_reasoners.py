@@ -14,7 +14,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.memory import SearchMemory
+from hypernav.mapping.memory.floor import SearchMemory
 from hypernav.perception.visual_prompts import object_graph
 from hypernav.perception.visual_prompts.arrow_explorer import DynavlmStyleExplorer, VlmnavExplorer
 from hypernav.perception.visual_prompts.arrow_reasoners import (

@@ -12,7 +12,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.memory import SearchMemory
+from hypernav.mapping.memory.floor import SearchMemory
 from hypernav.perception.visual_prompts.arrow_explorer import VlmnavExplorer
 from hypernav.perception.visual_prompts.arrow_reasoners import ChatArrowReasoner
 from hypernav.perception.visual_prompts.config import ArrowsConfig

@@ -14,7 +14,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.memory import SearchMemory
+from hypernav.mapping.memory.floor import SearchMemory
 from hypernav.perception.vlfm.value_frontier import ValueFrontierExplorer, without_pockets
 
 HERE = Pose2(0.0, 0.0, 0.0)

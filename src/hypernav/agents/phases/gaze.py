@@ -9,7 +9,7 @@ from hypernav.core.actions import Action
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.mapping.memory.memory import Looked
+from hypernav.mapping.memory.floor import Looked
 from hypernav.mapping.sight_lines import unseen_by_bearing
 
 _RAYS = 72

@@ -5,8 +5,8 @@ from typing import Any
 import cv2
 import numpy as np
 
+from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.key_images import KeyImage
-from hypernav.mapping.memory.memory import Floor
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.mapping.memory.thing import Thing
 from hypernav.show.drawing.map_images import draw_map

@@ -7,17 +7,15 @@ above or below that floor, it is on another one: one that it knows at that heigh
 
 import copy
 import math
-from dataclasses import dataclass, field, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Bool, Float64
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import WayOut
-from hypernav.core.exploring.sightings import Sightings
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.elevation_map import ElevationMap
@@ -29,10 +27,8 @@ from hypernav.mapping.memory.connectors import (
     with_crossing,
     with_sightings,
 )
+from hypernav.mapping.memory.floor import Floor, SearchMemory
 from hypernav.mapping.memory.key_images import KeyImages
-from hypernav.mapping.memory.looked_over import LookedOver
-from hypernav.mapping.memory.target import GoalEvidence
-from hypernav.mapping.memory.things import Things
 from hypernav.mapping.top_down_map import TopDownMap
 
 _ANOTHER_M = 1.0
@@ -50,109 +46,6 @@ _LEAST_LANDING_M2 = 1.0
 """Ground that suffices there for a floor, square metres: the head of stairs may be small."""
 _WALKED_M = 0.75
 """Distance at one height, metres, that tells a floor from stairs: treads are shorter."""
-_MOST_POSITIONS = 5000
-"""Number of positions of earlier searches that a floor's trajectory keeps."""
-
-
-@dataclass(frozen=True, eq=False)
-class Looked:
-    """Where the robot has looked from its present position.
-
-    Attributes:
-        spot: The position ``(x, y)``, ``map`` frame, metres.
-        bearings: Whether it has looked in each direction, counter-clockwise from the x axis.
-    """
-
-    spot: tuple[float, float]
-    bearings: Bool[np.ndarray, " rays"]
-
-
-@dataclass(eq=False)
-class SearchMemory:
-    """What the search for one goal has learned on one floor; each goal begins a new one.
-
-    Attributes:
-        evidence: Candidates for the goal, and what speaks for and against them.
-        visits: Destinations ``(x, y)`` that were reached or given up, the oldest first, metres.
-        looked: Where the robot has looked from its position; None before the first look.
-        notes: What explorers have noted, by keys of their own: plain values that can be copied.
-        is_explored: Whether nothing was left to explore.
-        number: Number of the search in this memory.
-        lasts: Whether later searches are to know what it has seen.
-        remembered: Numbers of the things that were known before it began.
-        gone_to: Numbers of those that it has gone to, or given up.
-        looked_over: What it has looked at of the floor; None if the floor was not known before.
-        looks_again: Whether it explores what it has not looked at itself, known or not.
-    """
-
-    evidence: GoalEvidence = field(default_factory=GoalEvidence)
-    visits: list[tuple[float, float]] = field(default_factory=list)
-    looked: Looked | None = None
-    notes: dict[str, Any] = field(default_factory=dict)
-    is_explored: bool = False
-    number: int = 0
-    lasts: bool = False
-    remembered: frozenset[int] = frozenset()
-    gone_to: set[int] = field(default_factory=set)
-    looked_over: LookedOver | None = None
-    looks_again: bool = False
-
-    def remembered_of(self, things: Things) -> Things:
-        """The things that were known before the search began."""
-        known = tuple(one for one in things.known if one.number in self.remembered)
-        return Things(known, things.count)
-
-    def forget_exploration(self) -> None:
-        """Forget visits and notes: what counts as visited may hardly have been seen."""
-        self.is_explored = False
-        self.visits.clear()
-        self.notes.clear()
-
-
-@dataclass(eq=False)
-class Floor:
-    """One floor as the robot knows it.
-
-    Attributes:
-        z: Its height in the ``map`` frame, metres.
-        map: Map of it.
-        trajectory: Positions ``(x, y)`` of the robot on it, one per frame, metres.
-        sightings: Things that were seen on it, other than the goal, for explorers' questions.
-        things: All things that were seen on it, for later searches.
-        search: What the present search has learned on it.
-    """
-
-    z: float
-    map: TopDownMap
-    trajectory: list[tuple[float, float]] = field(default_factory=list)
-    sightings: Sightings = field(default_factory=Sightings)
-    things: Things = field(default_factory=Things)
-    search: SearchMemory = field(default_factory=SearchMemory)
-
-    def integrate(self, observation: Observation) -> None:
-        """Add a frame, with heights counted from this floor, to map and trajectory."""
-        self.trajectory.append(observation.robot.xy)
-        self.map.integrate(observation)
-        if self.search.looked_over is not None:
-            self.search.looked_over.add(observation, self.map.grid)
-
-    def begin_search(self, number: int, *, lasts: bool) -> None:
-        """Forget what the search for another goal learned; `SearchMemory` has the arguments."""
-        self.search = SearchMemory(
-            number=number,
-            lasts=lasts,
-            remembered=frozenset(one.number for one in self.things.known),
-            looked_over=LookedOver.nothing(self.map.grid) if self.trajectory else None,
-        )
-        del self.trajectory[:-_MOST_POSITIONS]
-
-    def seen_from(self, observation: Observation) -> Observation:
-        """The same observation with heights counted from this floor: its camera is lowered by z."""
-        if self.z == 0.0:
-            return observation
-        pose = observation.camera_to_map
-        lowered = Transform(pose.rotation, pose.translation - np.array([0.0, 0.0, self.z]))
-        return replace(observation, camera_to_map=lowered)
 
 
 class Memory:

@@ -16,6 +16,7 @@ from hypernav.core.files.allowance import Allowance
 from hypernav.core.files.json_text import parse_json
 from hypernav.core.files.reading import path_below, read_file
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.index import (
     FORMAT,
     VERSION,
@@ -27,7 +28,7 @@ from hypernav.mapping.memory.index import (
     Place,
 )
 from hypernav.mapping.memory.key_images import KeyImages, with_patches
-from hypernav.mapping.memory.memory import Floor, Memory
+from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.writing import INDEX_NAME
 from hypernav.mapping.top_down_map import TopDownMap
 

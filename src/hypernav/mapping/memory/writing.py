@@ -9,6 +9,7 @@ import numpy as np
 
 from hypernav.core.errors import OutputError
 from hypernav.core.files.whole_files import write_whole
+from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.index import (
     FileRecord,
     FloorRecord,
@@ -20,7 +21,7 @@ from hypernav.mapping.memory.index import (
     ThingRecord,
 )
 from hypernav.mapping.memory.key_images import KeyImage
-from hypernav.mapping.memory.memory import Floor, Memory
+from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.ros_map import save_ros_map
 
 INDEX_NAME = "memory.json"

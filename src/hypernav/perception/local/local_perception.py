@@ -17,8 +17,8 @@ from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord
+from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.goal_area import GoalArea
-from hypernav.mapping.memory.memory import Floor
 from hypernav.mapping.memory.things import Things
 from hypernav.perception.local.belief import (
     Sighting,
