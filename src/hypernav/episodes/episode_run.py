@@ -12,7 +12,7 @@ import numpy as np
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.components.abilities import BuiltForRobot, remembers
-from hypernav.core.components.protocols import Agent, ExplainsItself, Remembers
+from hypernav.core.components.protocols import Agent, ExplainsItself
 from hypernav.core.episodes.episode import Episode, Outcome
 from hypernav.core.episodes.metrics import EpisodeMetrics
 from hypernav.core.episodes.truth import EpisodeTruth
@@ -112,7 +112,8 @@ class EpisodeRun:
             rng: Generator of the world's noise.
             told: Holder of the truth for stand-ins in the agent, if it has any
                 (`hypernav.BuiltAgent.truth`); their generator is spawned from ``rng``.
-            goes_on: Whether this search goes on with a life: the robot stays where it is.
+            goes_on: Whether this search goes on with a life: the robot stays where it is, and an
+                agent that `Remembers` keeps its memory.
             memory: What is known of the building, which the agent changes: a memory in the world's
                 ``map`` frame, or an open folder, in whose frame the world then gives observations,
                 and to which the search is saved.
@@ -128,7 +129,7 @@ class EpisodeRun:
         self._agent = agent
         self._folder = memory if isinstance(memory, MemoryFolder) else None
         if memory is not None:
-            _remembering(agent)
+            _check_remembers(agent)
         self._began = time.perf_counter()
         self._clock = ModuleClock()
         with self._clock("world"), _map_frame_of(self._folder, world, episode):
@@ -149,10 +150,12 @@ class EpisodeRun:
                 building="" if truth is None else _building(episode),
                 map_to_scene=None if truth is None else truth.map_to_scene,
             )
-        if memory is None:
-            agent.reset(episode.goal)
+        elif memory is None and goes_on and remembers(agent):
+            memory = agent.memory
+        if memory is not None and remembers(agent):
+            agent.reset(episode.goal, memory)
         else:
-            _remembering(agent).reset(episode.goal, memory)
+            agent.reset(episode.goal)
 
     def __iter__(self) -> Iterator[EpisodeStep]:
         """Run the episode to its end, one step at a time.
@@ -275,14 +278,13 @@ def _map_frame_of(folder: MemoryFolder | None, world: World, episode: Episode) -
         world.keep_map_frame(None)
 
 
-def _remembering(agent: Agent) -> Remembers:
-    """An agent that is given a memory; others, which have no use for one, are refused."""
-    if remembers(agent):
-        return agent
-    raise ConfigError(
-        f"{type(agent).__name__} keeps no memory of a building; use an agent that searches on a "
-        "map, such as hypernav or frontier, or leave the memory out"
-    )
+def _check_remembers(agent: Agent) -> None:
+    """Refuse to give a memory to an agent that has no use for one."""
+    if not remembers(agent):
+        raise ConfigError(
+            f"{type(agent).__name__} keeps no memory of a building; use an agent that searches on "
+            "a map, such as hypernav or frontier, or leave the memory out"
+        )
 
 
 def _check_robot(agent: Agent, world: World) -> None:

@@ -173,15 +173,13 @@ class EpisodeRecorder:
             )
             if not self._attempt(name, write)
         ]
-        if missing and not self.folder.is_dir():
-            raise OutputError(
-                f"{self.folder} was removed while the search ran; search again to have its files"
-            )
         if missing:
-            raise OutputError(
-                f"{self.folder}: {', '.join(missing)} could not be written; is the disk full? All "
-                "other files are there"
+            why = (
+                "is the disk full? All other files are there"
+                if self.folder.is_dir()
+                else "the folder was removed or replaced while the search ran"
             )
+            raise OutputError(f"{self.folder}: {', '.join(missing)} could not be written; {why}")
 
     def _attempt(self, name: str, write: Callable[[], object]) -> bool:
         """Whether a file could be written; an incomplete file is removed."""

@@ -37,7 +37,8 @@ def searched(world, goal: str, start: Pose2, memory: Memory | None, **search):
     config = small_config(search=search)
     agent = build_search(config, GroundTruthDetector(), ExchangeLog())
     world.keep_map_frame(START.to_transform())
-    run = EpisodeRun(agent, world, episode_from(start, goal, max_steps=200), memory=memory)
+    episode = episode_from(start, goal, max_steps=200)
+    run = EpisodeRun(agent, world, episode, memory=memory or agent.new_memory())
     steps = [step.trace for step in run]
     world.keep_map_frame(None)
     return steps, run.result(), agent.memory

@@ -26,6 +26,15 @@ class BuiltForRobot(Protocol):
 
 
 @runtime_checkable
+class BeginsMemory(Protocol):
+    """An agent that learns more where it is told that its memory will last."""
+
+    def new_memory(self) -> Any:
+        """An empty memory, for the first of several searches."""
+        ...
+
+
+@runtime_checkable
 class ChecksGoal(Protocol):
     """A component that knows which goals it can't find, a detector of fixed classes for example."""
 

@@ -45,10 +45,6 @@ class Remembers(Agent, Protocol):
         """What it knows, the present search included; there is none before the first one."""
         ...
 
-    def new_memory(self) -> Any:
-        """An empty memory, for the first of several searches."""
-        ...
-
     def reset(self, goal: Goal, memory: Any = None) -> None:
         """Begin a new search with what is known of the building; None if nothing is."""
         ...

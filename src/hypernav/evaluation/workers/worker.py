@@ -14,7 +14,7 @@ from hypernav.build.component_specs import ComponentSpecs, WorldName
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.worlds import open_world
-from hypernav.core.components.abilities import Closes, remembers
+from hypernav.core.components.abilities import BeginsMemory, Closes, remembers
 from hypernav.core.components.door import SIMULATOR_ERRORS
 from hypernav.core.components.protocols import Agent
 from hypernav.core.episodes.episode import Episode, Outcome
@@ -132,8 +132,8 @@ class EpisodeWorker:
             agent, memory = self._searcher.agent, None
             keeps_memory = not self._job.fresh_memory and remembers(agent)
             goes_on = number > 1 and keeps_memory
-            if episode.life and keeps_memory:
-                memory = agent.memory if number > 1 else agent.new_memory()
+            if episode.life and number == 1 and keeps_memory and isinstance(agent, BeginsMemory):
+                memory = agent.new_memory()
             if number > 1 and not goes_on:
                 world = scene.world
                 episode = replace(episode, start=world.pose, start_z=world.position[2])
