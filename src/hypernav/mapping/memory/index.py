@@ -1,6 +1,6 @@
 """The index of a memory on disk, ``memory.json``: what is in it, and which files belong to it."""
 
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
@@ -25,7 +25,9 @@ Xyz = tuple[float, float, float]
 class _Record(BaseModel):
     """A part of the index; unknown keys are refused."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+    model_config: ClassVar[ConfigDict] = ConfigDict(
+        frozen=True, extra="forbid", allow_inf_nan=False
+    )
 
 
 class FileRecord(_Record):
