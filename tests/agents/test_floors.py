@@ -1,5 +1,7 @@
 """A robot that changes floor keeps what it knows of each."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,8 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
+from hypernav.mapping.memory.connectors import Connector
+from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.scans.loading import open_scene
@@ -78,10 +82,94 @@ def test_heights_are_counted_from_the_floor():
     found = building()
     walk(found, *UP, *LANDED)
     seen = seen_at(5.0, 2.8)
-    lowered = found.floor.seen_from(seen)
+    lowered = found.seen_from_ground(seen)
     camera_m = CONFIG.embodiment.camera.height_m
     assert lowered.camera_to_map.translation[2] == pytest.approx(camera_m)
     assert lowered.robot == seen.robot
+
+
+def climber() -> Memory:
+    """What a robot that looks for stairs knows at the start."""
+    changed = {"motion": {"forward_m": 0.25}, "body": {"max_step_m": 0.2}}
+    config = small_config(embodiment=changed)
+    found = Memory(config.mapping, config.embodiment, images=KeyImages(1_000_000))
+    found.begin_search(lasts=True, sees_stairs=True)
+    return found
+
+
+def test_a_robot_that_climbs_is_on_stairs_and_on_a_split_level_on_its_floor():
+    found = climber()
+    on_stairs = []
+    for x, z in [*UP[:4], *((0.75 + 0.25 * k, 0.525) for k in range(1, 9))]:
+        found.follow(seen_at(x, z))
+        on_stairs.append(found.on_stairs)
+    assert on_stairs[2:6] == [True] * 4
+    assert on_stairs[-5:] == [False] * 5
+    assert len(found.floors) == 1
+    assert found.ground_z == pytest.approx(0.525)
+
+
+def test_heights_on_a_split_level_are_counted_from_its_ground():
+    found = building()
+    walk(found, *UP[:4], *((0.75 + 0.25 * k, 0.525) for k in range(1, 9)))
+    camera_m = CONFIG.embodiment.camera.height_m
+    above = found.seen_from_ground(seen_at(3.0, 0.525))
+    assert above.camera_to_map.translation[2] == pytest.approx(camera_m)
+    walk(found, *((3.0 - 0.25 * k, 0.0) for k in range(4)))
+    below = found.seen_from_ground(seen_at(2.0, 0.0))
+    assert below.camera_to_map.translation[2] == pytest.approx(camera_m)
+
+
+def test_odometry_that_drifts_in_height_is_no_stairs():
+    found = climber()
+    on_stairs = []
+    for k in range(150):
+        found.follow(seen_at(0.25 * k, 0.006 * k))
+        on_stairs.append(found.on_stairs)
+    assert sum(on_stairs) <= 3
+    assert abs(found.z - found.ground_z) <= 0.12
+
+
+def test_back_from_stairs_the_floor_is_the_ground_at_once():
+    found = climber()
+    walk(found, *UP[:8], *reversed(UP[:8]))
+    assert not found.on_stairs
+    assert found.ground_z == 0.0
+
+
+@pytest.mark.parametrize("z", [0.3, 0.7, 0.95, 2.1, 3.4])
+def test_a_search_begins_on_the_nearest_floor_that_is_less_than_a_floor_away(z):
+    found = building()
+    walk(found, *UP, *LANDED)
+    assert found.begin_at(seen_at(5.0, z)) is found.floors[round(z / 2.8)]
+    assert len(found.floors) == 2
+    assert (found.z, found.ground_z) == (pytest.approx(z), pytest.approx(z))
+
+
+def test_a_search_that_begins_elsewhere_begins_on_level_ground_there():
+    found = climber()
+    found.connectors = (Connector(0, True, (4.0, 0.0), 0.0),)
+    found.begin_at(seen_at(5.0, 2.8))
+    assert not found.on_stairs
+    assert found.z == found.floor.z == pytest.approx(2.8)
+    found.crossed(0)
+    assert found.connectors[-1].end == (5.0, 0.0)
+
+
+def test_a_search_without_stairs_forgets_that_an_earlier_one_looked_for_them():
+    found = climber()
+    found.begin_search(sees_stairs=False)
+    assert found.elevation is None
+
+
+def test_no_key_image_is_taken_on_stairs():
+    found = climber()
+    assert found.images is not None
+    for x, z in UP:
+        found.follow(seen_at(x, z))
+        wall = replace(seen_at(x, z), depth=np.full_like(seen_at(x, z).depth, 2.0))
+        found.keep_image(found.seen_from_ground(wall))
+    assert len(found.images.kept) == 1
 
 
 @pytest.mark.slow

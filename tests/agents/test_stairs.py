@@ -10,6 +10,7 @@ from hypernav.build.agents import build_search
 from hypernav.build.presets import preset, with_changes
 from hypernav.core.actions import Action
 from hypernav.core.episodes.episode import Episode
+from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Mode, StepTrace
@@ -26,9 +27,10 @@ HEAD_X = FIRST_X + (STEPS - 1) * TREAD_M
 
 
 @cache
-def split_level() -> SimulatedWorld:
+def split_level(steps: int = STEPS) -> SimulatedWorld:
     """A room with a sofa; stairs between walls lead from it to one with a bed, 1.8 m higher."""
     low, high = SIDES_Y
+    above_m, head_x = steps * RISE_M, FIRST_X + (steps - 1) * TREAD_M
     boxes: list[Box] = [
         (None, (-0.1, -0.1, -0.1), (13.1, 4.1, 0.0)),
         (None, (-0.1, -0.1, 0.0), (13.1, 0.0, 4.4)),
@@ -36,11 +38,11 @@ def split_level() -> SimulatedWorld:
         (None, (-0.1, 0.0, 0.0), (0.0, 4.0, 4.4)),
         (None, (13.0, 0.0, 0.0), (13.1, 4.0, 4.4)),
         (None, (-0.1, -0.1, 4.4), (13.1, 4.1, 4.5)),
-        (None, (FIRST_X, 0.0, 0.0), (HEAD_X, low, 4.4)),
-        (None, (FIRST_X, high, 0.0), (HEAD_X, 4.0, 4.4)),
-        (None, (HEAD_X, 0.0, 0.0), (13.0, 4.0, ABOVE_M)),
+        (None, (FIRST_X, 0.0, 0.0), (head_x, low, 4.4)),
+        (None, (FIRST_X, high, 0.0), (head_x, 4.0, 4.4)),
+        (None, (head_x, 0.0, 0.0), (13.0, 4.0, above_m)),
         ("sofa", (0.1, 3.0, 0.0), (1.6, 3.9, 0.7)),
-        ("bed", (11.0, 0.1, ABOVE_M), (12.9, 1.7, ABOVE_M + 0.5)),
+        ("bed", (11.0, 0.1, above_m), (12.9, 1.7, above_m + 0.5)),
     ]
     boxes += [
         (
@@ -48,15 +50,15 @@ def split_level() -> SimulatedWorld:
             (FIRST_X + k * TREAD_M, low, 0.0),
             (FIRST_X + (k + 1) * TREAD_M, high, (k + 1) * RISE_M),
         )
-        for k in range(STEPS - 1)
+        for k in range(steps - 1)
     ]
-    scene = replace(scene_of(*boxes, name="split level"), storeys=(0.0, ABOVE_M))
+    scene = replace(scene_of(*boxes, name="split level"), storeys=(0.0, above_m))
     return SimulatedWorld(scene, CONFIG.world, CONFIG.embodiment)
 
 
-def search(goal: str, **switches: bool) -> tuple[list[StepTrace], Memory]:
+def search(goal: str, *, steps: int = STEPS, **switches: bool) -> tuple[list[StepTrace], Memory]:
     """The trace of a search from the lower room, and what it knows after."""
-    world = split_level()
+    world = split_level(steps)
     config = CONFIG.model_copy(update={"search": CONFIG.search.model_copy(update=switches)})
     agent = build_search(config, GroundTruthDetector())
     agent.reset(Goal(goal))
@@ -102,6 +104,24 @@ def test_a_search_comes_back_by_the_stairs_that_it_took():
     assert floors[-1] == 1
     assert 2 in floors
     assert memory.number == 0
+
+
+@pytest.mark.parametrize("steps", [2, 4])
+def test_a_level_of_the_same_floor_is_drawn_on_its_map(steps):
+    world = split_level(steps)
+    agent = build_search(CONFIG, GroundTruthDetector())
+    agent.reset(Goal("umbrella"))
+    start = Pose2(START_X, sum(SIDES_Y) / 2.0, 0.0)
+    agent.act(world.reset(Episode("x", "0", Goal("umbrella"), start, start_z=0.0)))
+    while world.pose.x < HEAD_X + 2.0:
+        agent.act(world.step(Action.MOVE_FORWARD))
+    memory = agent.memory
+    assert not memory.on_stairs
+    assert len(memory.floors) == 1
+    assert memory.z == pytest.approx(steps * RISE_M, abs=0.1)
+    grid = agent.grid
+    ahead = [grid.cell_of(world.pose.x - START_X + k * 0.25, 0.0) for k in range(7)]
+    assert {int(grid.cells[cell]) for cell in ahead} == {Cell.FREE}
 
 
 def test_the_paper_stays_on_one_floor():

@@ -66,7 +66,7 @@ class SearchAgent:
         number_before, use = memory.number, self.components
         clock, events = ModuleClock(), list[str]()
         floor = memory.follow(observation)
-        seen = floor.seen_from(observation)
+        seen = memory.seen_from_ground(observation)
         plan = self._plan
         if plan is not None and plan.climbing is not None and memory.number != number_before:
             memory.crossed(plan.climbing.connector)

@@ -247,8 +247,8 @@ def test_two_floors_are_kept_apart(tmp_path):
         up = Transform(np.eye(3), np.array([0.0, 0.0, 3.0]))
         upstairs = replace(observation, camera_to_map=up @ observation.camera_to_map)
         floor = memory.begin_at(upstairs)
-        floor.integrate(floor.seen_from(upstairs))
-        memory.keep_image(floor.seen_from(upstairs))
+        floor.integrate(memory.seen_from_ground(upstairs))
+        memory.keep_image(memory.seen_from_ground(upstairs))
         home.save()
     with open_memory(tmp_path, CONFIG) as again:
         is_same(memory, again.memory)

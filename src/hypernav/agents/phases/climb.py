@@ -32,19 +32,19 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     climbing = replace(climbing, steps=climbing.steps + 1, touching=_touches(step, plan, climbing))
     if climbing.steps > _PATIENCES * step.config.endurance_steps:
         return _given_up(step, memory, plan, climbing)
-    if climbing.is_back and not memory.on_stairs:
+    if climbing.is_back and not memory.is_off_floor:
         return _given_up(step, memory, plan, climbing)
     goes_up = connector.goes_up != climbing.is_back
     ground = memory.ground_around(step.robot.xy, down=not goes_up)
-    on_slope = memory.on_stairs and memory.is_on_slope and not climbing.touching
+    on_slope = memory.is_off_floor and memory.is_on_slope and not climbing.touching
     to = stairs_ahead(ground, step.robot, memory.z, connector, up=goes_up, on_slope=on_slope)
     words = f"on the stairs to floor {_next_floor(memory, climbing) + 1}"
-    if not to.any() and memory.on_stairs and not climbing.turned:
+    if not to.any() and memory.is_off_floor and not climbing.turned:
         to = memory.way_on(ground, _OFF_STAIRS_M)
         if to[ground.grid.cell_of(*step.robot.xy)]:  # the robot is there
             to = np.zeros_like(to)
     turn = Action.TURN_LEFT
-    if not memory.on_stairs and not to.any():
+    if not memory.is_off_floor and not to.any():
         turn = turn_towards(step.robot, connector.beyond, step.motion)
     if turn is None or climbing.turned >= step.motion.turns_of_a_circle:
         return _given_up(step, memory, plan, climbing)
@@ -80,7 +80,7 @@ def _touches(step: Step, plan: Plan, climbing: Climbing) -> bool:
 def _given_up(
     step: Step, memory: Memory, plan: Plan, climbing: Climbing
 ) -> tuple[Decision | Phase, Plan]:
-    """Turn back, or end the attempt where the robot has turned back already."""
+    """Turn back; end the attempt on level ground, or where the robot has turned back already."""
     memory.set_passage(climbing.connector, Passage.REFUTED)
     if climbing.is_back or not memory.on_stairs:
         step.events.append("stairs given up")

@@ -94,7 +94,7 @@ class Floor:
     search: SearchMemory = field(default_factory=SearchMemory)
 
     def integrate(self, observation: Observation) -> None:
-        """Add a frame, with heights counted from this floor, to map and trajectory."""
+        """Add a frame, with heights counted from the ground, to map and trajectory."""
         self.trajectory.append(observation.robot.xy)
         self.map.integrate(observation)
         if self.search.looked_over is not None:
@@ -110,10 +110,11 @@ class Floor:
         )
         del self.trajectory[:-_MOST_POSITIONS]
 
-    def seen_from(self, observation: Observation) -> Observation:
-        """The same observation with heights counted from this floor: its camera is lowered by z."""
-        if self.z == 0.0:
-            return observation
-        pose = observation.camera_to_map
-        lowered = Transform(pose.rotation, pose.translation - np.array([0.0, 0.0, self.z]))
-        return replace(observation, camera_to_map=lowered)
+
+def counted_from(z: float, observation: Observation) -> Observation:
+    """The same observation with heights counted from another, metres: its camera is lowered."""
+    if z == 0.0:
+        return observation
+    pose = observation.camera_to_map
+    lowered = Transform(pose.rotation, pose.translation - np.array([0.0, 0.0, z]))
+    return replace(observation, camera_to_map=lowered)

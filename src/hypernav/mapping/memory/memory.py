@@ -3,6 +3,11 @@
 A map is a plane: its floor is ``z = 0``. While the robot is on stairs, it counts as on the floor
 that it came from, on whose map they are obstacles. Once it has walked `_WALKED_M` at one height far
 above or below that floor, it is on another one: one that it knows at that height, or a new one.
+
+At a height nearer to it, on a split level or where odometry drifts, it is on the same floor. From
+then on all heights are counted from there, so that the map shows what stands in the way of a robot
+at this height: its own ground is free, and steps that lead lower are no obstacles. What was drawn
+from another height stays until it is seen from here.
 """
 
 import copy
@@ -27,17 +32,15 @@ from hypernav.mapping.memory.connectors import (
     with_crossing,
     with_sightings,
 )
-from hypernav.mapping.memory.floor import Floor, SearchMemory
+from hypernav.mapping.memory.floor import Floor, SearchMemory, counted_from
 from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.top_down_map import TopDownMap
 
 _ANOTHER_M = 1.0
 """Least height between two floors, metres; less is a step, a ramp or odometry's drift."""
-_SAME_M = 0.5
-"""Greatest difference in height, metres, at which the robot is on a floor that it knows."""
 _LEVEL_M = 0.1
 _OFF_M = 0.12
-"""Difference in height, metres, from which a climbing robot is off its floor."""
+"""Difference in height, metres, from which the robot is off the ground that it walked on."""
 _LEAST_FLOOR_M2 = 3.5
 """Ground at one height within the robot's reach, square metres, that tells floors from landings."""
 _STOREY_M = 2.2
@@ -64,6 +67,7 @@ class Memory:
         connectors: Connectors between floors, seen from both ends; a number is an index.
         elevation: Heights of the ground around the robot; None if it looks for no stairs.
         z: Height of the robot, ``map`` frame, metres.
+        ground_z: Height of the ground that it walked on last, on its floor, ``map`` frame, metres.
     """
 
     def __init__(
@@ -89,11 +93,7 @@ class Memory:
         self.number: int = 0
         self.connectors: tuple[Connector, ...] = ()
         self.elevation: ElevationMap | None = None
-        self.z: float = 0.0
-        self._level_began = Pose2(0.0, 0.0, 0.0)
-        self._level_z = 0.0
-        self._walked_m = 0.0
-        self._position: tuple[float, float] | None = None
+        self._stand(Pose2(0.0, 0.0, 0.0), 0.0)
 
     @property
     def floor(self) -> Floor:
@@ -113,7 +113,9 @@ class Memory:
             sees_stairs: Whether connectors are looked for, if the robot can climb stairs.
         """
         self.searches += 1
-        if sees_stairs and self.elevation is None and self.embodiment.body.climbs_stairs:
+        if not (sees_stairs and self.embodiment.body.climbs_stairs):
+            self.elevation = None
+        elif self.elevation is None:
             self.elevation = ElevationMap(self.embodiment, self.mapping.cell_size_m)
         for floor in self.floors:
             floor.begin_search(self.searches, lasts=lasts)
@@ -124,11 +126,10 @@ class Memory:
 
     def follow(self, observation: Observation) -> Floor:
         """Note the robot's height, in every step; return the floor that the robot is on now."""
-        z = float(observation.camera_to_map.translation[2]) - self.embodiment.camera.height_m
+        self.z = z = self.height_of(observation)
         here = observation.robot.xy
-        moved_m = 0.0 if self._position is None else math.dist(self._position, here)
+        moved_m = math.dist(self._position, here)
         self._position = here
-        self.z = z
         shows_steps = self.elevation is not None and self.elevation.integrate(observation)
         if abs(z - self._level_z) > _LEVEL_M:
             self._level_z, self._walked_m = z, 0.0
@@ -137,29 +138,51 @@ class Memory:
             self._walked_m += moved_m
         is_another = abs(self._level_z - self.floor.z) > _ANOTHER_M
         if is_another and self._walked_m >= _WALKED_M and self._may_be_floor(here):
-            self.number = self._number_at(self._level_z)
+            self.number = self._known_or_new(self._level_z)
+        if not self.is_off_floor:
+            self.ground_z = self.floor.z
+        elif self._walked_m >= _WALKED_M and abs(self._level_z - self.floor.z) <= _ANOTHER_M:
+            self.ground_z = self._level_z
         if shows_steps and not self.on_stairs:
             ground = self.ground_around(here, down=True)
-            seen = connectors_in(ground, self.number, self.floor.z)
+            seen = connectors_in(ground, self.number, self.ground_z)
             self.connectors = with_sightings(self.connectors, seen)
         return self.floor
 
     def begin_at(self, observation: Observation) -> Floor:
         """The floor that the first frame is taken on; a memory from disk begins there."""
-        self._level_z = float(observation.camera_to_map.translation[2])
-        self._level_z -= self.embodiment.camera.height_m
-        self._walked_m, self._position = 0.0, None
-        self.number = self._number_at(self._level_z)
+        z = self.height_of(observation)
+        self.number = self._known_or_new(z)
+        self._stand(observation.robot, z)
         return self.floor
+
+    def _stand(self, robot: Pose2, z: float) -> None:
+        """Begin on level ground at a pose and a height, metres."""
+        self.z: float = z
+        self.ground_z: float = z if self.is_off_floor else self.floor.z
+        self._level_began: Pose2 = robot
+        self._level_z: float = z
+        self._walked_m: float = 0.0
+        self._position: tuple[float, float] = robot.xy
+
+    def height_of(self, observation: Observation) -> float:
+        """Height of the robot in a frame, ``map`` frame, metres."""
+        return float(observation.camera_to_map.translation[2]) - self.embodiment.camera.height_m
+
+    def seen_from_ground(self, observation: Observation) -> Observation:
+        """The same observation with heights counted from the ground that the robot walked on."""
+        return counted_from(self.ground_z, observation)
 
     def keep_image(self, observation: Observation) -> None:
         """Keep a frame as key image if it tells enough, and if key images are kept.
 
+        On stairs none is: they belong to no floor from which heights could be counted.
+
         Args:
-            observation: The latest frame, with heights counted from the floor.
+            observation: The latest frame, with heights counted from the ground.
         """
         floor = self.floor
-        if self.images is None:
+        if self.images is None or self.on_stairs:
             return
         image = self.images.take(
             observation,
@@ -183,8 +206,13 @@ class Memory:
 
     @property
     def on_stairs(self) -> bool:
-        """Whether the robot, which looks for stairs, is on them: on no floor, but off the last."""
-        return self.elevation is not None and abs(self.z - self.floor.z) > _OFF_M
+        """Whether the robot, which looks for stairs, climbs: it is off the ground it walked on."""
+        return self.elevation is not None and abs(self.z - self.ground_z) > _OFF_M
+
+    @property
+    def is_off_floor(self) -> bool:
+        """Whether the robot is not at its floor's height: on stairs, landings, split levels."""
+        return abs(self.z - self.floor.z) > _OFF_M
 
     @property
     def is_on_slope(self) -> bool:
@@ -263,13 +291,16 @@ class Memory:
     def _level(self, ground: Ground) -> Bool[np.ndarray, "rows columns"]:
         return ground.between(self._level_z - _LEVEL_M, self._level_z + _LEVEL_M)
 
-    def _number_at(self, z: float) -> int:
-        """The number of the floor at a height, metres, which is added if none is near it."""
+    def number_at(self, z: float) -> int | None:
+        """The number of the known floor nearest to a height, metres; None if none is near it."""
         away_m = [abs(floor.z - z) for floor in self.floors]
         nearest = away_m.index(min(away_m))
-        if away_m[nearest] <= _SAME_M:
-            return nearest
-        return self.add_floor(z)
+        return nearest if away_m[nearest] <= _ANOTHER_M else None
+
+    def _known_or_new(self, z: float) -> int:
+        """The number of the floor at a height, metres, which is added if none is near it."""
+        known = self.number_at(z)
+        return self.add_floor(z) if known is None else known
 
     def add_floor(self, z: float) -> int:
         """Add a floor of which nothing is known at a height, metres; return its number."""

@@ -157,7 +157,8 @@ class MemoryFolder:
             )
         if not self._is_new:
             floor = self.memory.begin_at(observation)
-            check_start(floor.map, floor.seen_from(observation), self.folder)
+            seen = self.memory.seen_from_ground(observation)
+            check_start(floor.map, seen, self.folder)
         self._is_new, self._is_searching = False, True
         self.history.append(
             GoalRecord(
