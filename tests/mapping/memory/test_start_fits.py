@@ -9,7 +9,10 @@ from box_views import CAMERA, room, view_of
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import MemoryStartError
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.observation import Observation
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.floor import counted_from
+from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.start import check_start, fit_of
 from hypernav.mapping.top_down_map import TopDownMap
 
@@ -38,6 +41,21 @@ def standing(x: float, y: float, yaw: float, *, really: Pose2 | None = None, box
     return type(view)(view.rgb, view.depth, view.camera, said.camera_to_map, said.robot)
 
 
+def raised(observation: Observation, z: float) -> Observation:
+    """The same image from a pose that is said to be higher."""
+    return counted_from(-z, observation)
+
+
+def check(map_: TopDownMap, observation: Observation, *, trusts_height: bool = False) -> None:
+    """Check the start in a memory of one floor, which stays as it is."""
+    memory = Memory(map_.config, map_.embodiment)
+    memory.floor.map = map_
+    try:
+        check_start(memory, observation, Path("home"), trusts_height=trusts_height)
+    finally:
+        assert len(memory.floors) == 1
+
+
 @pytest.mark.parametrize("yaw", np.arange(8) * np.pi / 4.0)
 def test_a_robot_that_stands_where_it_says_fits(remembered, yaw):
     fit = fit_of(remembered, standing(2.0, 3.0, yaw))
@@ -57,10 +75,31 @@ def test_a_chair_that_came_since_changes_little(remembered):
 )
 def test_a_robot_that_stands_elsewhere_is_refused(remembered, really):
     with pytest.raises(MemoryStartError, match=r"at \(2\.0, 3\.0\) is not what home remembers"):
-        check_start(remembered, standing(2.0, 3.0, 0.0, really=really), Path("home"))
+        check(remembered, standing(2.0, 3.0, 0.0, really=really))
 
 
 def test_where_nothing_is_known_nothing_is_refused(remembered):
     far = standing(50.0, 50.0, 0.0, really=Pose2(2.0, 3.0, 0.0))
     assert fit_of(remembered, far) is None
-    check_start(remembered, far, Path("home"))
+    check(remembered, far)
+
+
+@pytest.mark.parametrize("z", [3.0, -3.0, 40.0])
+def test_a_robot_on_a_known_floor_whose_heights_are_wrong_is_refused(remembered, z):
+    seen = raised(standing(2.0, 3.0, 0.0), z)
+    with pytest.raises(MemoryStartError, match=rf"pose is {z} m high.*fits the floor at 0\.0 m"):
+        check(remembered, seen)
+    check(remembered, seen, trusts_height=True)
+
+
+def test_a_robot_may_begin_on_a_new_floor_that_looks_different(remembered):
+    other = [*room(8.0, 6.0), ((2.8, 0.0, 0.0), (3.0, 6.0, 2.5))]
+    check(remembered, raised(standing(2.0, 3.0, 0.0, boxes=other), 3.0))
+
+
+@pytest.mark.parametrize("z", [0.4, 0.9, -0.6])
+def test_a_robot_on_a_split_level_is_compared_with_its_floor(remembered, z):
+    check(remembered, raised(standing(2.0, 3.0, 0.0), z))
+    elsewhere = standing(2.0, 3.0, 0.0, really=Pose2(6.5, 2.0, 0.0))
+    with pytest.raises(MemoryStartError, match="is not what home remembers"):
+        check(remembered, raised(elsewhere, z))

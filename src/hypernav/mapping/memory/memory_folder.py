@@ -145,7 +145,7 @@ class MemoryFolder:
 
         Raises:
             MemoryFolderError: The memory is of another building.
-            MemoryStartError: What the robot sees contradicts the map.
+            MemoryStartError: What the robot sees contradicts the map, or the height of the floor.
         """
         if map_to_scene is not None:
             self.check_building(building)
@@ -156,9 +156,9 @@ class MemoryFolder:
                 "another folder for a robot"
             )
         if not self._is_new:
-            floor = self.memory.begin_at(observation)
-            seen = self.memory.seen_from_ground(observation)
-            check_start(floor.map, seen, self.folder)
+            sure = map_to_scene is not None
+            check_start(self.memory, observation, self.folder, trusts_height=sure)
+            self.memory.begin_at(observation)
         self._is_new, self._is_searching = False, True
         self.history.append(
             GoalRecord(

@@ -10,6 +10,8 @@ from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.mapping.inflation import inflate
+from hypernav.mapping.memory.floor import counted_from
+from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.sight_lines import lines_are_clear
 from hypernav.mapping.top_down_map import TopDownMap
 
@@ -27,25 +29,44 @@ _LEAST_FIT = 0.6
 0.86 or more where they were taken, and 83 % of 296 had less than this elsewhere in the house."""
 
 
-def check_start(map_: TopDownMap, observation: Observation, folder: Path) -> None:
+def check_start(
+    memory: Memory, observation: Observation, folder: Path, *, trusts_height: bool
+) -> None:
     """Refuse a start that contradicts the map.
 
+    A robot may begin where nothing is known, on a new floor too. But if what it sees there is what
+    a known floor has at that position, then more likely the heights of its poses are wrong.
+
     Args:
-        map_: Map of the floor that the robot is on.
-        observation: First frame, with heights counted from that floor.
-        folder: Folder of the memory, for the message.
+        memory: The memory; it is not changed.
+        observation: First frame, in its ``map`` frame.
+        folder: Its folder, for the message.
+        trusts_height: Whether the height is right, as in simulation. Many buildings have walls
+            above walls: in three generated ones 66 % of 400 images fitted another floor, too.
 
     Raises:
         MemoryStartError: What the robot sees is not what the map shows there.
     """
-    fit = fit_of(map_, observation)
+    z = memory.height_of(observation)
+    number = memory.number_at(z)
+    seen = counted_from(z, observation)
+    fit = None if number is None else fit_of(memory.floors[number].map, seen)
+    x, y = observation.robot.xy
     if fit is not None and fit < _LEAST_FIT:
-        x, y = observation.robot.xy
         raise MemoryStartError(
             f"what the robot sees at ({x:.1f}, {y:.1f}) is not what {folder} remembers there: "
             f"{fit:.0%} of it fits the map, at least {_LEAST_FIT:.0%} must; check that this is the "
             "same building and that poses are in the memory's map frame, or name another folder"
         )
+    for floor in memory.floors if number is None and not trusts_height else ():
+        fit = fit_of(floor.map, seen)
+        if fit is not None and fit >= _LEAST_FIT:
+            raise MemoryStartError(
+                f"the robot's pose is {z:.1f} m high, where {folder} knows no floor, and {fit:.0%} "
+                f"of what it sees at ({x:.1f}, {y:.1f}) fits the floor at {floor.z:.1f} m; check "
+                "that heights are in the memory's map frame. If the robot really is on another "
+                "floor, begin where that looks different, or name another folder"
+            )
 
 
 def fit_of(map_: TopDownMap, observation: Observation) -> float | None:
