@@ -3,13 +3,14 @@
 from typing import ClassVar, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.sightings import SeenThing, Sightings
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.connectors import Connector, Passage
 from hypernav.mapping.memory.key_images import KeyImage
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import Things
@@ -17,6 +18,9 @@ from hypernav.mapping.memory.things import Things
 FORMAT = "hypernav-memory"
 VERSION = 1
 """Version of the format; increased whenever older programs can't read it."""
+
+_MOST = 1_000_000_000
+"""Largest number of an image or a save, for the names of files."""
 
 Xy = tuple[float, float]
 Xyz = tuple[float, float, float]
@@ -109,6 +113,27 @@ class FloorRecord(_Record):
         return Sightings(seen, frozenset(self.named))
 
 
+class ConnectorRecord(_Record):
+    """A `Connector`, field by field."""
+
+    floor: int = Field(ge=0)
+    goes_up: bool
+    end: Xy
+    axis: float
+    passage: Passage
+    other_floor: int | None = Field(ge=0)
+    sightings: int = Field(ge=1)
+
+    @staticmethod
+    def of(connector: Connector) -> "ConnectorRecord":
+        """The record of a connector."""
+        return ConnectorRecord(**vars(connector))
+
+    def connector(self) -> Connector:
+        """The connector."""
+        return Connector(**dict(self))
+
+
 class ImageRecord(_Record):
     """A key image.
 
@@ -124,7 +149,7 @@ class ImageRecord(_Record):
         robot: Pose ``(x, y, yaw)`` of the robot.
     """
 
-    number: int = Field(ge=0)
+    number: int = Field(ge=0, le=_MOST)
     floor: int = Field(ge=0)
     search: int
     jpeg: FileRecord
@@ -232,11 +257,12 @@ class Index(_Record):
         images: The key images.
         image_count: Number of key images so far.
         history: The searches, the oldest first.
+        connectors: The connectors between floors; files from before they were kept have none.
     """
 
     format: Literal["hypernav-memory"] = FORMAT
     version: Literal[1] = VERSION
-    saves: int = Field(ge=1)
+    saves: int = Field(ge=1, le=_MOST)
     robot: Embodiment
     mapping: MappingConfig
     place: Place | None
@@ -246,3 +272,15 @@ class Index(_Record):
     images: tuple[ImageRecord, ...]
     image_count: int = Field(ge=0)
     history: tuple[GoalRecord, ...]
+    connectors: tuple[ConnectorRecord, ...] = ()
+
+    @model_validator(mode="after")
+    def _numbers_exist(self) -> "Index":
+        named = [self.floor, *(one.floor for one in (*self.images, *self.connectors))]
+        named += [one.other_floor for one in self.connectors if one.other_floor is not None]
+        if max(named) >= len(self.floors):
+            raise ValueError(f"floor {max(named)} is named, and there are {len(self.floors)}")
+        images = [one.number for one in self.images]
+        if len(set(images)) < len(images) or max(images, default=-1) >= self.image_count:
+            raise ValueError("the numbers of key images must differ and be below image_count")
+        return self

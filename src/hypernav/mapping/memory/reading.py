@@ -74,6 +74,7 @@ def read_memory(
     images = KeyImages(most_bytes, count=index.image_count)
     memory = Memory(mapping, embodiment, images=images)
     memory.searches = index.searches
+    memory.connectors = tuple(one.connector() for one in index.connectors)
     left_out, patches = list[str](), dict[int, np.ndarray]()
     memory.floors = []
     for number, record in enumerate(index.floors):
@@ -87,7 +88,7 @@ def read_memory(
                 "and images are kept"
             )
         memory.floors.append(floor)
-    memory.number = min(index.floor, len(memory.floors) - 1)
+    memory.number = index.floor
     lost = [one.number for one in index.images if not _add_image(images, one, folder, patches)]
     if lost:
         left_out.append(

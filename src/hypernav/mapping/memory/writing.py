@@ -11,6 +11,7 @@ from hypernav.core.errors import OutputError
 from hypernav.core.files.whole_files import write_whole
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.index import (
+    ConnectorRecord,
     FileRecord,
     FloorRecord,
     GoalRecord,
@@ -86,6 +87,7 @@ class Writer:
                 images=(),
                 image_count=memory.images.count if memory.images else 0,
                 history=history,
+                connectors=tuple(map(ConnectorRecord.of, memory.connectors)),
             )
             grids = [floor.map.grid.cropped() for floor in memory.floors]
             size = sum(one.state.size for one in floors) + sum(grid.cells.size for grid in grids)
