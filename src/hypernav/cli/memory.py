@@ -50,7 +50,7 @@ def run(options: Options) -> int:
         for name in options.forget:
             console.print(f"{_forgotten(home.memory, name)} {name} things forgotten", markup=False)
         if options.forget_images:
-            home.memory.forget_images(0)
+            home.forget_images()
         if options.forget or options.forget_images:
             home.save()
         page = options.folder / PAGE_NAME

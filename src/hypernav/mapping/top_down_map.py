@@ -245,6 +245,9 @@ class TopDownMap:
             if array is None or array.shape != like.shape or array.dtype != like.dtype:
                 found = "none" if array is None else f"{array.dtype} {array.shape}"
                 raise MapError(f"expected {name} as {like.dtype} {like.shape}, found {found}")
+        far = MAX_SIDE_M / self.config.cell_size_m
+        if (state["cells"] > OCCUPIED).any() or (np.abs(state["first"].astype(float)) > far).any():
+            raise MapError("a cell of the map has a state that none can have, or lies too far away")
         self._arrays = _Arrays(**{name: state[name].copy() for name in _Arrays._fields})
         self._first_row, self._first_column = (int(one) for one in state["first"])
 

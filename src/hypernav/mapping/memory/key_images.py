@@ -196,7 +196,10 @@ def _encoded(kind: str, image: np.ndarray, *settings: int) -> bytes:
 
 
 def _decoded(data: bytes, how: int) -> np.ndarray:
-    return np.asarray(cv2.imdecode(np.frombuffer(data, np.uint8), how))
+    image = cv2.imdecode(np.frombuffer(data, np.uint8), how) if data else None
+    if image is None:
+        raise ValueError("it is no image, or a damaged one")
+    return np.asarray(image)
 
 
 def _millimetres(observation: Observation) -> np.ndarray:

@@ -41,7 +41,8 @@ class MemoryFolder:
         memory: What is known of the building.
         place: Where it lies, if the building is simulated.
         history: The searches so far, the oldest first.
-        left_out: One line about each part that is damaged and was left out.
+        left_out: One line about each part that is damaged and was left out. Its files stay as they
+            are, as ``NAME.damaged`` from the first save on.
 
     Examples:
         >>> with open_memory("home") as home:  # doctest: +SKIP
@@ -70,7 +71,8 @@ class MemoryFolder:
 
         Raises:
             RunFolderError: Another process uses it, or it can't be written.
-            MemoryFolderError: It holds no memory, a broken one, or that of another robot.
+            MemoryFolderError: It holds no memory, a broken one, or that of another robot; or a file
+                can't be read now.
         """
         self.folder: Path = folder
         self._most_bytes = round(most_megabytes * 1e6)
@@ -86,7 +88,7 @@ class MemoryFolder:
             self.history: list[GoalRecord] = list(contents.history)
             self.left_out: tuple[str, ...] = contents.left_out
             self._is_new = contents.index is None
-            self._writer = Writer(folder, contents.index)
+            self._writer = Writer(folder, contents.index, damaged=contents.damaged)
             self._open = opened.pop_all()
         self._saved_s = clock()
         self._is_searching = False
@@ -200,6 +202,11 @@ class MemoryFolder:
             }
         )
         self.save()
+
+    def forget_images(self) -> None:
+        """Forget all key images, damaged ones too, with the next save."""
+        self.memory.forget_images(0)
+        self._writer.keeps_damaged_images = False
 
     def save(self) -> None:
         """Write everything to disk.

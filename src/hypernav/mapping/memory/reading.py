@@ -4,6 +4,7 @@ import hashlib
 import io
 import json
 import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.errors import MapError, MemoryFolderError
+from hypernav.core.errors import CameraError, MapError, MemoryFolderError
 from hypernav.core.files.allowance import Allowance
 from hypernav.core.files.json_text import parse_json
 from hypernav.core.files.reading import path_below, read_file
@@ -29,8 +30,23 @@ from hypernav.mapping.memory.index import (
 )
 from hypernav.mapping.memory.key_images import KeyImages, with_patches
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.writing import INDEX_NAME
+from hypernav.mapping.memory.writing import INDEX_NAME, foreign_files
 from hypernav.mapping.top_down_map import TopDownMap
+
+_UNDECODABLE = (
+    *(ValueError, KeyError, EOFError, RuntimeError, MapError),
+    *(zipfile.BadZipFile, zlib.error),
+)
+"""What zipfile, numpy and the map raise for content that isn't what was written."""
+
+
+_ARRAYS = (
+    ("trajectory", np.float64, 2),
+    ("image_numbers", np.int64, 1),
+    ("patch_counts", np.int64, 1),
+    ("patches", np.int64, 1),
+)
+"""Name, type and number of dimensions of the arrays that aren't the map's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +58,7 @@ class Contents:
         place: Where a simulated building's memory lies.
         history: The searches so far.
         left_out: One line about each damaged part.
+        damaged: Names of the files of these parts.
         index: The index; None if the memory is new.
     """
 
@@ -49,6 +66,7 @@ class Contents:
     place: Place | None = None
     history: tuple[GoalRecord, ...] = ()
     left_out: tuple[str, ...] = ()
+    damaged: tuple[str, ...] = ()
     index: Index | None = None
 
 
@@ -64,8 +82,8 @@ def read_memory(
         most_bytes: Size that the key images may have, bytes.
 
     Raises:
-        MemoryFolderError: The index is broken, of another version, or of another robot; or the
-            folder holds something else.
+        MemoryFolderError: The index is broken, of another version, or of another robot; a file
+            can't be read now, damaged or not; or the folder holds something else.
     """
     index = read_index(folder)
     if index is None:
@@ -75,52 +93,50 @@ def read_memory(
     memory = Memory(mapping, embodiment, images=images)
     memory.searches = index.searches
     memory.connectors = tuple(one.connector() for one in index.connectors)
-    left_out, patches = list[str](), dict[int, np.ndarray]()
+    left_out, damaged, patches = list[str](), list[str](), dict[int, np.ndarray]()
     memory.floors = []
     for number, record in enumerate(index.floors):
         floor = _floor_without_map(record, mapping, embodiment)
         try:
             patches |= _restore(floor, folder, record)
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile, MapError) as error:
+        except _UNDECODABLE as error:
             floor = _floor_without_map(record, mapping, embodiment)
+            damaged.append(record.state.name)
             left_out.append(
                 f"the map of floor {number} is damaged ({error}); it is drawn anew, and its things "
                 "and images are kept"
             )
         memory.floors.append(floor)
     memory.number = index.floor
-    lost = [one.number for one in index.images if not _add_image(images, one, folder, patches)]
+    lost = [one for one in index.images if not _add_image(images, one, folder, patches)]
     if lost:
+        numbers = [one.number for one in lost]
+        damaged += [file.name for one in lost for file in (one.jpeg, one.png)]
         left_out.append(
             f"{len(lost)} of {len(index.images)} key images are damaged and left out: "
-            f"{', '.join(map(str, lost[:10]))}{' …' if len(lost) > 10 else ''}"
+            f"{', '.join(map(str, numbers[:10]))}{' …' if len(lost) > 10 else ''}"
         )
         for floor in memory.floors:
-            floor.things = floor.things.without_images(lost)
-    return Contents(memory, index.place, index.history, tuple(left_out), index)
+            floor.things = floor.things.without_images(numbers)
+    return Contents(memory, index.place, index.history, tuple(left_out), tuple(damaged), index)
 
 
 def read_index(folder: Path) -> Index | None:
     """The index of a memory; None if the folder is empty or missing.
 
     Raises:
-        MemoryFolderError: The index is broken or of another version, or the folder holds something
-            else.
+        MemoryFolderError: The index is broken or of another version, or can't be read now, or the
+            folder holds something else.
     """
     path = folder / INDEX_NAME
     try:
-        if not path.exists():
-            others = [one.name for one in folder.iterdir() if not one.name.startswith(".")]
-            if set(others) - {"images", "floor-0"}:
-                raise MemoryFolderError(
-                    f"{folder} holds other files ({', '.join(sorted(others)[:3])}) and no "
-                    f"{INDEX_NAME}; name a folder of its own for a memory"
-                )
-            return None
         facts = parse_json(read_file(path))
     except FileNotFoundError:
+        _check_empty(folder)
         return None
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        raise _unreadable(path, error) from error
+    except ValueError as error:
         raise MemoryFolderError(_broken(path, str(error))) from error
     kind = facts.get("format") if isinstance(facts, dict) else None
     if kind != FORMAT:
@@ -139,10 +155,30 @@ def read_index(folder: Path) -> Index | None:
     return index
 
 
+def _check_empty(folder: Path) -> None:
+    """Refuse a folder in which something lies already."""
+    try:
+        others = foreign_files(folder)
+    except OSError as error:
+        raise _unreadable(folder, error) from error
+    if others:
+        raise MemoryFolderError(
+            f"{folder} holds other files ({', '.join(sorted(others)[:3])}) and no {INDEX_NAME}; "
+            "name a folder of its own for a memory"
+        )
+
+
 def _broken(path: Path, why: str) -> str:
     return (
         f"{path} is broken ({why:.200}); put back a copy of it, or move {path.parent} away to "
         "begin anew"
+    )
+
+
+def _unreadable(path: Path, error: OSError) -> MemoryFolderError:
+    return MemoryFolderError(
+        f"{path} cannot be read ({error.strerror or error}); it may be whole, and nothing is "
+        "changed: see to it that it can be read, and try again"
     )
 
 
@@ -175,10 +211,19 @@ def _content(folder: Path, record: FileRecord) -> bytes:
     """The content of a file of the memory.
 
     Raises:
-        OSError: It is missing, or can't be read.
-        ValueError: It isn't the one that was written.
+        ValueError: It is missing, or isn't the one that was written.
+        MemoryFolderError: It can't be read now.
     """
-    content = read_file(path_below(folder, record.name))
+    try:
+        path = path_below(folder, record.name)
+    except OSError as error:
+        raise ValueError(f"{record.name}: {error.strerror}") from error
+    try:
+        content = read_file(path)
+    except FileNotFoundError:
+        raise ValueError(f"{record.name} is missing") from None
+    except OSError as error:
+        raise _unreadable(path, error) from error
     if len(content) != record.size:
         raise ValueError(f"{record.name} has {len(content)} bytes, expected {record.size}")
     if hashlib.sha256(content).hexdigest() != record.sha256:
@@ -205,22 +250,29 @@ def _restore(floor: Floor, folder: Path, record: FloorRecord) -> dict[int, np.nd
         Allowance().take(sum(one.file_size for one in parts.infolist()), "a floor")
     with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
         state = {name: arrays[name] for name in arrays.files}
+    for name, kind, dimensions in _ARRAYS:
+        array = state[name]
+        if array.dtype != kind or array.ndim != dimensions:
+            raise ValueError(f"{name} has the type {array.dtype} and the shape {array.shape}")
+    trajectory, counts = state["trajectory"], state["patch_counts"]
+    if not np.isfinite(trajectory).all() or counts.sum() != len(state["patches"]):
+        raise ValueError("the trajectory isn't finite, or the patches are not as many as counted")
+    pieces = np.split(state["patches"], np.cumsum(counts)[:-1]) if len(counts) else []
+    patches = dict(zip(state["image_numbers"].tolist(), pieces, strict=True))
     floor.map.restore(state)
-    floor.trajectory = [(x, y) for x, y in state["trajectory"].tolist()]
-    ends = np.cumsum(state["patch_counts"])
-    pieces = np.split(state["patches"], ends[:-1]) if len(ends) else []
-    return dict(zip(state["image_numbers"].tolist(), pieces, strict=True))
+    floor.trajectory = [(x, y) for x, y in trajectory.tolist()]
+    return patches
 
 
 def _add_image(
     images: KeyImages, record: ImageRecord, folder: Path, patches: dict[int, np.ndarray]
 ) -> bool:
     """Add a key image; False if a file of it is damaged."""
+    known = patches.get(record.number)
     try:
         jpeg, png = _content(folder, record.jpeg), _content(folder, record.png)
-    except (OSError, ValueError):
+        image = record.image(jpeg, png, np.empty(0, np.int64) if known is None else known)
+        images.add(image if known is not None else with_patches(image))
+    except (ValueError, CameraError):
         return False
-    known = patches.get(record.number)
-    image = record.image(jpeg, png, np.empty(0, np.int64) if known is None else known)
-    images.add(image if known is not None else with_patches(image))
     return True

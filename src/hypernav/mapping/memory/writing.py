@@ -3,6 +3,7 @@
 import hashlib
 import io
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +28,12 @@ from hypernav.mapping.ros_map import save_ros_map
 
 INDEX_NAME = "memory.json"
 IMAGES = "images"
+_FLOOR = re.compile(r"floor-\d+")
+_OURS = re.compile(r"(images/\d{6,}\.(jpg|png)|floor-\d+/state-\d+\.npz)")
+"""Files of a memory besides its index; no other is ever removed from its folder."""
+_UNFINISHED = re.compile(r"(images|floor-\d+)/\..+\.new")
+_FOR_OTHERS = re.compile(r"floor-\d+/map\.(yaml|pgm)")
+_DAMAGED = ".damaged"
 _SLACK_BYTES = 4000
 """Size of the small files beside maps, index and images."""
 
@@ -36,17 +43,21 @@ class Writer:
 
     Attributes:
         index: The index that was written or read last; None if there is none.
+        keeps_damaged_images: Whether damaged key images stay in the folder.
     """
 
-    def __init__(self, folder: Path, index: Index | None) -> None:
+    def __init__(self, folder: Path, index: Index | None, *, damaged: tuple[str, ...] = ()) -> None:
         """Go on from what is in the folder.
 
         Args:
             folder: The folder, locked.
             index: Its index; None if it is empty.
+            damaged: Names of files that were left out; they get other names, and are kept.
         """
         self.index: Index | None = index
+        self.keeps_damaged_images: bool = True
         self._folder = folder
+        self._damaged = damaged
         self._images = {} if index is None else {one.number: one for one in index.images}
         self._states: dict[int, tuple[object, FileRecord]] = {}
 
@@ -98,6 +109,7 @@ class Writer:
                     "images": tuple(map(self._image, memory.images.kept if memory.images else ())),
                 }
             )
+            self._set_damaged_aside()
             write_whole(self._folder / INDEX_NAME, _text(index))
             self.index = index
             self._images = {one.number: one for one in index.images}
@@ -157,16 +169,53 @@ class Writer:
         digest = hashlib.sha256(content).hexdigest()
         return FileRecord(name=name, size=len(content), sha256=digest)
 
+    def _set_damaged_aside(self) -> None:
+        """Rename damaged files: a person may still rescue what is in them."""
+        for name in self._damaged:
+            path = self._folder / name
+            if _OURS.fullmatch(name) and path.exists():
+                path.replace(f"{path}{_DAMAGED}")
+        self._damaged = ()
+
     def _remove_old(self, index: Index) -> None:
         """Remove images and states that no longer belong to the memory."""
         wanted = {one.state.name for one in index.floors}
         wanted |= {file.name for one in index.images for file in (one.jpeg, one.png)}
-        folders = [IMAGES, *(_floor_name(number) for number in range(len(index.floors)))]
-        for folder in folders:
+        for folder in (IMAGES, *(_floor_name(number) for number in range(len(index.floors)))):
             for entry in os.scandir(self._folder / folder):
-                is_ours = entry.name.endswith((".jpg", ".png", ".npz", ".new"))
-                if is_ours and f"{folder}/{entry.name}" not in wanted:
+                name = f"{folder}/{entry.name}"
+                is_old = _OURS.fullmatch(name) and name not in wanted
+                is_forgotten = (
+                    not self.keeps_damaged_images
+                    and folder == IMAGES
+                    and _OURS.fullmatch(name.removesuffix(_DAMAGED))
+                )
+                if entry.is_dir(follow_symlinks=False):
+                    continue
+                if is_old or is_forgotten or _UNFINISHED.fullmatch(name):
                     os.unlink(entry.path)
+
+
+def foreign_files(folder: Path) -> list[str]:
+    """What is in a folder without index and isn't left behind by a first save that was killed.
+
+    Raises:
+        OSError: The folder can't be read.
+    """
+    entries = list(os.scandir(folder)) if folder.exists() else []
+    names = [one.name for one in entries if not one.name.startswith(".")]
+    folders = [
+        one.name
+        for one in entries
+        if one.is_dir() and (one.name == IMAGES or _FLOOR.fullmatch(one.name))
+    ]
+    within = [f"{one}/{entry.name}" for one in folders for entry in os.scandir(folder / one)]
+    kinds = (_OURS, _UNFINISHED, _FOR_OTHERS)
+    foreign = [name for name in within if not any(kind.fullmatch(name) for kind in kinds)]
+    # Floors are written before images: without one, the images are somebody's own.
+    if not (folder / _floor_name(0) / "state-1.npz").exists():
+        foreign += [name for name in within if name.startswith(f"{IMAGES}/")]
+    return [*(name for name in names if name not in folders), *foreign]
 
 
 def _text(index: Index) -> str:
