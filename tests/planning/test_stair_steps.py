@@ -33,6 +33,7 @@ def flight() -> Ground:
         clearance.astype(np.float32),
         clearance > 0.12,
         np.zeros_like(known),
+        0.12,
     )
 
 
