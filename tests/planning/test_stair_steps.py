@@ -33,6 +33,7 @@ def flight() -> Ground:
         clearance.astype(np.float32),
         clearance > 0.12,
         np.zeros_like(known),
+        0.12,
     )
 
 
@@ -67,3 +68,12 @@ def test_a_robot_that_touches_the_edge_turns_away_from_it_first(side: float):
     ground, pose = flight(), Pose2(3.0, side * 0.42, side * 0.3)
     action = step_over_ground(ground, pose, end_of(ground), MOTION, touching=True)
     assert action is (Action.TURN_RIGHT if side > 0 else Action.TURN_LEFT)
+
+
+def test_a_step_keeps_off_a_corner_that_it_would_only_pass():
+    ground, pose = flight(), Pose2(0.0, 0.0, 0.0)
+    x, y = ground.grid.centres_of(np.argwhere(ground.seen | ~ground.seen)).T
+    post = (np.hypot(x - 0.2, y - 0.3) < 0.1).reshape(ground.seen.shape)
+    with_post = ground.without(post, pose.xy)
+    assert step_over_ground(ground, pose, end_of(ground), MOTION) is Action.MOVE_FORWARD
+    assert step_over_ground(with_post, pose, end_of(ground), MOTION) is Action.TURN_RIGHT

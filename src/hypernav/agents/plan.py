@@ -9,6 +9,7 @@ from hypernav.core.exploring.exploration import Destination
 from hypernav.core.exploring.insight import Insight
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.memory.connectors import Connector
 from hypernav.planning.gaps import Gap
 from hypernav.planning.route import Route
 
@@ -216,6 +217,7 @@ class Climbing:
         steps: Number of steps and turns spent on it so far.
         turned: Number of turns since stairs were last seen ahead.
         touching: Whether the robot has bumped into something and has not got away from it yet.
+        flight: The flight of stairs that it is on or goes to; None if it knows of none.
     """
 
     connector: int
@@ -223,6 +225,7 @@ class Climbing:
     steps: int = 0
     turned: int = 0
     touching: bool = False
+    flight: Connector | None = None
 
 
 @dataclass(frozen=True, eq=False)

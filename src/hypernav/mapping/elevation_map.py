@@ -10,10 +10,12 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.mapping.elevation_kernels import BUMPED, survey
-from hypernav.mapping.ground import Ground, nearest_cell
+from hypernav.mapping.ground import Ground, reach
 
 SIDE_CELLS = 256
 """Number of rows and columns of the map, whose middle stays near the robot."""
+NEAR_CELLS = 160
+"""Number of rows and columns, around the robot, in which stairs are looked for."""
 _SHIFT_CELLS = 32
 """Cells by which the map moves with the robot."""
 _STEEPEST = 0.75
@@ -125,61 +127,71 @@ class ElevationMap:
         """
         body = self._embodiment.body
         robot_z = self._robot_z
+        window, origin = self._window(position)
+        maps = (self._heights, self._hits, self._hit_z, self._below)
+        known_heights, hits, hit_z, below = (one[window] for one in maps)
+        away = self._away(position, origin)
+        under = away <= body.radius_m + _UNDER_M
         with np.errstate(invalid="ignore"):  # what is farther up or down belongs to other storeys
-            seen = np.abs(self._heights - robot_z) <= _SAME_STOREY_M
-        closed, gaps = _without_gaps(self._heights, seen)
-        dropped_m = self._below - robot_z
+            seen = np.abs(known_heights - robot_z) <= _SAME_STOREY_M
+        closed, gaps = _without_gaps(known_heights, seen)
+        dropped_m = below - robot_z
         seen = seen | gaps
         drop = ~seen & (np.abs(dropped_m) <= _SAME_LEVEL_M)
         # Right before the robot the camera sees no stairs; they go on as they began.
         lower = ~seen & (dropped_m > 0.0) & (dropped_m < self._blind_m * _STEEPEST)
-        blind = ~seen & ~drop & self._disc(position, self._blind_m)
+        blind = ~seen & ~drop & (away <= self._blind_m)
         with np.errstate(invalid="ignore"):
-            near_level = np.abs(self._heights - robot_z) < _NEAR_LEVEL_M
-        filled = _filled(np.where(near_level, self._heights, np.float32(np.nan)))
+            near_level = np.abs(known_heights - robot_z) < _NEAR_LEVEL_M
+        filled = _filled(np.where(near_level, known_heights, np.float32(np.nan)))
         heights = np.where(seen, closed, np.where(blind, filled, np.float32(np.nan)))
         known = seen | blind
         # Stairs may lie one above another: only what stands on the ground is an obstacle.
         step_m = body.max_step_m + _STEP_SLACK_M
-        above_m = self._hit_z - np.where(seen, closed, robot_z)
+        above_m = hit_z - np.where(seen, closed, robot_z)
         stands = (above_m > np.where(seen, step_m / 2.0, -step_m)) & (above_m < body.height_m)
-        clear = ~((self._hits >= _OBSTACLE_HITS) & stands) & (self._hits < BUMPED)
+        clear = ~((hits >= _OBSTACLE_HITS) & stands) & (hits < BUMPED)
         presumed = (drop | (lower & ~blind)) & clear if down else np.zeros_like(known)
         # What lies lower may be joined to the robot by steps that it does not see.
         measured = np.where(seen, heights, np.float32(np.nan)) if down else heights
+        # The height at which the robot stands is between those of the treads under it.
+        measured = np.where(under, np.float32(np.nan), measured)
         is_open = (known & clear & _is_even(measured, step_m)) | presumed
         grid = OccupancyGrid(
             np.where(is_open, np.uint8(Cell.FREE), np.uint8(Cell.OCCUPIED)),
             self._cell_m,
-            self._origin,
+            origin,
         )
-        clearance = cv2.distanceTransform(
-            is_open.view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
-        )
-        clearance_m = clearance * np.float32(self._cell_m)
-        fits = clearance_m > _CLEARANCE * body.radius_m
-        start = nearest_cell(fits, grid, position)
-        reached = np.zeros_like(fits)
-        if start is not None:
-            _, parts = cv2.connectedComponents(fits.view(np.uint8), connectivity=4)
-            reached = parts == parts[start]
-        heights = np.where(presumed & ~blind, self._below, heights)
-        return Ground(grid, heights, seen, clearance_m, reached, presumed)
+        least_m = _CLEARANCE * body.radius_m
+        clearance_m, reached = reach(grid, position, least_m)
+        heights = np.where(presumed & ~blind, below, heights)
+        return Ground(grid, heights, seen, clearance_m, reached, presumed, least_m)
 
     @property
     def _origin(self) -> tuple[float, float]:
         row, column = self._corner or (0, 0)
         return (column * self._cell_m, row * self._cell_m)
 
-    def _disc(
-        self, position: tuple[float, float], radius_m: float
-    ) -> Bool[np.ndarray, "rows columns"]:
-        """Mask of the cells within a distance of a position, metres."""
-        row, column = self._corner or (0, 0)
-        x, y = (one / self._cell_m for one in position)
-        rows, columns = np.ogrid[:SIDE_CELLS, :SIDE_CELLS]
-        squared = (rows + row + 0.5 - y) ** 2 + (columns + column + 0.5 - x) ** 2
-        return squared <= (radius_m / self._cell_m) ** 2
+    def _window(
+        self, position: tuple[float, float]
+    ) -> tuple[tuple[slice, slice], tuple[float, float]]:
+        """The part of the map around a position, and its lower left corner, metres."""
+        row0, column0 = self._corner or (0, 0)
+        first = (
+            math.floor(position[1] / self._cell_m) - row0 - NEAR_CELLS // 2,
+            math.floor(position[0] / self._cell_m) - column0 - NEAR_CELLS // 2,
+        )
+        row, column = (min(max(one, 0), SIDE_CELLS - NEAR_CELLS) for one in first)
+        origin = ((column0 + column) * self._cell_m, (row0 + row) * self._cell_m)
+        return (slice(row, row + NEAR_CELLS), slice(column, column + NEAR_CELLS)), origin
+
+    def _away(
+        self, position: tuple[float, float], origin: tuple[float, float]
+    ) -> Float64[np.ndarray, "rows columns"]:
+        """Distances of the cells of such a part from a position, metres."""
+        middles = (np.arange(NEAR_CELLS) + 0.5) * self._cell_m
+        x, y = middles + origin[0] - position[0], middles + origin[1] - position[1]
+        return np.hypot(x[None, :], y[:, None])
 
     def _centre(self, x: float, y: float) -> None:
         """Move the map along with the robot, by whole cells."""

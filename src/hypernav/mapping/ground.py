@@ -1,12 +1,13 @@
 """The ground around a robot that climbs: what of it can be walked on, and how high it is."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import cv2
 import numpy as np
 from jaxtyping import Bool, Float32, Float64
 
-from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.mapping.distance_kernels import nearest_open_cell
 
 _NEAR_M = 0.4
@@ -26,6 +27,7 @@ class Ground:
         reached: Mask of the cells where the robot's middle could get.
         presumed: Mask of the cells where stairs down are presumed, since no ground was seen at the
             robot's height, but what lies below it.
+        least_m: Clearance that the robot's middle needs, metres.
     """
 
     grid: OccupancyGrid
@@ -34,6 +36,16 @@ class Ground:
     clearance_m: Float32[np.ndarray, "rows columns"]
     reached: Bool[np.ndarray, "rows columns"]
     presumed: Bool[np.ndarray, "rows columns"]
+    least_m: float
+
+    def without(
+        self, closed: Bool[np.ndarray, "rows columns"], position: tuple[float, float]
+    ) -> "Ground":
+        """The ground where some cells are closed, as far as it is in reach from a position."""
+        cells = np.where(closed, np.uint8(Cell.OCCUPIED), self.grid.cells)
+        grid = replace(self.grid, cells=cells)
+        clearance_m, reached = reach(grid, position, self.least_m)
+        return replace(self, grid=grid, clearance_m=clearance_m, reached=reached)
 
     def between(self, low_m: float, high_m: float) -> Bool[np.ndarray, "rows columns"]:
         """Mask of the reached cells whose heights lie between two, metres."""
@@ -67,6 +79,27 @@ class Ground:
     def positions(self, mask: Bool[np.ndarray, "rows columns"]) -> Float64[np.ndarray, "n 2"]:
         """Middles ``(x, y)`` of a mask's cells, metres."""
         return self.grid.centres_of(np.argwhere(mask))
+
+
+def reach(
+    grid: OccupancyGrid, position: tuple[float, float], least_m: float
+) -> tuple[Float32[np.ndarray, "rows columns"], Bool[np.ndarray, "rows columns"]]:
+    """The clearance of all cells from what is not free, metres, and those in reach of a position.
+
+    Args:
+        grid: Free and other cells.
+        position: The robot ``(x, y)``, metres.
+        least_m: Clearance that its middle needs, metres.
+    """
+    is_open = (grid.cells == Cell.FREE).view(np.uint8)
+    clearance = cv2.distanceTransform(is_open, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    clearance_m = clearance * np.float32(grid.resolution_m)
+    fits = clearance_m > least_m
+    start = nearest_cell(fits, grid, position)
+    if start is None:
+        return clearance_m, np.zeros_like(fits)
+    _, parts = cv2.connectedComponents(fits.view(np.uint8), connectivity=4)
+    return clearance_m, parts == parts[start]
 
 
 def nearest_cell(

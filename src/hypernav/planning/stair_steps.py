@@ -13,10 +13,10 @@ from hypernav.mapping.ground import Ground
 
 _TURN_M = 0.1
 """Cost of a turn of 30 degrees, metres of path."""
-_MIDDLE_M = 0.35
+_MIDDLE_M = 0.42
 """Distance from edges, metres, below which a step costs more: the robot keeps to the middle."""
-_EDGE_COST = 1.5
-"""Cost of a step's end for every metre that it is nearer to an edge than that."""
+_EDGE_COST = 3.0
+"""Cost of a step for every metre that it comes nearer to an edge than that."""
 _LEAST_GAIN_M = 0.05
 _FREED_M = 0.2
 """First part of a step, metres, that may lead out of where the robot should not be."""
@@ -59,7 +59,7 @@ def step_over_ground(
     turns = motion.turns_of_a_circle
     most_left_m = math.inf
     if not touching:
-        most_left_m = float(to_go[here]) + _edge_cost(ground, here) - _LEAST_GAIN_M
+        most_left_m = float(to_go[here]) + _edge_cost(ground.clearance_m[here]) - _LEAST_GAIN_M
     best, best_turns = math.inf, None
     for k in sorted(range(-(turns // 2) + 1, turns // 2 + 1), key=abs):
         pose = Pose2(robot.x, robot.y, wrap_angle(robot.yaw + k * turn))
@@ -82,9 +82,9 @@ def _left_after(ground: Ground, pose: Pose2, to_go: np.ndarray, forward_m: float
     line = ground.grid.cells_of(np.array(pose.xy) + share * (np.array(end.xy) - np.array(pose.xy)))
     if not ground.grid.contains(line).all() or not ground.reached[tuple(line.T)].all():
         return math.inf
-    row, column = (int(k) for k in line[-1])
-    return float(to_go[row, column]) + _edge_cost(ground, (row, column))
+    on_line = tuple(line.T)
+    return float(to_go[on_line][-1]) + _edge_cost(ground.clearance_m[on_line].min())
 
 
-def _edge_cost(ground: Ground, cell: tuple[int, int]) -> float:
-    return _EDGE_COST * max(_MIDDLE_M - float(ground.clearance_m[cell]), 0.0)
+def _edge_cost(clearance_m: np.floating) -> float:
+    return _EDGE_COST * max(_MIDDLE_M - float(clearance_m), 0.0)

@@ -8,7 +8,7 @@ from box_views import FLOOR, SolidBox, room, turning, view_of
 from hypernav.core.embodiment import BodyConfig, Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.connectors import Connector, Passage
+from hypernav.mapping.memory.connectors import Connector, Passage, reliable, with_sightings
 from hypernav.mapping.memory.memory import Memory
 from stair_views import FIRST_X, SIDES_Y, stairs_down, stairs_up
 
@@ -99,3 +99,25 @@ def test_used_stairs_are_known_from_both_ends_and_lead_on_until_all_is_explored(
     assert not memory.ways_out(new=True)
     memory.floors[0].search.is_explored = True
     assert not memory.ways_out()
+
+
+def edge(axis: float, *, x: float = 0.0) -> Connector:
+    return Connector(0, False, (x, 0.0), axis)
+
+
+def test_an_edge_that_is_too_near_to_be_seen_whole_counts_if_it_agrees_with_what_is_known():
+    known, near, far = [edge(0.0)], (0.5, 0.0), (2.0, 0.0)
+    assert reliable([edge(0.2), edge(1.0)], known, near) == [edge(0.2)]
+    assert reliable([edge(0.2), edge(1.0)], known, far) == [edge(0.2), edge(1.0)]
+    assert reliable([edge(0.0, x=3.0)], known, (3.0, 0.5)) == []
+    up = Connector(0, True, (0.0, 0.0), 0.0)
+    assert reliable([up], [], near) == [up]
+
+
+def test_the_axis_is_the_mean_of_sightings_that_agree():
+    (known,) = with_sightings([edge(0.0)], [edge(0.2)])
+    assert known.axis == pytest.approx(0.1)
+    (known,) = with_sightings([known], [edge(0.1 + math.tau)])
+    assert known.axis == pytest.approx(0.1)
+    (known,) = with_sightings([known], [edge(1.5)])
+    assert known.axis == 1.5

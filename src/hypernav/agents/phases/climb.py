@@ -8,7 +8,14 @@ from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.trace import Mode
-from hypernav.mapping.memory.connectors import Passage, stairs_ahead
+from hypernav.mapping.memory.connectors import Passage
+from hypernav.mapping.memory.flights import (
+    flight_down,
+    flight_from,
+    landing_z,
+    on_flight,
+    stairs_ahead,
+)
 from hypernav.mapping.memory.memory import Memory
 from hypernav.planning.stair_steps import step_over_ground
 
@@ -36,11 +43,21 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
         return _given_up(step, memory, plan, climbing)
     goes_up = connector.goes_up != climbing.is_back
     ground = memory.ground_around(step.robot.xy, down=not goes_up)
-    on_slope = memory.is_off_floor and memory.is_on_slope and not climbing.touching
-    to = stairs_ahead(ground, step.robot, memory.z, connector, up=goes_up, on_slope=on_slope)
+    is_lost = climbing.touching or climbing.turned > step.motion.turns_of_a_circle // 4
+    on_slope = memory.is_off_floor and memory.is_on_slope and not is_lost
+    level_z = landing_z(ground, step.robot, memory.z)
+    here = step.robot, memory.z if on_slope else level_z
+    first, flight = flight_from(connector, goes_up=goes_up), climbing.flight
+    if not memory.is_off_floor:  # the axis of stairs that the robot came by is that of its last step
+        flight = first if connector.passage is Passage.UNTRIED else None
+    elif not goes_up and not on_slope:
+        flight = flight_down(ground, *here, None if is_lost else flight, first)
+    climbing = replace(climbing, flight=flight)
+    ground = on_flight(ground, *here, flight, goes_up=goes_up)
+    to = stairs_ahead(ground, *here, flight, goes_up=goes_up, on_slope=on_slope)
     words = f"on the stairs to floor {_next_floor(memory, climbing) + 1}"
     if not to.any() and memory.is_off_floor and not climbing.turned:
-        to = memory.way_on(ground, _OFF_STAIRS_M)
+        to = memory.way_on(ground, level_z, _OFF_STAIRS_M)
         if to[ground.grid.cell_of(*step.robot.xy)]:  # the robot is there
             to = np.zeros_like(to)
     turn = Action.TURN_LEFT
@@ -86,6 +103,8 @@ def _given_up(
         step.events.append("stairs given up")
         return Phase.LOOK_AROUND, replace(plan, climbing=None)
     step.events.append("turning back on the stairs")
-    back = Climbing(climbing.connector, is_back=True)
+    connector = memory.connectors[climbing.connector]
+    flight = flight_from(connector, goes_up=not connector.goes_up)
+    back = Climbing(climbing.connector, is_back=True, flight=flight)
     decision = Decision(Action.TURN_LEFT, Mode.CLIMB, "the stairs lead nowhere, turning back")
     return decision, replace(plan, climbing=back)

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool
 
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.mapping.ground import Ground
 
 LEVEL_M = 0.08
@@ -32,16 +32,10 @@ _SAME_M = 1.0
 """Distance between the ends of two sightings of one connector, metres."""
 _SAME_REFUTED_M = 0.5
 """The same for a connector that was refuted: the true head of stairs may be beside a railing."""
-_AHEAD_M = 0.9
-"""Distance of the next aim on stairs, metres."""
-_LEAST_AHEAD_M = 0.3
-_NEXT_M = 2.5
-"""Length of the axis, metres, on which presumed stairs must begin for the robot to follow it."""
-_SAME_DROP_M = 0.3
-_SAME_TREAD_M = 0.06
-_BESIDE_AXIS_M = 0.15
-"""Distance from the axis within which the robot goes down stairs that it does not see, metres."""
-_LEAST_CELLS = 10
+_WHOLE_M = 1.0
+"""Distance from which the edge of a floor is seen whole, metres."""
+_SAME_AXIS = 0.35
+"""Greatest difference between the directions of two sightings of one edge, radians."""
 _SIGHTINGS = 2
 """Images that must show a connector before the robot relies on it."""
 
@@ -114,6 +108,25 @@ class Connector:
         )
 
 
+def reliable(
+    seen: Sequence[Connector], known: Sequence[Connector], position: tuple[float, float]
+) -> list[Connector]:
+    """The sightings without those of edges of the floor that are too near to be seen whole.
+
+    Of these a camera sees the ends only. They count if they lead where a known connector does.
+    """
+    return [
+        one
+        for one in seen
+        if one.goes_up
+        or math.dist(one.end, position) >= _WHOLE_M
+        or any(
+            one.is_same(other) and abs(wrap_angle(one.axis - other.axis)) <= _SAME_AXIS
+            for other in known
+        )
+    ]
+
+
 def with_sightings(known: Sequence[Connector], seen: Sequence[Connector]) -> tuple[Connector, ...]:
     """The known connectors with those of one more image; numbers, their indices, stay."""
     connectors = list(known)
@@ -124,9 +137,17 @@ def with_sightings(known: Sequence[Connector], seen: Sequence[Connector]) -> tup
             continue
         old = connectors[number]
         is_untried = old.passage is Passage.UNTRIED
-        now = replace(old, end=one.end, axis=one.axis) if is_untried else old
+        now = replace(old, end=one.end, axis=_mean_axis(old, one)) if is_untried else old
         connectors[number] = replace(now, sightings=old.sightings + 1)
     return tuple(connectors)
+
+
+def _mean_axis(known: Connector, seen: Connector) -> float:
+    """The axis of a known connector with one more sighting; the new one if they do not agree."""
+    turned = wrap_angle(seen.axis - known.axis)
+    if abs(turned) > _SAME_AXIS:
+        return seen.axis
+    return wrap_angle(known.axis + turned / (known.sightings + 1))
 
 
 def with_crossing(
@@ -213,34 +234,3 @@ def _parts(mask: Bool[np.ndarray, "rows columns"]) -> list[Bool[np.ndarray, "row
         return []
     count, parts, stats, _ = cv2.connectedComponentsWithStats(mask.view(np.uint8), connectivity=8)
     return [parts == k for k in range(1, count) if stats[k, cv2.CC_STAT_AREA] > 10]
-
-
-def stairs_ahead(
-    ground: Ground, robot: Pose2, robot_z: float, connector: Connector, *, up: bool, on_slope: bool
-) -> Bool[np.ndarray, "rows columns"]:
-    """Mask of the ground to go to next on stairs; empty where they end.
-
-    It is the highest ground in reach, or the lowest. Where no ground below is seen, it lies ahead
-    on the axis of the connector, as long as the robot is on a slope or stairs are presumed there;
-    beyond a landing, it is any presumed stairs.
-    """
-    sign = 1.0 if up else -1.0
-    away = ground.distances_m(robot.xy)
-    with np.errstate(invalid="ignore"):
-        rise = sign * (ground.heights - robot_z)
-        beyond = ground.reached & (rise > LEVEL_M + 0.04) & ~ground.presumed
-        if beyond.sum() < _LEAST_CELLS and not up:
-            beyond = ground.reached & ground.presumed
-            axis = connector.axis + (math.pi if connector.goes_up else 0.0)
-            ahead_m = ground.along(robot.xy, axis)[0]
-            next_m = _AHEAD_M if on_slope else _NEXT_M
-            on_axis = ground.along(connector.end, axis)[1] <= _BESIDE_AXIS_M
-            on_axis &= ground.reached if on_slope else beyond
-            on_axis &= (ahead_m > _LEAST_AHEAD_M) & (ahead_m < next_m)
-            if on_axis.sum() >= _LEAST_CELLS:
-                return on_axis & (ahead_m >= min(_AHEAD_M, float(ahead_m[on_axis].max())) - 0.1)
-        if not beyond.any():
-            return beyond
-        best = np.where(beyond, rise, -np.inf).max()
-        beyond &= rise >= best - np.where(ground.presumed, _SAME_DROP_M, _SAME_TREAD_M)
-    return beyond & (away >= min(_AHEAD_M, float(away[beyond].max())))

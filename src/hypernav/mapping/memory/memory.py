@@ -29,6 +29,7 @@ from hypernav.mapping.memory.connectors import (
     Connector,
     Passage,
     connectors_in,
+    reliable,
     with_crossing,
     with_sightings,
 )
@@ -138,7 +139,7 @@ class Memory:
             self._walked_m += moved_m
         is_another = abs(self._level_z - self.floor.z) > _ANOTHER_M
         if is_another and self._walked_m >= _WALKED_M and self._may_be_floor(here):
-            self.number = self._known_or_new(self._level_z)
+            self.number = self._known_or_new(z)
         if not self.is_off_floor:
             self.ground_z = self.floor.z
         elif self._walked_m >= _WALKED_M and abs(self._level_z - self.floor.z) <= _ANOTHER_M:
@@ -146,6 +147,7 @@ class Memory:
         if shows_steps and not self.on_stairs:
             ground = self.ground_around(here, down=True)
             seen = connectors_in(ground, self.number, self.ground_z)
+            seen = reliable(seen, self.connectors, here)
             self.connectors = with_sightings(self.connectors, seen)
         return self.floor
 
@@ -282,14 +284,22 @@ class Memory:
         ground = self.ground_around(position, down=False)
         rises_far = abs(self._level_z - self.floor.z) >= _STOREY_M
         least_m2 = _LEAST_LANDING_M2 if rises_far else _LEAST_FLOOR_M2
-        return ground.area_m2(self._level(ground)) >= least_m2
+        return ground.area_m2(self._level(ground, self._level_z)) >= least_m2
 
-    def way_on(self, ground: Ground, least_m: float) -> Bool[np.ndarray, "rows columns"]:
-        """Mask of the ground at the robot's height, so far from where this height began, metres."""
-        return self._level(ground) & (ground.distances_m(self._level_began.xy) >= least_m)
+    def way_on(self, ground: Ground, z: float, least_m: float) -> Bool[np.ndarray, "rows columns"]:
+        """Mask of the level ground, so far from where the robot's height began, metres.
 
-    def _level(self, ground: Ground) -> Bool[np.ndarray, "rows columns"]:
-        return ground.between(self._level_z - _LEVEL_M, self._level_z + _LEVEL_M)
+        Args:
+            ground: Ground around the robot.
+            z: Height of the level ground, as it looks, metres.
+            least_m: The distance.
+        """
+        return self._level(ground, z) & (ground.distances_m(self._level_began.xy) >= least_m)
+
+    def _level(self, ground: Ground, z: float) -> Bool[np.ndarray, "rows columns"]:
+        """Mask of the ground about as high as the robot and a height, and between them."""
+        low, high = sorted((z, self.z))
+        return ground.between(low - _LEVEL_M, high + _LEVEL_M)
 
     def number_at(self, z: float) -> int | None:
         """The number of the known floor nearest to a height, metres; None if none is near it."""

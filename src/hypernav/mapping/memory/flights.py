@@ -1,0 +1,133 @@
+"""Flights of stairs, from one level to the next, and where the robot goes on them.
+
+A level camera sees no steps that lead down, nor the railing beside them. What it sees is where a
+flight begins, in the middle between railings or walls, and in which direction: so the robot keeps
+to the axis from there.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Bool
+
+from hypernav.core.geometry.transforms import Pose2, wrap_angle
+from hypernav.mapping.ground import Ground
+from hypernav.mapping.memory.connectors import LEVEL_M, Connector, connectors_in
+
+_AHEAD_M = 0.9
+"""Distance of the next aim on stairs, metres."""
+_LEAST_AHEAD_M = 0.3
+_NEXT_M = 2.5
+"""Length of the axis, metres, on which presumed stairs must begin for the robot to follow it."""
+_SAME_DROP_M = 0.3
+_SAME_TREAD_M = 0.06
+_BESIDE_AXIS_M = 0.15
+"""Distance from the axis within which the robot's aim on stairs that it does not see lies."""
+_HALF_WIDTH_M = 0.42
+"""Distance from the axis of a flight down, metres, beyond which nothing counts as ground."""
+_BACK_M = 0.3
+"""Height above the robot, metres, of ground that is not on the way down, or below it on that up."""
+_LEAST_CELLS = 10
+_ASKEW = 0.25
+"""Deviation of a flight from parallels and right angles, in right angles."""
+_BEGINS_M = 1.5
+"""Distance within which a flight begins from where it was seen, metres."""
+_AROUND_M = 1.0
+"""Distance within which a landing tells its height, metres."""
+_MESH_M = 0.3
+"""Difference between this height and the robot's, metres, beyond which it is another one."""
+
+
+def flight_from(connector: Connector, *, goes_up: bool) -> Connector:
+    """The flight of a connector, in the direction in which the robot goes over it."""
+    if connector.goes_up is goes_up:
+        return connector
+    return replace(connector, goes_up=goes_up, axis=connector.axis + math.pi)
+
+
+def landing_z(ground: Ground, robot: Pose2, robot_z: float) -> float:
+    """Height of the level ground around the robot, metres, as the camera sees it.
+
+    A simulated robot stands on a mesh whose heights are wrong by up to a step there.
+    """
+    with np.errstate(invalid="ignore"):
+        is_near = np.abs(ground.heights - robot_z) <= _MESH_M
+    is_near &= ground.seen & ground.reached & (ground.distances_m(robot.xy) <= _AROUND_M)
+    return float(np.median(ground.heights[is_near])) if is_near.any() else robot_z
+
+
+def flight_down(
+    ground: Ground, robot: Pose2, robot_z: float, before: Connector | None, first: Connector
+) -> Connector | None:
+    """The next flight down, as seen from a landing; None if none is seen.
+
+    Flights are parallel or at right angles to each other; what is seen askew is not relied on.
+
+    Args:
+        ground: Ground around the robot; unseen steps down presumed.
+        robot: Pose of the robot.
+        robot_z: Height of the landing, metres.
+        before: The flight as known so far: if it begins near the robot, another one is none.
+        first: The first flight of the stairs.
+    """
+    found = list[Connector]()
+    for one in connectors_in(ground, first.floor, robot_z):
+        quarters = wrap_angle(one.axis - first.axis) / (math.pi / 2.0)
+        if not one.goes_up and abs(quarters - round(quarters)) <= _ASKEW:
+            found.append(replace(one, axis=first.axis + round(quarters) * math.pi / 2.0))
+    if before is not None and robot.distance_to(*before.end) <= _BEGINS_M:
+        found = [one for one in found if one.is_same(before)] or [before]
+    return min(found, key=lambda one: robot.distance_to(*one.end), default=None)
+
+
+def on_flight(
+    ground: Ground, robot: Pose2, robot_z: float, flight: Connector | None, *, goes_up: bool
+) -> Ground:
+    """The ground that is on the way: nothing beside the axis of a flight down, and no way back."""
+    with np.errstate(invalid="ignore"):
+        back_m = (robot_z - ground.heights) * (1.0 if goes_up else -1.0)
+        closed = ground.seen & (back_m > _BACK_M)
+    if flight is not None and not goes_up:
+        ahead_m, beside_m = ground.along(flight.end, flight.axis)
+        closed |= (ahead_m > 0.0) & (beside_m > _HALF_WIDTH_M) & ~ground.seen
+    return ground.without(closed, robot.xy)
+
+
+def stairs_ahead(
+    ground: Ground,
+    robot: Pose2,
+    robot_z: float,
+    flight: Connector | None,
+    *,
+    goes_up: bool,
+    on_slope: bool,
+) -> Bool[np.ndarray, "rows columns"]:
+    """Mask of the ground to go to next on stairs; empty where they end.
+
+    On a flight down it lies ahead on the axis, as long as the robot is on a slope, or stairs are
+    seen or presumed there. Else it is the highest ground in reach, or the lowest that was seen;
+    beyond a landing, it is any presumed stairs.
+    """
+    sign = 1.0 if goes_up else -1.0
+    with np.errstate(invalid="ignore"):
+        rise = sign * (ground.heights - robot_z)
+        beyond = ground.reached & (rise > LEVEL_M + 0.04) & ~ground.presumed
+    presumed = ground.reached & ground.presumed
+    if not goes_up:
+        beyond &= ground.seen
+        if flight is not None:
+            ahead_m = ground.along(robot.xy, flight.axis)[0]
+            on_axis = ground.along(flight.end, flight.axis)[1] <= _BESIDE_AXIS_M
+            on_axis &= ground.reached if on_slope else beyond | presumed
+            on_axis &= (ahead_m > _LEAST_AHEAD_M) & (ahead_m < (_AHEAD_M if on_slope else _NEXT_M))
+            if on_axis.sum() >= _LEAST_CELLS:
+                return on_axis & (ahead_m >= min(_AHEAD_M, float(ahead_m[on_axis].max())) - 0.1)
+    if beyond.sum() < _LEAST_CELLS:
+        beyond = presumed
+    if not beyond.any():
+        return beyond
+    best = np.where(beyond, rise, -np.inf).max()
+    beyond &= rise >= best - np.where(ground.presumed, _SAME_DROP_M, _SAME_TREAD_M)
+    away = ground.distances_m(robot.xy)
+    return beyond & (away >= min(_AHEAD_M, float(away[beyond].max())))

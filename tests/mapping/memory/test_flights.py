@@ -1,0 +1,143 @@
+"""On a flight of stairs the robot keeps to its axis, and does not go the way back."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from box_views import FLOOR, SolidBox, view_of
+from hypernav.core.embodiment import BodyConfig, Embodiment
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.connectors import Connector
+from hypernav.mapping.memory.flights import (
+    flight_down,
+    flight_from,
+    landing_z,
+    on_flight,
+    stairs_ahead,
+)
+from hypernav.mapping.memory.memory import Memory
+from stair_views import FIRST_X, SIDES_Y, stairs_down, stairs_up
+
+CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
+MIDDLE_Y = sum(SIDES_Y) / 2.0
+HEAD = Pose2(FIRST_X - 0.3, MIDDLE_Y, 0.0)
+FLIGHT = Connector(0, False, (FIRST_X, MIDDLE_Y), 0.0)
+
+
+def seen_from(boxes: list[SolidBox], *poses: Pose2, z: float = 0.0) -> Memory:
+    memory = Memory(MappingConfig(), CLIMBER)
+    memory.begin_search(sees_stairs=True)
+    camera, height_m = CLIMBER.camera.intrinsics, CLIMBER.camera.height_m
+    for pose in poses:
+        memory.follow(view_of(boxes, pose, camera=camera, height_m=height_m + z))
+    return memory
+
+
+def before_the_edge() -> list[Pose2]:
+    return [Pose2(FIRST_X - away_m, MIDDLE_Y, 0.0) for away_m in (2.0, 1.5, 0.8, 0.3)]
+
+
+def open_stairs() -> list[SolidBox]:
+    """The stairs down without the wall at their left, where the lower room is."""
+    return [box for box in stairs_down() if not (box[0][1] == SIDES_Y[1] and box[1][1] == 10.0)]
+
+
+def test_beside_the_axis_of_a_flight_down_is_no_ground():
+    memory = seen_from(open_stairs(), *before_the_edge())
+    ground = memory.ground_around(HEAD.xy, down=True)
+    beside_m = np.abs(ground.positions(ground.reached & ~ground.seen)[:, 1] - MIDDLE_Y)
+    assert beside_m.max() > 1.0
+    way = on_flight(ground, HEAD, 0.0, FLIGHT, goes_up=False)
+    x, y = way.positions(way.reached & ~way.seen).T
+    assert np.abs(y[x > FIRST_X + 0.1] - MIDDLE_Y).max() < (SIDES_Y[1] - SIDES_Y[0]) / 2.0 - 0.2
+    ahead = way.positions(stairs_ahead(way, HEAD, 0.0, FLIGHT, goes_up=False, on_slope=False))
+    assert (ahead[:, 0] > FIRST_X).all()
+    assert np.abs(ahead[:, 1] - MIDDLE_Y).max() < 0.2
+
+
+def test_the_way_down_does_not_lead_up_again():
+    memory = seen_from([FLOOR, *stairs_up()], *(Pose2(x, MIDDLE_Y, 0.0) for x in (2.0, 2.5)))
+    robot = Pose2(2.5, MIDDLE_Y, 0.0)
+    ground = memory.ground_around(robot.xy, down=True)
+    assert ground.between(0.4, 2.0).any()
+    way = on_flight(ground, robot, 0.0, None, goes_up=False)
+    assert not way.between(0.4, 2.0).any()
+    assert way.between(-0.1, 0.1).any()
+
+
+@pytest.mark.parametrize("off_m", [-0.13, 0.0, 0.13])
+def test_a_landing_is_as_high_as_it_looks(off_m: float):
+    poses = [Pose2(0.0, 0.0, yaw) for yaw in np.arange(0.0, 2.0 * math.pi, math.pi / 6.0)]
+    wall: SolidBox = ((2.0, -9.0, 0.0), (2.1, 9.0, 2.0))
+    memory = seen_from([FLOOR, wall], *poses, Pose2(1.0, 0.0, 0.0), z=off_m)
+    robot = Pose2(1.0, 0.0, 0.0)
+    ground = memory.ground_around(robot.xy, down=True)
+    assert landing_z(ground, robot, memory.z) == pytest.approx(0.0, abs=0.03)
+
+
+@pytest.mark.parametrize("quarters", [-1, 0, 1, 2])
+def test_the_next_flight_is_parallel_or_at_right_angles_to_the_first(quarters: int):
+    memory = seen_from(stairs_down(), *before_the_edge()[:2])
+    robot = before_the_edge()[1]
+    ground = memory.ground_around(robot.xy, down=True)
+    first = replace(FLIGHT, end=(9.0, 9.0), axis=quarters * math.pi / 2.0 + 0.1)
+    found = flight_down(ground, robot, 0.0, None, first)
+    assert found is not None
+    assert math.dist(found.end, FLIGHT.end) < 0.4
+    assert math.cos(found.axis) == pytest.approx(math.cos(0.1))
+    assert flight_down(ground, robot, 0.0, None, replace(first, axis=math.pi / 4.0)) is None
+
+
+def test_a_flight_that_begins_here_is_not_taken_for_another_one():
+    memory = seen_from(stairs_down(), *before_the_edge()[:2])
+    robot = before_the_edge()[1]
+    ground = memory.ground_around(robot.xy, down=True)
+    here = replace(FLIGHT, end=(robot.x, robot.y - 1.2), axis=-math.pi / 2.0)
+    assert flight_down(ground, robot, 0.0, here, FLIGHT) is here
+
+
+def test_the_flight_of_a_connector_leads_where_the_robot_goes():
+    assert flight_from(FLIGHT, goes_up=False) is FLIGHT
+    back = flight_from(FLIGHT, goes_up=True)
+    assert (back.goes_up, back.end) == (True, FLIGHT.end)
+    assert math.cos(back.axis) == pytest.approx(-1.0)
+
+
+def test_a_robot_between_two_treads_can_go_on():
+    """The mesh that it stands on is not as high as the tread, which no image shows."""
+    low, high = SIDES_Y
+    hole = 0.28
+    boxes: list[SolidBox] = [
+        ((-10.0, -10.0, -3.0), (FIRST_X, 10.0, 0.0)),
+        ((FIRST_X + hole, low, -3.0), (FIRST_X + 3.0, high, -0.36)),
+        ((-10.0, -10.0, -3.0), (20.0, 10.0, -2.0)),
+    ]
+    memory = seen_from(boxes)
+    camera, height_m = CLIMBER.camera.intrinsics, CLIMBER.camera.height_m
+    for x, z, pitch_deg in ((FIRST_X - 0.5, 0.0, 30.0), (FIRST_X + hole / 2.0, -0.1, 0.0)):
+        pose = Pose2(x, MIDDLE_Y, 0.0)
+        memory.follow(
+            view_of(boxes, pose, camera=camera, height_m=height_m + z, pitch_deg=pitch_deg)
+        )
+    ground = memory.ground_around(pose.xy, down=True)
+    ahead = [ground.grid.cell_of(pose.x + 0.05 * k, pose.y) for k in range(4, 12)]
+    assert all(ground.reached[cell] for cell in ahead)
+
+
+def test_a_floor_counts_at_the_height_at_which_the_robot_walks_on_it():
+    floor_z = -3.09
+    boxes: list[SolidBox] = [((-30.0, -30.0, -4.0), (30.0, 30.0, floor_z))]
+    memory = seen_from(boxes)
+    camera, height_m = CLIMBER.camera.intrinsics, CLIMBER.camera.height_m
+    for k, z in enumerate((-2.93, -2.97, -3.0, -3.0, -3.0)):
+        pose = Pose2(0.5 * k, 0.0, 0.0)
+        memory.follow(view_of(boxes, pose, camera=camera, height_m=height_m + z))
+    assert memory.number == 1
+    assert memory.floor.z == pytest.approx(-3.0)
+    assert not memory.on_stairs
+    ground = memory.ground_around((2.0, 0.0), down=False)
+    far = memory.way_on(ground, -2.93, 2.0)
+    assert (far & ground.seen).any()
