@@ -12,7 +12,6 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.goal import MAX_GOAL_LENGTH
 from hypernav.core.labels import ObjectLabel
-from hypernav.core.text.visible_text import visible
 from hypernav.robot.wire.values import LATEST_S, LONGEST_WAIT_S, Message, PlanarPose, RigidMatrix
 
 _MOST_IMAGE_BYTES = 100_000_000
@@ -183,8 +182,9 @@ class StopRequest(BaseModel):
             said = text
         if isinstance(said, dict):
             said = said.get("reason", "")
-        words = " ".join(visible(said).split()) if isinstance(said, str) else ""
-        return StopRequest(reason=words[:_MOST_REASON])
+        words = " ".join(said.split()) if isinstance(said, str) else ""
+        written = words.encode(errors="replace").decode()  # JSON may hold half of a surrogate pair
+        return StopRequest(reason=written[:_MOST_REASON])
 
 
 class CloseRequest(Message):
