@@ -145,6 +145,22 @@ def test_another_benchmark_and_single_values_win():
     assert (plan.max_steps, plan.success_distance_m) == (3, 1.0)
 
 
+@pytest.mark.parametrize(
+    ("options", "run_ends", "agent_knows"),
+    [
+        (Options("goat:data"), 5000, 5000),
+        (Options("hm3d:data"), 500, 500),
+        (Options("houses-val", max_steps=80), 80, 80),
+        (Options("houses-val", AgentOptions(set=("search.max_steps=300",))), 500, 300),
+    ],
+    ids=["goat", "hm3d", "--max-steps", "--set"],
+)
+def test_the_agent_knows_how_many_steps_it_has(options, run_ends, agent_knows):
+    config = config_of(options)
+    assert plan_of(options, config).max_steps == run_ends
+    assert config.search.max_steps == agent_knows
+
+
 def test_the_papers_goals_go_by_the_words_of_the_files(benchmark_data):
     dataset = f"hm3d:{benchmark_data}#v1/val"
     plan = RunPlan(dataset, benchmark="hypernav-paper-hm3d")

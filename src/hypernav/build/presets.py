@@ -130,6 +130,16 @@ class HyPerNavConfig(RoomConfig):
     policy: PolicyConfig = PolicyConfig()
     own: OwnConfig = OwnConfig()
 
+    def for_steps(self, max_steps: int) -> "HyPerNavConfig":
+        """The configuration of searches that end after so many steps.
+
+        Its agent knows that, unless its `search.max_steps` says something else than the default.
+        """
+        if self.search.max_steps != SearchConfig().max_steps:
+            return self
+        search = self.search.model_copy(update={"max_steps": max_steps})
+        return self.model_copy(update={"search": search})
+
     @model_validator(mode="after")
     def _map_holds_the_body(self) -> "HyPerNavConfig":
         self.mapping.height_band(self.embodiment.body)

@@ -73,7 +73,7 @@ def find(
         raise ConfigError(f"config is {config!r:.60}, expected a HyPerNavConfig")
     check_option("max_steps", max_steps, (1, MOST_STEPS), "a search needs at least one step")
     check_option("seed", seed, (0, MOST_SEED), "a seed is 0 or more")
-    agent = build_agent(config) if agent is None else agent
+    agent = build_agent(config.for_steps(max_steps)) if agent is None else agent
     truth = None
     if isinstance(agent, BuiltAgent):
         agent.check_goal(goal)

@@ -92,7 +92,8 @@ def run(options: Options) -> int:
 
 def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
     """Load the building, search, and write the page, even if the search fails."""
-    config = options.who.resolve(robot_in(options.scene))
+    steps = options.max_steps or options.who.step_limit(MAX_STEPS)
+    config = options.who.resolve(robot_in(options.scene)).for_steps(steps)
     parts = options.who.build(config)
     parts.check_goal(goal)
     console = Terminal(quiet=options.quiet)
@@ -108,7 +109,6 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         ) as world,
         ExitStack() as opened,
     ):
-        steps = options.max_steps or options.who.step_limit(MAX_STEPS)
         rng = np.random.default_rng(options.seed)
         start = start_pose(options.start, world, goal, rng)
         episode = Episode(options.scene, "", goal, start, max_steps=steps)
@@ -245,7 +245,8 @@ def _say(console: Console, goal: Goal, result: EpisodeResult) -> None:
         lengths.append(f"{metrics.distance_to_goal_m:.2f} m from the goal")
     console.print(
         f"  {result.steps} steps, {', '.join(lengths)}, SPL {metrics.spl:.2f}, "
-        f"{result.seconds['total']:.0f} s"
+        f"{result.seconds['total']:.0f} s",
+        soft_wrap=True,
     )
 
 

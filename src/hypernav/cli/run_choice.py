@@ -104,8 +104,8 @@ def config_of(options: Options) -> HyPerNavConfig:
     """The whole configuration, with the robot of the benchmark that the run follows."""
     benchmark = benchmark_of(options.dataset, options.benchmark)
     if benchmark is None:
-        return options.who.resolve()
-    config = options.who.resolve(benchmark.embodiment)
+        return options.who.resolve().for_steps(_steps_of(options))
+    config = options.who.resolve(benchmark.embodiment).for_steps(_steps_of(options))
     # The plan and all reports name the segmenter that replaces the benchmark's.
     local = config.local.model_copy(
         update={"published_segmenter": config.local.published_segmenter or benchmark.segmenter}
@@ -116,16 +116,12 @@ def config_of(options: Options) -> HyPerNavConfig:
 def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:
     """The run that the options ask for, without the description of its agent."""
     benchmark = benchmark_of(options.dataset, options.benchmark)
-    steps, distance_m = (
-        (MAX_STEPS, SUCCESS_DISTANCE_M)
-        if benchmark is None
-        else (benchmark.max_steps, benchmark.success_distance_m)
-    )
+    distance_m = SUCCESS_DISTANCE_M if benchmark is None else benchmark.success_distance_m
     return RunPlan(
         dataset=options.dataset,
         selection=Selection(options.episodes, options.scenes, options.goals),
         config=config,
-        max_steps=options.max_steps or options.who.step_limit(steps),
+        max_steps=_steps_of(options),
         success_distance_m=(
             distance_m if options.success_distance is None else options.success_distance
         ),
@@ -137,6 +133,13 @@ def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:
         fresh_memory=options.fresh_memory,
         goal_types=_goal_types(options),
     )
+
+
+def _steps_of(options: Options) -> int:
+    """Number of steps after which a search ends."""
+    benchmark = benchmark_of(options.dataset, options.benchmark)
+    own = MAX_STEPS if benchmark is None else benchmark.max_steps
+    return options.max_steps or options.who.step_limit(own)
 
 
 def _goal_types(options: Options) -> tuple[str, ...]:
