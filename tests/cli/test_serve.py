@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from hypernav.cli.command_line import run_command
-from hypernav.core.errors import ConfigError, MissingExtraError, ModelError
+from hypernav.core.errors import ConfigError, MemoryFolderError, MissingExtraError, ModelError
 from servers.robots import Answer, RobotLink, body_of
 
 
@@ -26,6 +26,8 @@ from servers.robots import Answer, RobotLink, body_of
         (["--record", "r.jsonl"], "--record"),
         (["--detector", "no-such"], "no-such"),
         (["--set", "search.speed=3"], "speed"),
+        (["--memory", "home", "--memory-mb", "0"], "--memory-mb"),
+        (["--memory", "home", "--agent", "servers.robots:ScriptedAgent"], "keeps no memory"),
     ],
 )
 def test_mistakes_are_said_before_anything_is_served(options, words, tmp_path):
@@ -36,6 +38,12 @@ def test_mistakes_are_said_before_anything_is_served(options, words, tmp_path):
 def test_a_model_that_is_not_there_is_said_before_anything_is_served(tmp_path):
     with pytest.raises(ModelError, match=r"nofile\.onnx"):
         run_command(["serve", "--state", str(tmp_path), "--detector", "yolox:nofile.onnx"])
+
+
+def test_a_broken_memory_is_said_before_anything_is_served(tmp_path):
+    (tmp_path / "memory.json").write_text("{")
+    with pytest.raises(MemoryFolderError, match=r"memory\.json is broken"):
+        run_command(["serve", "--state", str(tmp_path / "state"), "--memory", str(tmp_path)])
 
 
 def test_a_missing_extra_is_named(monkeypatch, tmp_path):

@@ -22,6 +22,7 @@ def run(options: Options) -> int:
     """Run the command until it is interrupted.
 
     Raises:
+        MemoryFolderError: The memory is broken, or the folder holds something else.
         ConfigError: An option, the address or the token cannot be used.
         MissingExtraError: The packages of a server, or of a component, are not installed.
         ModelError: A model's file cannot be used.
@@ -31,6 +32,7 @@ def run(options: Options) -> int:
     for module in _MODULES:
         require(module, extra="robot")
     from hypernav.build.presets import HyPerNavConfig
+    from hypernav.mapping.memory.reading import read_index
     from hypernav.robot.server.access import Access
     from hypernav.robot.server.agents import AgentPlan
     from hypernav.robot.server.limits import ServerLimits
@@ -47,7 +49,11 @@ def run(options: Options) -> int:
     token = None if options.token_file is None else read_token(options.token_file)
     access = Access(options.host, token)
     check_access(access)
+    check_option("--memory-mb", options.memory_mb, (1.0, 1e6), "maps alone take about 1 MB")
     check_folder(options.state)
+    memory = None if options.memory is None else options.memory.absolute()
+    if memory is not None:
+        read_index(memory)  # refuses a broken one before a robot comes
 
     def plan(request: OpenSearch) -> AgentPlan:
         who = dataclasses.replace(
@@ -58,9 +64,11 @@ def run(options: Options) -> int:
         config = who.resolve(request.robot)
         # The robot's own description replaces that of the configuration.
         values = config.model_dump() | {"embodiment": request.robot.model_dump()}
-        return AgentPlan(HyPerNavConfig.model_validate(values), who.specs)
+        config = HyPerNavConfig.model_validate(values).for_steps(request.max_steps)
+        return AgentPlan(config, who.specs, memory, options.memory_mb)
 
-    detector = AgentPlan(options.who.resolve(), options.who.specs).check()
+    own = options.who.resolve()
+    detector = AgentPlan(own, options.who.specs, memory, options.memory_mb).check()
     console = Terminal(quiet=False)
     logging.basicConfig(
         stream=sys.stderr, level=logging.WARNING, format="%(levelname)s %(message)s"

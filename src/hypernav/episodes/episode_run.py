@@ -11,7 +11,7 @@ import numpy as np
 
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
-from hypernav.core.components.abilities import BuiltForRobot, remembers
+from hypernav.core.components.abilities import BuiltForRobot, check_remembers, remembers
 from hypernav.core.components.protocols import Agent, ExplainsItself
 from hypernav.core.episodes.episode import Episode, Outcome
 from hypernav.core.episodes.metrics import EpisodeMetrics
@@ -129,7 +129,7 @@ class EpisodeRun:
         self._agent = agent
         self._folder = memory if isinstance(memory, MemoryFolder) else None
         if memory is not None:
-            _check_remembers(agent)
+            check_remembers(agent)
         self._began = time.perf_counter()
         self._clock = ModuleClock()
         with self._clock("world"), _map_frame_of(self._folder, world, episode):
@@ -255,8 +255,9 @@ class EpisodeRun:
 
 
 def _building(episode: Episode) -> str:
-    """Name of an episode's building in a memory: without the folder of its file."""
-    return Path(episode.scene_id).name
+    """Name of an episode's building in a memory: of a file its name and that of its folder."""
+    path = Path(episode.scene_id)
+    return "/".join(path.resolve().parts[-2:]) if path.is_file() else episode.scene_id
 
 
 @contextmanager
@@ -276,15 +277,6 @@ def _map_frame_of(folder: MemoryFolder | None, world: World, episode: Episode) -
         yield
     finally:
         world.keep_map_frame(None)
-
-
-def _check_remembers(agent: Agent) -> None:
-    """Refuse to give a memory to an agent that has no use for one."""
-    if not remembers(agent):
-        raise ConfigError(
-            f"{type(agent).__name__} keeps no memory of a building; use an agent that searches on "
-            "a map, such as hypernav or frontier, or leave the memory out"
-        )
 
 
 def _check_robot(agent: Agent, world: World) -> None:

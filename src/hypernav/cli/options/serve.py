@@ -22,5 +22,9 @@ class Options:
     """Maximum number of searches under way at once."""
     idle_minutes: float = 10.0
     """Minutes without a message of its robot after which a search ends."""
+    memory: Path | None = None
+    """Folder of a memory of the building: every search begins with what earlier ones learned."""
+    memory_mb: float = 50.0
+    """Size of that memory, megabytes."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agents."""

@@ -6,6 +6,7 @@ from typing import Any, Protocol, TypeGuard, runtime_checkable
 
 from hypernav.core.components.protocols import Agent, Remembers
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.errors import ConfigError
 from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.boxes import Detection
@@ -117,6 +118,19 @@ class SeesAllThings(Protocol):
 def remembers(agent: Agent) -> TypeGuard[Remembers]:
     """Whether an agent keeps what it knows of a building, asked also before its first search."""
     return getattr_static(agent, "memory", _MISSING) is not _MISSING
+
+
+def check_remembers(agent: Agent) -> None:
+    """Refuse to give a memory to an agent that has no use for one.
+
+    Raises:
+        ConfigError: It keeps no memory.
+    """
+    if not remembers(agent):
+        raise ConfigError(
+            f"{type(agent).__name__} keeps no memory of a building; use an agent that searches on "
+            "a map, such as hypernav or frontier, or leave the memory out"
+        )
 
 
 def looks_at_colours(component: object) -> bool:

@@ -18,18 +18,21 @@ _OWNER_NAME = ".lock.owner"  # not in the lock file, which others can't read on 
 
 
 @contextmanager
-def folder_lock(folder: Path, *, option: str = "--out") -> Iterator[None]:
+def folder_lock(folder: Path, *, option: str = "--out", patience_s: float = 0.0) -> Iterator[None]:
     """Hold the lock of a folder, which is created if missing, while the ``with`` block runs.
 
     Args:
         folder: The folder.
         option: Option that chooses another folder, for the message.
+        patience_s: Longest wait for another holder, seconds.
 
     Raises:
         RunFolderError: Another process holds it, or the folder can't be written.
     """
     # No fallback for file systems without locks: a plain file would outlive a killed process.
-    lock = FileLock(folder / LOCK_NAME, timeout=0, thread_local=False, fallback_to_soft=False)
+    lock = FileLock(
+        folder / LOCK_NAME, timeout=patience_s, thread_local=False, fallback_to_soft=False
+    )
     owner = folder / _OWNER_NAME
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -57,6 +57,7 @@ class MemoryFolder:
         embodiment: Embodiment,
         *,
         most_megabytes: float = MOST_MEGABYTES,
+        patience_s: float = 0.0,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Lock the folder and load what is in it; an empty one begins a memory.
@@ -67,6 +68,7 @@ class MemoryFolder:
             embodiment: The robot.
             most_megabytes: Size of the folder beyond which the key images that tell least are
                 forgotten.
+            patience_s: Longest wait for another holder of the folder, seconds.
             clock: Clock in seconds, for the time between two saves.
 
         Raises:
@@ -78,7 +80,7 @@ class MemoryFolder:
         self._most_bytes = round(most_megabytes * 1e6)
         self._clock = clock
         with ExitStack() as opened:
-            opened.enter_context(folder_lock(folder, option="--memory"))
+            opened.enter_context(folder_lock(folder, option="--memory", patience_s=patience_s))
             contents = read_memory(folder, mapping, embodiment, most_bytes=self._most_bytes)
             if contents is None:
                 images = KeyImages(self._most_bytes)
@@ -108,6 +110,11 @@ class MemoryFolder:
                 self.end("interrupted", steps=0)
         finally:
             self._open.close()
+
+    def leave(self) -> None:
+        """Let other processes use the folder, without what the search under way has learned."""
+        self._is_searching = False
+        self._open.close()
 
     def check_building(self, building: str) -> None:
         """Refuse a simulated building that the memory isn't of.

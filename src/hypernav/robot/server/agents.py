@@ -1,5 +1,6 @@
 """Agents for searches: every search has its own, built for its robot."""
 
+import logging
 from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import dataclass
@@ -7,12 +8,18 @@ from pathlib import Path
 
 from hypernav.build.agents import BuiltAgent, build_agent
 from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.memories import open_memory
 from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.components.abilities import check_remembers
 from hypernav.core.components.protocols import Agent
 from hypernav.core.errors import ConfigError
 from hypernav.core.goal import Goal
+from hypernav.mapping.memory.memory_folder import MOST_MEGABYTES, MemoryFolder
 from hypernav.robot.server.state.journal import MODEL_FILE
 from hypernav.robot.wire.requests import OpenSearch
+
+_LOG = logging.getLogger(__name__)
+_PATIENCE_S = 10.0
 
 READ_LABELS = frozenset({"ground-truth", "noisy", "systematic", "truth"})
 """Registered names of the components that read true labels."""
@@ -25,10 +32,14 @@ class AgentPlan:
     Attributes:
         config: Configuration of everything, with the robot of the search.
         specs: Specifications of the components.
+        memory: Folder of the memory that a search begins with and adds to; None if there is none.
+        memory_mb: Size of the memory, megabytes.
     """
 
     config: HyPerNavConfig
     specs: ComponentSpecs
+    memory: Path | None = None
+    memory_mb: float = MOST_MEGABYTES
 
     def check(self) -> str:
         """Build the agent once without a goal, so that mistakes show before a robot comes.
@@ -40,7 +51,7 @@ class AgentPlan:
             HyPerNavError: As `build`, except for errors of the goal.
         """
         with closing(build_agent(self.config, self.specs)) as built:
-            _check_explains(built.agent)
+            self._check(built.agent)
             return built.detector_words
 
     def build(self, goal: Goal, folder: Path) -> BuiltAgent:
@@ -63,11 +74,32 @@ class AgentPlan:
         )
         with ExitStack() as failed:
             failed.callback(built.close)
-            _check_explains(built.agent)
+            self._check(built.agent)
             built.check_goal(goal)
             built.agent.reset(goal)
             failed.pop_all()
         return built
+
+    def open_memory(self) -> MemoryFolder | None:
+        """The memory, if there is one; waits a moment for the last search, which still saves to it.
+
+        Raises:
+            MemoryFolderError: The folder holds no memory, a broken one, or that of another robot.
+            RunFolderError: It is in use, or can't be written.
+        """
+        if self.memory is None:
+            return None
+        memory = open_memory(
+            self.memory, self.config, most_megabytes=self.memory_mb, patience_s=_PATIENCE_S
+        )
+        for line in memory.left_out:
+            _LOG.warning("%s: %s", self.memory, line)
+        return memory
+
+    def _check(self, agent: Agent) -> None:
+        _check_explains(agent)
+        if self.memory is not None:
+            check_remembers(agent)
 
 
 def check_labels(built: BuiltAgent, request: OpenSearch) -> None:

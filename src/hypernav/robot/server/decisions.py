@@ -9,18 +9,20 @@ import numpy as np
 
 from hypernav.build.agents import BuiltAgent
 from hypernav.core.actions import Action
-from hypernav.core.components.protocols import ExplainsItself
+from hypernav.core.components.protocols import ExplainsItself, Remembers
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.errors import WireError
+from hypernav.core.errors import OutputError, WireError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, StepTrace
+from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.robot.motion.config import DriveConfig
 from hypernav.robot.motion.obstacles import MapObstacles
 from hypernav.robot.motion.pure_pursuit import PurePursuit
 from hypernav.robot.server.sensing import Sensing
-from hypernav.robot.server.state.journal import Journal, SearchRecord, StepRecord
+from hypernav.robot.server.state.journal import EndRecord, Journal, SearchRecord, StepRecord
 from hypernav.robot.wire.frames import PackedObservation, decode_observation, unpack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding, Velocity
 
@@ -36,15 +38,20 @@ _ENDINGS = {Ending.FOUND: SearchEnding.FOUND, Ending.GAVE_UP: SearchEnding.GAVE_
 class Decisions:
     """Decides about the observations of one search, in order. Not thread-safe."""
 
-    def __init__(self, record: SearchRecord, built: BuiltAgent) -> None:
+    def __init__(
+        self, record: SearchRecord, built: BuiltAgent, memory: MemoryFolder | None = None
+    ) -> None:
         """Begin with an agent that has its goal and has seen nothing.
 
         Args:
             record: What the search was opened with.
             built: Agent of the search, which has a trace and a map.
+            memory: Memory that the search begins with and adds to, open; it is saved at the end of
+                the search alone, so that a restarted server can begin with the same one.
         """
         request = record.request
-        self._built = built
+        self._built, self._memory = built, memory
+        self._goal = Goal(request.goal)
         self._agent = cast(ExplainsItself, built.agent)
         self._name, self._most_steps = record.id, request.max_steps
         self._robot, self._camera = request.robot, request.camera
@@ -52,6 +59,7 @@ class Decisions:
         self._sensing = Sensing(request.embodiment)
         self._has_labels = request.labels
         self._told: Action | None = None
+        self._steps = 0
 
     def check(self, packed: PackedObservation) -> Observation:
         """Decode the next observation, and look whether it can be true; nothing else changes.
@@ -77,12 +85,17 @@ class Decisions:
         Raises:
             ModelUnavailableError: A model did not answer.
             ModelSetupError: A model can never answer.
+            MemoryStartError: What the robot sees first contradicts the memory.
             HyPerNavError: The agent cannot go on.
         """
         number = packed.header.sequence
         if number >= self._most_steps:
             return StepRecord(reply=_reply_out_of_steps(number), trace=None), None
         self._sensing.note(packed, seen, self._told)
+        if number == 0 and self._memory is not None:
+            agent = cast(Remembers, self._built.agent)
+            agent.reset(self._goal, self._memory.begin(self._goal, seen))
+        self._steps = number + 1
         self._built.agent.act(seen)
         grid, trace = self._agent.grid, self._agent.last_step
         if self._sensing.blind > 0 and trace.action is Action.MOVE_FORWARD:
@@ -126,9 +139,22 @@ class Decisions:
                 )
         return grid
 
-    def close(self) -> None:
-        """Release what the agent holds."""
+    def close(self, end: EndRecord | None) -> None:
+        """Release what the agent holds, and save the memory if the search is over.
+
+        Args:
+            end: End of the search; None if it is to be taken up again.
+        """
         self._built.close()
+        if self._memory is None:
+            return
+        try:
+            if end is not None:
+                self._memory.end(end.ending.value, steps=self._steps)
+        except OutputError as error:
+            _LOG.error("search %s: %s", self._name, error)
+        finally:
+            self._memory.leave()
 
     def _decoded(self, packed: PackedObservation) -> Observation:
         return decode_observation(packed, self._camera, self._camera_to_base)

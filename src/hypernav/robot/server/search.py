@@ -296,7 +296,7 @@ class Search:
 
     def _release(self) -> None:
         """Release the agent, which uses most of the memory, and the files."""
-        self._decisions.close()
+        self._decisions.close(self._now.end)
         self._journal.close()
         del self._decisions
 

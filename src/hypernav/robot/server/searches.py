@@ -147,10 +147,12 @@ class Searches:
 
     def _begun(self, name: str, folder: Path, request: OpenSearch) -> Search:
         plan, goal = self._plan(request), Goal(request.goal)
+        self._check_memory_is_free(plan)
         built = plan.build(goal, folder)
         with ExitStack() as failed:
             failed.callback(built.close)
             check_labels(built, request)
+            memory = plan.open_memory()
             failed.pop_all()
         record = SearchRecord(
             id=name,
@@ -160,11 +162,29 @@ class Searches:
             request=request,
             specs=plan.specs,
             config=plan.config,
+            memory=plan.memory,
+            memory_mb=plan.memory_mb,
         )
         journal = Journal.create(folder, record)
         search = Search(journal, self._pace)
-        search.go_on(Decisions(record, built))
+        search.go_on(Decisions(record, built, memory))
         return search
+
+    def _check_memory_is_free(self, plan: AgentPlan) -> None:
+        """Refuse a second search with one memory: what is known has one robot at a time.
+
+        Raises:
+            RequestRefusedError: A search with the memory is under way.
+        """
+        for search in self.all():
+            if plan.memory is not None and search.record.memory is not None and not search.is_over:
+                raise RequestRefusedError(
+                    f"the search {search.record.id} for {search.record.request.goal!r} is under "
+                    f"way and uses the server's memory; close it by POST {SEARCHES}/ID/close, or "
+                    "start another server without --memory",
+                    error="memory",
+                    status=409,
+                )
 
     def _load(self, folder: Path) -> None:
         """Take up a search of an earlier server; a damaged one is skipped."""
@@ -174,9 +194,11 @@ class Searches:
                 search = Search(journal, self._pace)
                 if not search.is_over:
                     # With the options that it was opened with, not the server's present ones.
-                    plan = AgentPlan(journal.record.config, journal.record.specs)
-                    built = plan.build(Goal(journal.record.request.goal), folder)
-                    search.go_on(Decisions(journal.record, built))
+                    record = journal.record
+                    plan = AgentPlan(record.config, record.specs, record.memory, record.memory_mb)
+                    built = plan.build(Goal(record.request.goal), folder)
+                    opened.callback(built.close)
+                    search.go_on(Decisions(record, built, plan.open_memory()))
                     opened.pop_all()
         except HyPerNavError as error:
             _LOG.error("the search in %s cannot be taken up: %s", folder.name, error)

@@ -31,6 +31,7 @@ from hypernav.core.errors import HyPerNavError, RunFolderError
 from hypernav.core.files.reading import read_file
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
+from hypernav.mapping.memory.memory_folder import MOST_MEGABYTES
 from hypernav.mapping.ros_map import load_ros_map, save_ros_map
 from hypernav.robot.server.state.record_file import RecordFile
 from hypernav.robot.wire.frames import unpack_observation
@@ -58,6 +59,8 @@ class SearchRecord(Message):
         request: The robot's request.
         specs: Specifications of the agent's components.
         config: Configuration of the agent.
+        memory: Folder of the memory that it adds to; None if there is none.
+        memory_mb: Size of the memory, megabytes.
     """
 
     id: SearchId
@@ -67,6 +70,8 @@ class SearchRecord(Message):
     request: OpenSearch
     specs: ComponentSpecs
     config: HyPerNavConfig
+    memory: Path | None = None
+    memory_mb: float = MOST_MEGABYTES
 
 
 class StepRecord(Message):

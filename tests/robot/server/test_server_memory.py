@@ -1,0 +1,127 @@
+"""A server with a memory: what one search learns of the building, the next one knows."""
+
+import json
+import math
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from hypernav.core.actions import Action
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.memory.index import GoalRecord, Index
+from hypernav.mapping.memory.reading import read_index
+from hypernav.robot.server.agents import AgentPlan, PlanAgent
+from hypernav.robot.wire.requests import OpenSearch
+from hypernav.worlds.box_room import BoxRoom
+from servers.robots import RobotLink, body_of, drive, real_plan, robot_server, scripted_plan
+
+FACING_AWAY = Pose2(2.0, 0.0, math.pi)
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> PlanAgent:
+    def with_memory(request: OpenSearch) -> AgentPlan:
+        return replace(real_plan(request), memory=tmp_path / "home")
+
+    return with_memory
+
+
+def first_reason(link: RobotLink, search: str) -> str:
+    return json.loads(link.call("GET", f"{search}/trace").content.decode().splitlines()[0])[
+        "reason"
+    ]
+
+
+def known(folder: Path) -> Index:
+    index = read_index(folder)
+    assert index is not None
+    return index
+
+
+def outcomes(folder: Path) -> list[tuple[str, str]]:
+    return [(one.goal, one.outcome) for one in known(folder).history]
+
+
+def test_the_next_search_goes_to_what_the_last_one_saw(tmp_path, plan):
+    with robot_server(tmp_path / "state", plan) as link:
+        drive(link, link.open(), BoxRoom())
+        search = link.open()
+        replies = drive(link, search, BoxRoom(FACING_AWAY))
+        assert first_reason(link, search) == "a door was seen there before"
+        assert replies[-1]["ending"] == "found"
+    assert outcomes(tmp_path / "home") == [("door", "found"), ("door", "found")]
+
+
+def test_one_search_at_a_time_has_the_memory(tmp_path, plan):
+    with robot_server(tmp_path / "state", plan) as link:
+        search = link.open()
+        request = {"goal": "door", "labels": True, "embodiment": BoxRoom().embodiment.model_dump()}
+        refused = link.call("POST", "/v1/searches", request)
+        assert (refused.status, refused.json["error"]) == (409, "memory")
+        assert "close it by POST" in refused.json["message"]
+        link.call("POST", f"{search}/close")
+        link.open()
+
+
+def test_a_search_that_is_stopped_leaves_what_it_saw(tmp_path, plan):
+    with robot_server(tmp_path / "state", plan) as link:
+        search = link.open()
+        drive(link, search, BoxRoom(), most=2)
+        link.call("POST", f"{search}/stop")
+        link.open()  # waits for the memory
+    assert outcomes(tmp_path / "home") == [("door", "stopped")]
+    assert any(one.label == "door" for one in known(tmp_path / "home").floors[0].things)
+
+
+def test_a_restarted_server_adds_a_search_to_the_memory_once(tmp_path, plan):
+    def without_times(index: Index) -> Index:
+        history = [one.model_copy(update={"began": ""}) for one in index.history]
+        return index.model_copy(update={"history": tuple[GoalRecord, ...](history)})
+
+    with robot_server(tmp_path / "whole", plan) as link:
+        drive(link, link.open(), BoxRoom())
+    whole = without_times(known(tmp_path / "home"))
+    shutil.rmtree(tmp_path / "home")
+    room = BoxRoom()
+    with robot_server(tmp_path / "state", plan) as link:
+        search = link.open()
+        drive(link, search, room, most=3)
+    assert read_index(tmp_path / "home") is None
+    with robot_server(tmp_path / "state", plan) as link:
+        drive(link, search, room, first=3)
+    assert without_times(known(tmp_path / "home")) == whole
+
+
+def test_a_robot_that_stands_elsewhere_is_told_so(tmp_path, plan):
+    with robot_server(tmp_path / "state", plan) as link:
+        drive(link, link.open(), BoxRoom())
+        search = link.open()
+        before_a_wall = BoxRoom(Pose2(2.5, 0.0, 0.0))
+        body = body_of(0, before_a_wall, base_to_odom={"x": 0.0, "y": 0.0, "yaw": 0.0})
+        reply = link.observe(search, body).json
+        assert (reply["action"], reply["ending"]) == (Action.STOP, "failed")
+        assert "is not what" in link.call("GET", search).json["detail"]
+
+
+def test_another_robot_is_refused_when_it_opens_a_search(tmp_path, plan):
+    with robot_server(tmp_path / "state", plan) as link:
+        drive(link, link.open(), BoxRoom())
+        robot = BoxRoom().embodiment.model_dump()
+        robot["body"]["radius_m"] += 0.1
+        request = {"goal": "door", "labels": True, "embodiment": robot}
+        refused = link.call("POST", "/v1/searches", request)
+        assert refused.status == 422
+        assert "embodiment.body.radius_m" in refused.json["message"]
+
+
+def test_an_agent_without_memory_is_refused(tmp_path):
+    def forgetful(request: OpenSearch) -> AgentPlan:
+        return replace(scripted_plan(request), memory=tmp_path / "home")
+
+    with robot_server(tmp_path / "state", forgetful) as link:
+        request = {"goal": "door", "labels": True, "embodiment": BoxRoom().embodiment.model_dump()}
+        refused = link.call("POST", "/v1/searches", request)
+        assert refused.status == 422
+        assert "keeps no memory" in refused.json["message"]
