@@ -267,14 +267,3 @@ def test_the_paper_does_not_go_to_what_is_far_away():
     )
     assert turns == []
     assert visits == [(4.0, 2.2)]
-
-
-def test_a_destination_on_another_floor_has_no_path():
-    upstairs = Destination(1.0, 1.5, reason="upstairs", floor=1)
-    explorer = Once((7.5, 1.5))
-    explorer._left.append(upstairs)
-    phase = Exploration(explorer)
-    outcome = phase.act(Pose2(4.0, 1.5, 0.0), corridor())
-    assert isinstance(outcome, Decision)
-    assert phase.events == ["no path to destination"]
-    assert certain(phase.plan.destination).xy == (7.5, 1.5)

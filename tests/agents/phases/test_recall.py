@@ -1,5 +1,7 @@
 """Searches that remember: straight to what was seen, and on where it is gone."""
 
+from dataclasses import replace
+
 import pytest
 
 from box_scenes import room_boxes, scene_of
@@ -62,6 +64,17 @@ def test_a_remembered_thing_is_gone_to_at_once(memory):
 def test_without_recall_the_map_is_known_and_the_thing_is_not_gone_to(memory):
     steps, _, _ = searched(two_rooms(), "sofa", IN_BEDROOM, memory, recall=False)
     assert not any("was seen there before" in step.reason for step in steps)
+
+
+def test_what_is_hardly_likely_is_gone_to_when_nothing_is_left_to_explore(memory):
+    floor = memory.floor
+    doubted = tuple(replace(one, score=0.4) for one in floor.things.known)
+    floor.things = replace(floor.things, known=doubted)
+    steps, _, _ = searched(two_rooms(), "sofa", IN_BEDROOM, memory)
+    reasons = [step.reason for step in steps]
+    recalls = [k for k, one in enumerate(reasons) if "was seen there before" in one]
+    assert "was seen there before" not in reasons[0]
+    assert not recalls or "block" in " ".join(reasons[: recalls[0]])
 
 
 def test_the_present_search_recalls_nothing_of_its_own():

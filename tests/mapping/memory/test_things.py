@@ -89,6 +89,13 @@ def test_images_without_a_thing_that_should_show_it_make_it_gone_and_a_new_one_b
     assert (back.missed, back.overlooked, back.is_gone) == (0, 3, False)
 
 
+def test_the_best_score_tells_the_chance_and_further_images_of_it_do_not():
+    weak = Thing(0, "cup", 0.45, (0, 0, 0), (1, 1, 1), ((0, 0, 1),), 1.0, 1, 1)
+    assert weak.chance == replace(weak, seen=20).chance < 0.25
+    assert replace(weak, score=0.8).chance > 0.5
+    assert 0.85 < replace(weak, score=1.0).chance < 0.9
+
+
 def test_a_miss_says_less_of_a_thing_that_was_often_overlooked():
     often = Thing(0, "cup", 0.9, (0, 0, 0), (1, 1, 1), ((0, 0, 1),), 1.0, 1, 1, seen=5, missed=2)
     assert replace(often, overlooked=5).chance > often.chance

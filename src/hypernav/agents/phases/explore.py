@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.agents.phases.recall import is_refuted, recalled
+from hypernav.agents.phases.recall import LIKELY, is_refuted, recalled
 from hypernav.agents.plan import Climbing, Plan, patience_of
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
@@ -62,7 +62,8 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
             if config.looks == "at-destinations" and not _has_looked(step, plan):
                 turns = step.motion.turns_of_a_circle
                 return Phase.LOOK_AROUND, replace(plan, turns_left=turns, full_turn=True)
-            destination = recalled(step, memory) or _explored(step, memory)
+            destination = recalled(step, memory, LIKELY) or _explored(step, memory)
+            destination = destination or recalled(step, memory, 0.0)
             if destination is None:
                 memory.search.is_explored = True
                 destination = _way_out(step, memory)
@@ -75,9 +76,6 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
         turn = _facing_turn(destination, step)
         if turn is not None:
             return _decision(turn, destination.reason, step, plan), plan
-        if destination.floor not in (None, memory.number):
-            plan = _ended("no path to destination", step, memory, plan)
-            continue
         with step.clock("plan"):
             action, route = step.use.navigator.towards(
                 plan.exploring.route, step.grid, robot, np.array([destination.xy])

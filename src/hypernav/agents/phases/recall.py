@@ -14,12 +14,16 @@ from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.mapping.sight_lines import lines_are_clear
 
+LIKELY = 0.25
+"""Chance to be the goal from which a remembered thing is gone to before anything is explored."""
 _BESIDE_M = 1.0
 """Distance from a thing within which the robot goes, in sight of it, metres."""
 
 
-def recalled(step: Step, memory: Memory) -> Destination | None:
+def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
     """The remembered thing with the least path per chance to be the goal; None if none is left.
+
+    Those with a chance below `least` are left out.
 
     This order has the shortest expected path if chances are independent and paths don't depend on
     where the robot was before.
@@ -30,7 +34,9 @@ def recalled(step: Step, memory: Memory) -> Destination | None:
     likely = [
         (thing, chance)
         for thing, chance in floor.things.fitting(step.goal)
-        if thing.number in search.remembered and thing.number not in search.gone_to
+        if chance >= least
+        and thing.number in search.remembered
+        and thing.number not in search.gone_to
     ]
     if not likely:
         return None

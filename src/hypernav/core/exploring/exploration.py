@@ -84,7 +84,6 @@ class Destination:
         reason: Reason for the choice, in one short sentence for people.
         blocks: Blocks that were offered, for the trace; empty for explorers without blocks.
         insight: What the explorer looked at when it chose, for videos and pages.
-        floor: Number of the floor that it lies on; None for the floor that the robot is on.
         connector: Number of the connector that the robot takes there; None if it takes none.
         is_sighting: Whether the goal is in sight in this direction; then no explorer chose it.
         holds: Whether it stays valid whatever the map shows on the way: a move chosen from an
@@ -102,7 +101,6 @@ class Destination:
     reason: str
     blocks: tuple[Block, ...] = ()
     insight: Insight | None = None
-    floor: int | None = None
     connector: int | None = None
     is_sighting: bool = False
     holds: bool = False
