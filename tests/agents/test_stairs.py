@@ -124,6 +124,24 @@ def test_a_level_of_the_same_floor_is_drawn_on_its_map(steps):
     assert {int(grid.cells[cell]) for cell in ahead} == {Cell.FREE}
 
 
+def test_a_search_that_begins_on_stairs_is_not_blind():
+    world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
+    agent.reset(Goal("umbrella"))
+    start = Pose2(START_X, sum(SIDES_Y) / 2.0, 0.0)
+    agent.act(world.reset(Episode("x", "0", Goal("umbrella"), start, start_z=0.0)))
+    while world.pose.x < FIRST_X + 2.5 * TREAD_M:
+        agent.act(world.step(Action.MOVE_FORWARD))
+    agent.reset(Goal("bed"), agent.memory)
+    for _ in range(6):  # turns to the lower room
+        agent.act(world.step(Action.TURN_LEFT))
+    memory = agent.memory
+    assert memory.z > 0.3
+    assert not memory.on_stairs
+    before = len(memory.floor.trajectory)
+    agent.act(world.step(Action.TURN_LEFT))
+    assert len(memory.floor.trajectory) == before + 1
+
+
 def test_the_paper_stays_on_one_floor():
     assert not preset("paper").search.use_stairs
     assert preset("default").search.use_stairs

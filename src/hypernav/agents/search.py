@@ -11,12 +11,16 @@ from hypernav.core.components.abilities import Learns
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import BlockRecord, DetectionRecord, Mode, StepTrace
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.memory import Memory
 from hypernav.planning.bump_sensor import bumped_points
+
+_STANDS_M = 0.05
+"""Way below which a robot stands, metres: odometry trembles."""
 
 
 class SearchAgent:
@@ -66,7 +70,6 @@ class SearchAgent:
         number_before, use = memory.number, self.components
         clock, events = ModuleClock(), list[str]()
         floor = memory.follow(observation)
-        seen = memory.seen_from_ground(observation)
         plan = self._plan
         if plan is not None and plan.climbing is not None and memory.number != number_before:
             memory.crossed(plan.climbing.connector)
@@ -74,6 +77,9 @@ class SearchAgent:
         if plan is None or memory.number != number_before:
             plan = Plan.at_start(use.paced, turns=self._first_turns(floor))
         plan = plan.explore(offered=(), insight=None)
+        if memory.on_stairs and plan.climbing is None and _stands(observation.robot, plan):
+            memory.settle(observation.robot)
+        seen = memory.seen_from_ground(observation)
         with clock("map"):
             if not memory.on_stairs:  # stairs belong to no floor
                 floor.integrate(seen)
@@ -164,3 +170,8 @@ class SearchAgent:
             ending=decision.ending,
             seconds=step.clock.seconds,
         )
+
+
+def _stands(robot: Pose2, plan: Plan) -> bool:
+    """Whether the robot is where its last action was ordered; also before the first one."""
+    return plan.ordered is None or plan.ordered[0].distance_to(*robot.xy) < _STANDS_M

@@ -48,7 +48,7 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     level_z = landing_z(ground, step.robot, memory.z)
     here = step.robot, memory.z if on_slope else level_z
     first, flight = flight_from(connector, goes_up=goes_up), climbing.flight
-    if not memory.is_off_floor:  # the axis of stairs that the robot came by is that of its last step
+    if not memory.is_off_floor:  # stairs that it came by have the axis of its last step
         flight = first if connector.passage is Passage.UNTRIED else None
     elif not goes_up and not on_slope:
         flight = flight_down(ground, *here, None if is_lost else flight, first)

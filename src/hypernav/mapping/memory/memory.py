@@ -158,6 +158,13 @@ class Memory:
         self._stand(observation.robot, z)
         return self.floor
 
+    def settle(self, robot: Pose2) -> None:
+        """Take what the robot stands on for its ground, where it has given up to climb.
+
+        From there it sees at least the way back; on stairs nothing is drawn and nothing looked for.
+        """
+        self._stand(robot, self.z)
+
     def _stand(self, robot: Pose2, z: float) -> None:
         """Begin on level ground at a pose and a height, metres."""
         self.z: float = z
