@@ -37,6 +37,8 @@ _STEP_SLACK_M = 0.04
 """Addition to the highest step, metres, for errors of measured heights."""
 _CLEARANCE = 0.65
 """Distance from edges and obstacles that a climbing robot's middle keeps, by its radius."""
+_LEAST_ANGLE = 0.01
+"""Angle below the horizon, radians, under which a camera sees no ground."""
 
 
 class ElevationMap:
@@ -70,9 +72,10 @@ class ElevationMap:
         self._robot_z = 0.0
         self._corner: tuple[int, int] | None = None
         camera = embodiment.camera
-        lowest = math.atan(camera.intrinsics.cy / camera.intrinsics.fy)
-        lowest += math.radians(camera.pitch_deg)
-        self._blind_m = camera.height_m / math.tan(lowest) + 2 * cell_size_m
+        lens = camera.intrinsics
+        lowest = math.atan((lens.height - lens.cy) / lens.fy) + math.radians(camera.pitch_deg)
+        begins_m = camera.height_m / math.tan(min(max(lowest, _LEAST_ANGLE), math.pi / 2.0))
+        self._blind_m = min(begins_m, camera.max_depth_m) + 2 * cell_size_m
 
     def integrate(self, observation: Observation) -> bool:
         """Add a frame, whose heights are those of the ``map`` frame.

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from box_views import FLOOR, SolidBox, room, turning, view_of
+from box_views import FLOOR, SolidBox, room, view_of
 from hypernav.core.embodiment import BodyConfig, Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
@@ -61,15 +61,24 @@ FURNITURE: dict[str, SolidBox] = {
 
 @pytest.mark.parametrize("name", sorted(FURNITURE))
 def test_furniture_and_single_steps_are_no_stairs(name: str):
-    memory = memory_after(
-        [*room(6.0, 4.0), FURNITURE[name]], *turning(2.0, 2.0), *turning(1.0, 2.0)
-    )
-    assert not usable(memory)
+    towards = [Pose2(x, 2.0, yaw) for x in (1.0, 2.0) for yaw in (-0.5, 0.0, 0.5)]
+    assert not usable(memory_after([*room(6.0, 4.0), FURNITURE[name]], *towards))
 
 
 def test_an_edge_behind_a_wall_leads_nowhere():
     wall: SolidBox = ((FIRST_X - 0.1, -10.0, 0.0), (FIRST_X, 10.0, 0.85))
     assert not usable(memory_after([*stairs_down(), wall], *before_stairs(3.0, 2.5, 2.0)))
+
+
+@pytest.mark.parametrize("pitch_deg", [-40.0, -31.7, -20.0, 20.0, 70.0])
+def test_a_tilted_camera_knows_no_more_ground_than_its_range(pitch_deg: float):
+    camera = CLIMBER.camera.model_copy(update={"pitch_deg": pitch_deg})
+    memory = Memory(MappingConfig(), Embodiment(body=CLIMBER.body, camera=camera))
+    memory.begin_search(sees_stairs=True)
+    memory.follow(view_of([FLOOR], Pose2(0.0, 0.0, 0.0), camera=CAMERA, pitch_deg=pitch_deg))
+    ground = memory.ground_around((0.0, 0.0), down=True)
+    away = ground.distances_m((0.0, 0.0))[ground.reached]
+    assert away.max() <= camera.max_depth_m + 0.5
 
 
 def test_a_robot_that_cannot_climb_looks_for_no_stairs():
