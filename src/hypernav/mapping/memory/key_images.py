@@ -125,7 +125,7 @@ class KeyImages:
             jpeg=_encoded(
                 ".jpg", observation.rgb[..., ::-1], cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY
             ),
-            png=_encoded(".png", _millimetres(observation), cv2.IMWRITE_PNG_COMPRESSION, 6),
+            png=_encoded(".png", _millimetres(observation), cv2.IMWRITE_PNG_COMPRESSION, 1),
             camera=observation.camera,
             camera_to_map=observation.camera_to_map,
             robot=observation.robot,

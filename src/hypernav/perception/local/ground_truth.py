@@ -4,6 +4,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import ndimage
 
 from hypernav.core.errors import LabelsMissingError
 from hypernav.core.exploring.sightings import SeenThing
@@ -62,15 +63,17 @@ class GroundTruthDetector:
             LabelsMissingError: The world supplies no labels.
         """
         truth = true_labels(observation)
-        ids = truth.ids[::_COARSE, ::_COARSE]
-        pixels = np.bincount(ids.ravel() + 1)[1:]
+        ids = truth.ids[::_COARSE, ::_COARSE] + 1
+        pixels = np.bincount(ids.ravel())[1:]
+        boxes = ndimage.find_objects(ids)
         found = []
         for number in np.flatnonzero(pixels >= max(self.min_area_share * ids.size, 1.0)).tolist():
             if number not in truth.labels:
                 continue
-            rows, columns = np.nonzero(ids == number)
-            top, left = (int(one.min()) * _COARSE for one in (rows, columns))
-            bottom, right = (int(one.max() + 1) * _COARSE for one in (rows, columns))
+            rows, columns = boxes[number]
+            top, bottom, left, right = (
+                _COARSE * edge for edge in (rows.start, rows.stop, columns.start, columns.stop)
+            )
             mask = np.zeros(truth.ids.shape, dtype=bool)
             mask[top:bottom, left:right] = truth.ids[top:bottom, left:right] == number
             box = Box(float(left), float(top), float(right), float(bottom))
