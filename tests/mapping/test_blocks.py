@@ -10,7 +10,7 @@ from drawn_grids import divide_into_blocks, drawn
 from hypernav.core.exploring.exploration import WayOut
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.mapping.blocks import CLIMB_M, stairs_blocks
+from hypernav.mapping.blocks import stairs_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.inflation import inflate
 from hypernav.mapping.reachable_area import ReachableArea
@@ -150,5 +150,5 @@ def test_stairs_are_blocks_of_their_own_where_the_robot_can_reach_them():
     near, behind = WayOut(3, 1.5, 1.0, "stairs up"), WayOut(4, 4.0, 1.0, "stairs down")
     (block,) = stairs_blocks(reach, [near, behind], 7)
     assert (block.number, block.connector, block.words) == (7, 3, "stairs up")
-    assert block.travel_m >= CLIMB_M + math.hypot(1.5, 1.0) - 0.2
+    assert block.travel_m == pytest.approx(math.hypot(1.5, 1.0), abs=0.3)
     assert block.holds(near.xy)

@@ -88,7 +88,7 @@ def stairs_blocks(
                 free_cells=0,
                 frontier_cells=round(STAIRS_SIDE_M / reach.grid.resolution_m),
                 destination=reach.grid.centre_of(*at),
-                travel_m=float(reach.travel_m[at]) + CLIMB_M,
+                travel_m=float(reach.travel_m[at]),
                 connector=one.connector,
                 words=one.words,
             )

@@ -146,7 +146,7 @@ def test_stairs_are_weighed_against_all_blocks_however_many_there_are():
         return Prospects(areas, np.eye(len(blocks), dtype=bool), np.zeros((len(blocks), 2)))
 
     crumbs = [block(k, 10, 6.0, (6.0, 0.1 * k)) for k in range(1, 14)]
-    stairs = replace(block(14, 20, 8.5), connector=0, words="stairs up")
+    stairs = replace(block(14, 20, 0.5), connector=0, words="stairs up")
     choice = choose(*crumbs, stairs, prospects=crumbs_and_a_floor, gain="view")
     assert choice.number == 14
     assert "stairs up" in choice.reason

@@ -18,6 +18,7 @@ from hypernav.core.exploring.overview import (
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
+from hypernav.mapping.blocks import CLIMB_M
 from hypernav.perception.explorers.tour_kernels import soonest_tour, unseen_after
 
 _NEVER_SEEN_M2 = 1e-3
@@ -125,9 +126,10 @@ class GeometricReasoner:
         return BlockChoice(blocks[best].number, self._reason(blocks[best], gains[best]))
 
     def _cost_m(self, block: Block, robot: Pose2) -> float:
+        travel_m = block.travel_m + (0.0 if block.connector is None else CLIMB_M)
         if self.config.order == "tour":
-            return block.travel_m
-        return block.travel_m + _TURN_COST_M * abs(robot.bearing_to(*block.destination))
+            return travel_m
+        return travel_m + _TURN_COST_M * abs(robot.bearing_to(*block.destination))
 
     def _reason(self, block: Block, gain: float) -> str:
         if block.connector is not None:
