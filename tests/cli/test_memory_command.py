@@ -71,6 +71,23 @@ def test_things_are_exported_as_closed_polygons_on_the_map(home, tmp_path):
     assert len(ring) == 5
 
 
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--export", "home/memory.json"], "lies in the memory"),
+        (["--export", "home/index.html"], "lies in the memory"),
+        (["--forget"], "name what to forget"),
+        (["--forget", "bedd"], "no 'bedd' is remembered; did you mean 'bed'?"),
+    ],
+)
+def test_mistakes_change_nothing(home, monkeypatch, capsys, options, words):
+    monkeypatch.chdir(home.parent)
+    before = {path: path.read_bytes() for path in home.rglob("*.*") if path.is_file()}
+    assert hypernav("memory", "home", *options) == 2
+    assert words in " ".join(capsys.readouterr().err.split())
+    assert all(path.read_bytes() == content for path, content in before.items())
+
+
 def test_what_is_forgotten_is_gone_from_the_folder(home):
     assert hypernav("memory", home, "--forget", "beds", "--forget-images") == 0
     index = json.loads((home / "memory.json").read_text())
@@ -98,4 +115,4 @@ def test_another_building_and_an_impossible_size_are_one_line(home, tmp_path, ca
     assert hypernav(*command, "--memory-mb", "0") == 2
     assert "most_megabytes" in capsys.readouterr().err
     assert hypernav(*command) == 2
-    assert "is the memory of room.glb, and this is builtin" in capsys.readouterr().err
+    assert "is the memory of searched0/room.glb, and this is builtin" in capsys.readouterr().err

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from certainty import certain
-from eval_runs import SMALL, record
+from eval_runs import SMALL, apart, record
 from hypernav.build.data.scenes import building_of
 from hypernav.cli.main import main
 from hypernav.core.goal import Goal
@@ -61,8 +61,18 @@ def test_the_same_goals_are_scored_by_both_rules(tmp_path):
     rates = [[certain(score).success.mean for score in row.scores] for row in rows]
     assert rates == [[0.5, 0.5], [0.0, 1.0], [pytest.approx(2 / 3), pytest.approx(1 / 3)]]
     whole = certain(rows[0].scores[CODE])
-    assert whole.partial_success.mean == pytest.approx((2 / 3 + 0.0) / 2)
-    assert whole.whole_success.mean == 0.0
+    assert certain(whole.partial_success).mean == pytest.approx((2 / 3 + 0.0) / 2)
+    assert certain(whole.whole_success).mean == 0.0
+
+
+def test_a_life_that_was_cut_short_counts_by_its_goals_alone(tmp_path):
+    away = apart("1.2", "scene").model_copy(update={"life": "1", "goal_number": 2})
+    code = certain(by_goal_type(run_with(tmp_path / "one", [*RECORDS, away]))[0].scores[CODE])
+    assert code.success.count == 4
+    assert certain(code.partial_success).mean == pytest.approx(2 / 3)
+    run = run_with(tmp_path / "none", [RECORDS[3], away])
+    assert certain(by_goal_type(run)[0].scores[CODE]).partial_success is None
+    assert write_report(tmp_path / "report", [run])
 
 
 def test_without_annotations_there_is_no_distance_to_an_object(tmp_path):

@@ -125,6 +125,15 @@ def test_runs_without_lives_have_none_of_this(tmp_path):
     assert "goal_number" not in (folder / "report.csv").read_text()
 
 
+def test_a_run_with_lives_is_shown_beside_others_without(tmp_path, runs):
+    folders = tmp_path / "a", tmp_path / "b"
+    for folder in folders:
+        with RunStore(folder, RunPlan("houses-val", who=WHO).configuration([spec()])) as store:
+            store.add(record("0"))
+    page = write_report(tmp_path / "report", [*load_runs(folders), runs[1]]).read_text()
+    assert "By number of the goal in its life" in page
+
+
 def test_a_report_says_that_an_agent_keeps_no_memory(tmp_path):
     folder = written(tmp_path / "run", goals(), keeps_memory=False)
     page = write_report(folder, load_runs([folder])).read_text()

@@ -45,7 +45,7 @@ from hypernav.evaluation.workers.worker_pool import WorkerPool
 
 _LINE_EVERY_S = 60.0
 _PLANNED_BY = 10
-"""Number of episodes by which a run without an exam is planned."""
+"""Least number of episodes by which a run without an exam is planned."""
 
 
 def run(options: Options) -> int:
@@ -111,8 +111,7 @@ def evaluate(
             console.print(f"{len(store.records)} of {len(episodes)} episodes are done already")
         pool = _pool(options, folder, plan.config)
         session = RunSession(store, worker_count(options))
-        lives = lives_of(episodes)[:_PLANNED_BY] if options.plan else lives_of(episodes)
-        now = [episode for life in lives for episode in life.episodes]
+        now = _first_lives(episodes) if options.plan else episodes
         try:
             with session:
                 progress = _watch(console, now, store, pool, session)
@@ -125,6 +124,16 @@ def evaluate(
                 soft_wrap=True,
             )
             raise
+
+
+def _first_lives(episodes: Sequence[Episode]) -> list[Episode]:
+    """The episodes by which a run is planned: those of whole lives."""
+    first = list[Episode]()
+    for life in lives_of(episodes):
+        if len(first) >= _PLANNED_BY:
+            break
+        first += life.episodes
+    return first
 
 
 def _say_cost_by_exam(options: Options, exam: Path, console: Console) -> None:

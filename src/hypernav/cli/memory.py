@@ -1,6 +1,7 @@
 """The command `hypernav memory`: a page about what a robot remembers, and what to forget of it."""
 
 import json
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.memory import Options
 from hypernav.cli.screen.memory_page import memory_page
 from hypernav.cli.screen.terminal import Terminal
-from hypernav.core.errors import MemoryFolderError, OutputError
+from hypernav.core.errors import ConfigError, MemoryFolderError, OutputError
 from hypernav.core.files.whole_files import write_whole
 from hypernav.core.labels import same_name
 from hypernav.mapping.memory.memory import Memory
@@ -29,12 +30,21 @@ def run(options: Options) -> int:
         The status of success.
 
     Raises:
+        ConfigError: A name is empty or of nothing that is remembered, or the export lies in the
+            memory.
         MemoryFolderError: There is no memory, or it is broken.
         OutputError: Something can't be written.
         RunFolderError: A search is using the memory.
     """
     if options.export is not None:
         check_file(options.export)
+        if options.folder.resolve() in options.export.resolve().parents:
+            raise ConfigError(
+                f"--export {options.export} lies in the memory, whose files it could replace; name "
+                "a file elsewhere"
+            )
+    if options.forget == ():
+        raise ConfigError("--forget: name what to forget, such as --forget cup")
     index = read_index(options.folder)
     if index is None:
         raise MemoryFolderError(
@@ -47,10 +57,18 @@ def run(options: Options) -> int:
     ) as home:
         for line in home.left_out:
             console.print(line, markup=False)
-        for name in options.forget:
+        known = {one.label for floor in home.memory.floors for one in floor.things.known}
+        for name in options.forget or ():
+            if not any(same_name(label, name) for label in known):
+                near = get_close_matches(name, sorted(known), n=1)
+                hint = f"; did you mean '{near[0]}'?" if near else ""
+                raise ConfigError(f"--forget: no '{name}' is remembered{hint}")
+        for name in options.forget or ():
             console.print(f"{_forgotten(home.memory, name)} {name} things forgotten", markup=False)
         if options.forget_images:
             home.forget_images()
+        elif options.forget:
+            console.print("key images stay, also those that show them; --forget-images forgets all")
         if options.forget or options.forget_images:
             home.save()
         page = options.folder / PAGE_NAME
@@ -87,7 +105,7 @@ def _feature(thing: Thing, floor: int) -> dict[str, Any]:
         "properties": {
             "label": thing.label,
             "chance": round(thing.chance, 3),
-            "floor": floor,
+            "floor": floor + 1,
             "bottom_m": thing.low[2],
             "top_m": thing.high[2],
             "seen": thing.seen,

@@ -52,7 +52,7 @@ def episodes_of(
             objects=shared[key].objects,
             object_category=entry.object_category,
             category_ids=dataset.category_to_task_category_id,
-            life=str((entry.info or {}).get("life", "")),
+            life=str((entry.info or {}).get("life") or ""),
         )
         if episode.key in found:
             raise EpisodeError(_repeated(episode))

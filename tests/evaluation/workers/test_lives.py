@@ -98,6 +98,7 @@ def test_the_steps_of_a_life_are_counted_together(tmp_path):
     assert [r.steps for r in records] == [3, 3, 0]
     assert [r.outcome for r in records[1:]] == [Outcome.NOT_FOUND] * 2
     assert all(r.counts for r in records)
+    assert records[2].why == "the steps of its life had been used up before this goal"
 
 
 @pytest.mark.parametrize(

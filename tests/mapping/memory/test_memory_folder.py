@@ -129,7 +129,7 @@ def test_one_process_at_a_time(home):
 
 
 def test_the_ros_map_is_the_map(home):
-    grid = load_ros_map(home / "floor-0" / "map.yaml")
+    grid = load_ros_map(home / "floor-1" / "map.yaml")
     with open_memory(home, CONFIG) as memory:
         own = memory.memory.floor.map.grid.cropped()
     assert np.array_equal(grid.cells, own.cells)
@@ -178,7 +178,7 @@ def test_a_damaged_image_is_left_out_by_name_and_the_rest_is_kept(home, name):
 
 @pytest.mark.parametrize("damage", ["cut", "other bytes", "gone"])
 def test_a_damaged_map_is_drawn_anew_and_things_and_images_are_kept(home, damage):
-    (path,) = home.glob("floor-0/state-*.npz")
+    (path,) = home.glob("floor-1/state-*.npz")
     content = path.read_bytes()
     if damage == "gone":
         path.unlink()

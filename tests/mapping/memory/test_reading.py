@@ -155,7 +155,7 @@ def test_what_a_killed_first_save_leaves_is_no_other_file(home):
         "images/holiday.jpg",
         "floor-1/plan.npz",
         "floor-x/state-1.npz",
-        "floor-0",
+        "floor-1",
         "images",
         "notes.txt",
     ],
@@ -170,7 +170,7 @@ def test_other_files_are_not_taken_for_leftovers(tmp_path, name):
 
 
 def test_files_that_others_put_into_a_memory_stay_there(home):
-    mine = [home / "images" / "holiday.jpg", home / "floor-0" / "notes.npz", home / "a.png"]
+    mine = [home / "images" / "holiday.jpg", home / "floor-1" / "notes.npz", home / "a.png"]
     for path in mine:
         path.write_bytes(b"mine")
     with opened(home) as memory:
@@ -236,7 +236,7 @@ def test_a_depth_image_that_is_none_is_damaged(home, content):
     images = index_of(home)["images"]
     images[0]["png"] = with_content(home, images[0]["png"], content)
     change_index(home, images=images)
-    (home / "floor-0" / "state-1.npz").unlink()  # so that patches come from the depth
+    (home / "floor-1" / "state-1.npz").unlink()  # so that patches come from the depth
     with opened(home) as memory:
         assert memory.left_out[1].endswith("key images are damaged and left out: 0")
 

@@ -1,6 +1,6 @@
 """The options of `hypernav memory`."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -13,8 +13,8 @@ class Options:
 
     folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
     """Folder of the memory."""
-    forget: tuple[str, ...] = field(default_factory=tuple)
-    """Names of things to forget, such as cup; all that were seen are forgotten."""
+    forget: tuple[str, ...] | None = None
+    """Names of things to forget, such as cup; all that were seen are forgotten, images stay."""
     forget_images: bool = False
     """Forget all key images."""
     export: Path | None = None

@@ -42,7 +42,7 @@ def memory_page(home: MemoryFolder) -> str:
         images=[
             {
                 "uri": images[one.number],
-                "floor": one.floor,
+                "floor": one.floor + 1,
                 "search": one.search,
                 "shows": sorted(
                     {
@@ -74,7 +74,7 @@ def _floor(number: int, floor: Floor, images: dict[int, str]) -> dict[str, Any]:
     view = MapView.fit(grid, _PLAN_PX)
     plan = draw_map(grid, view=view, trajectory=floor.trajectory)
     return {
-        "number": number,
+        "number": number + 1,
         "z": floor.z,
         "area_m2": float(grid.free.sum()) * grid.resolution_m**2,
         "plan": image_uri(plan),

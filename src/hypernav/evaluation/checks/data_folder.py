@@ -95,7 +95,8 @@ def _read(benchmark: Benchmark, folder: Path, split: SplitFolder) -> _SplitConte
     try:
         for episodes in parts_of(benchmark, split.path):
             count += len(episodes)
-            types.update(episode.group for episode in episodes if episode.life)
+            if benchmark.goal_types:
+                types.update(episode.group for episode in episodes)
             scenes.update(dict.fromkeys(episode.scene_id for episode in episodes))
             goals.update(episode.object_category for episode in episodes)
     except EpisodeError as error:

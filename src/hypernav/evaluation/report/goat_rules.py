@@ -5,7 +5,7 @@ within 0.25 m of a view point. One run is scored by both: by the README's, a sea
 steps failed, but the robot went on, so the next goal began elsewhere than with that limit.
 """
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 from itertools import groupby
 
@@ -32,14 +32,15 @@ class RuleScore:
     Attributes:
         success: Success rate over goals.
         spl: Mean SPL over goals, each from where the robot stood.
-        partial_success: Mean over lives of the share of goals that were found.
-        whole_success: Share of the lives in which all goals were found.
+        partial_success: Mean over lives of the share of goals that were found, of the lives whose
+            goals all count; None if there are none.
+        whole_success: Share of these lives in which all goals were found.
     """
 
     success: Estimate
     spl: Estimate
-    partial_success: Estimate
-    whole_success: Estimate
+    partial_success: Estimate | None
+    whole_success: Estimate | None
 
 
 @dataclass(frozen=True)
@@ -66,15 +67,20 @@ def has_goal_types(run: RunData) -> bool:
 def by_goal_type(run: RunData) -> list[GoalTypeRow]:
     """The results of a run of GOAT-Bench by goal type, all goals first."""
     types = sorted({record.group for record in run.counted})
+    cut_short = {(one.scene_id, one.life) for one in run.records if not one.counts}
     named = [(ALL, run.counted)]
     named += [(kind, [r for r in run.counted if r.group == kind]) for kind in types]
     return [
-        GoalTypeRow(name, len(goals), [_score(goals, rule) for rule in GOAT_RULES.values()])
+        GoalTypeRow(
+            name, len(goals), [_score(goals, rule, cut_short) for rule in GOAT_RULES.values()]
+        )
         for name, goals in named
     ]
 
 
-def _score(goals: Sequence[EpisodeRecord], rule: EvaluationProtocol) -> RuleScore | None:
+def _score(
+    goals: Sequence[EpisodeRecord], rule: EvaluationProtocol, cut_short: Set[tuple[str, str]]
+) -> RuleScore | None:
     if not rule.can_score(goals):
         return None
     scenes = [goal.scene_id for goal in goals]
@@ -86,11 +92,16 @@ def _score(goals: Sequence[EpisodeRecord], rule: EvaluationProtocol) -> RuleScor
             sorted(zip([(g.scene_id, g.life) for g in goals], found, strict=True)),
             key=lambda pair: pair[0],
         )
+        if key not in cut_short
     ]
     of_lives = [scene for scene, _ in lives]
     return RuleScore(
         success=mean_with_interval(found, scenes),
         spl=mean_with_interval([score.spl for score in scores], scenes),
-        partial_success=mean_with_interval([sum(f) / len(f) for _, f in lives], of_lives),
-        whole_success=mean_with_interval([float(all(f)) for _, f in lives], of_lives),
+        partial_success=_mean([sum(f) / len(f) for _, f in lives], of_lives),
+        whole_success=_mean([float(all(f)) for _, f in lives], of_lives),
     )
+
+
+def _mean(values: Sequence[float], scenes: Sequence[str]) -> Estimate | None:
+    return mean_with_interval(values, scenes) if values else None

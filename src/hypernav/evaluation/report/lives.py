@@ -149,7 +149,8 @@ def _life_record(goals: Sequence[EpisodeRecord], protocol: EvaluationProtocol) -
 
 
 def _places(runs: Sequence[RunData]) -> list[tuple[str, range]]:
-    most = max(record.goal_number for run in runs for record in run.records if record.life)
+    numbers = [record.goal_number for run in runs for record in run.records if record.life]
+    most = max(numbers, default=0)
     each = [(str(number), range(number, number + 1)) for number in range(1, most + 1)]
     return [*each, (LATER, range(2, most + 1))] if most > 1 else each
 

@@ -67,6 +67,9 @@ class Job:
     fresh_memory: bool = False
 
 
+_NO_STEPS_LEFT = "the steps of its life had been used up before this goal"
+
+
 class EpisodeWorker:
     """Runs lives one after another. A scene stays loaded until another one is needed.
 
@@ -112,6 +115,8 @@ class EpisodeWorker:
         for number, episode in enumerate(life.episodes, start=1):
             limited = replace(episode, max_steps=min(episode.max_steps, steps_left))
             record = self._search(limited, number, rng)
+            if steps_left == 0:
+                record = record.model_copy(update={"why": _NO_STEPS_LEFT})
             steps_left -= record.steps
             records.append(record)
             if not record.counts:

@@ -223,7 +223,7 @@ def _text(index: Index) -> str:
 
 
 def _floor_name(number: int) -> str:
-    return f"floor-{number}"
+    return f"floor-{number + 1}"  # people count floors from 1
 
 
 def _with_things(record: FloorRecord, floor: Floor) -> FloorRecord:
