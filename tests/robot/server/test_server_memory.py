@@ -3,16 +3,19 @@
 import json
 import math
 import shutil
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from hypernav.core.actions import Action
+from hypernav.core.errors import RunFolderError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.memory.index import GoalRecord, Index
 from hypernav.mapping.memory.reading import read_index
 from hypernav.robot.server.agents import AgentPlan, PlanAgent
+from hypernav.robot.server.state.journal import Journal
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.worlds.box_room import BoxRoom
 from servers.robots import RobotLink, body_of, drive, real_plan, robot_server, scripted_plan
@@ -114,6 +117,35 @@ def test_another_robot_is_refused_when_it_opens_a_search(tmp_path, plan):
         refused = link.call("POST", "/v1/searches", request)
         assert refused.status == 422
         assert "embodiment.body.radius_m" in refused.json["message"]
+
+
+def test_a_search_that_cannot_be_written_leaves_the_memory_to_the_next_one(
+    tmp_path, plan, monkeypatch
+):
+    def full(folder, record):
+        raise RunFolderError("the disk is full")
+
+    kept = list[object]()  # else the garbage collector would let go of the memory
+    monkeypatch.setattr(AgentPlan, "open_memory", _kept(AgentPlan.open_memory, kept))
+    with robot_server(tmp_path / "state", plan) as link:
+        with monkeypatch.context() as disk:
+            disk.setattr(Journal, "create", full)
+            request = {
+                "goal": "door",
+                "labels": True,
+                "embodiment": BoxRoom().embodiment.model_dump(),
+            }
+            assert link.call("POST", "/v1/searches", request).status == 507
+        link.open()
+    assert len(kept) == 2
+
+
+def _kept(open_memory: Callable[[AgentPlan], object], kept: list[object]):
+    def opened(plan: AgentPlan) -> object:
+        kept.append(open_memory(plan))
+        return kept[-1]
+
+    return opened
 
 
 def test_an_agent_without_memory_is_refused(tmp_path):

@@ -153,20 +153,21 @@ class Searches:
             failed.callback(built.close)
             check_labels(built, request)
             memory = plan.open_memory()
+            if memory is not None:
+                failed.callback(memory.leave)
+            record = SearchRecord(
+                id=name,
+                opened_s=time.time(),
+                version=version("hypernav"),
+                words=f"detector {built.detector_words}, reasoner {built.reasoner_words}",
+                request=request,
+                specs=plan.specs,
+                config=plan.config,
+                memory=plan.memory,
+                memory_mb=plan.memory_mb,
+            )
+            search = Search(Journal.create(folder, record), self._pace)
             failed.pop_all()
-        record = SearchRecord(
-            id=name,
-            opened_s=time.time(),
-            version=version("hypernav"),
-            words=f"detector {built.detector_words}, reasoner {built.reasoner_words}",
-            request=request,
-            specs=plan.specs,
-            config=plan.config,
-            memory=plan.memory,
-            memory_mb=plan.memory_mb,
-        )
-        journal = Journal.create(folder, record)
-        search = Search(journal, self._pace)
         search.go_on(Decisions(record, built, memory))
         return search
 
