@@ -11,6 +11,11 @@ NavmeshChoice = Literal["auto", "file", "robot"]
 one computed as by habitat-sim, also for a generated building whose stairs the robot climbs; "file",
 always the file's; or "robot", always a computed one."""
 
+StopChoice = Literal["first_wall", "last_wall"]
+"""What ends a step without sliding on a navigation mesh: "first_wall", the first wall that the
+straight line crosses, as in habitat-sim 0.3.3 and before; or "last_wall", the last one among the
+polygons on the way, as in its tag v0.3.4, which often holds a robot at a wall that it touches."""
+
 RendererName = Literal["cpu", "warp"]
 """What draws a scene: "cpu", a rasterizer on all cores; or "warp", rays on an NVIDIA GPU (extra
 ``gpu``)."""
@@ -63,6 +68,9 @@ class SimulationConfig(RoomConfig):
 
     Attributes:
         sliding: Slide along obstacles instead of stopping at them; off, as in Habitat's challenges.
+        stop_at: Wall that ends a step without sliding on a navigation mesh: "first_wall", as in
+            habitat-sim 0.3.3, with which all published tables were made, or "last_wall", as since
+            its tag v0.3.4. `--world habitat` goes by the habitat-sim that is installed.
         noise: Noise of sensors and motion; none by default.
         labels: Whether observations carry ground-truth labels.
         navmesh: Mesh of a scan: the file's if it was made for such a robot, else one computed as
@@ -79,6 +87,7 @@ class SimulationConfig(RoomConfig):
     """
 
     sliding: bool = False
+    stop_at: StopChoice = "first_wall"
     noise: NoiseConfig = NoiseConfig()
     labels: bool = True
     navmesh: NavmeshChoice = "auto"

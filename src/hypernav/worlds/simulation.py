@@ -293,7 +293,7 @@ class SimulatedWorld:
         """The robot's navigation mesh, or the walkable surface of the storey at a height."""
         navmesh = robot_navmesh(self.scene, self.embodiment.body, self.config.navmesh)
         if navmesh is not None:
-            return NavmeshSurface(navmesh, self.scene.storeys)
+            return NavmeshSurface(navmesh, self.scene.storeys, self.config.stop_at)
         return WalkableGrid.from_scene(
             self.scene, self.embodiment.body, cell_m=self.config.cell_m, floor_z=z
         )

@@ -109,6 +109,16 @@ def test_sliding_ends_nearer_to_the_target(start: Point, angle: float) -> None:
     assert math.dist(on_mesh, stopped) <= 0.25 + 1e-4
 
 
+def test_a_robot_that_touches_a_wall_leaves_it_by_every_heading_into_the_open() -> None:
+    touched = RING.try_step((0.6, 0.0, -1.3), (1.1, 0.0, -1.33), sliding=False)
+    x, y, z = touched
+    assert x == pytest.approx(1.0)
+    for angle in np.radians(np.arange(95.0, 270.0, 10.0)):
+        end = (x + 0.25 * math.cos(angle), y, z + 0.25 * math.sin(angle))
+        assert RING.try_step(touched, end, sliding=False) == pytest.approx(end, abs=1e-6)
+        assert RING.try_step(touched, end, sliding=False, stop_at="last_wall") == touched
+
+
 @given(st.lists(ring_points, min_size=1, max_size=5), st.lists(ring_points, min_size=1, max_size=4))
 def test_the_nearest_of_several_goals(goals: list[Point], starts: list[Point]) -> None:
     goals = [on_mesh for goal in goals if (on_mesh := RING.nearest(goal)) is not None]

@@ -42,6 +42,13 @@ def test_the_robot_walks_up_the_ramp() -> None:
     assert (x, y, z) == pytest.approx((1.2, 8.0, 3.0), abs=1e-4)
 
 
+def test_the_wall_that_ends_a_step_is_a_choice() -> None:
+    ring = navmesh_from(squares(3, 3, holes=((1, 1),)))
+    touched = NavmeshSurface(ring).move((0.6, 1.3, 0.0), 0.5, 0.03)
+    assert NavmeshSurface(ring).move(touched, -0.25, 0.0) == pytest.approx((0.75, *touched[1:]))
+    assert NavmeshSurface(ring, stop_at="last_wall").move(touched, -0.25, 0.0) == touched
+
+
 def test_goals_on_several_floors() -> None:
     field = FLOORS.goal_field(np.array([[3.0, 1.0, 3.0], [3.5, 7.0, 3.0], [8.9, 0.5, 0.0]]))
     below = field.distance(3.0, 1.0, 0.0)

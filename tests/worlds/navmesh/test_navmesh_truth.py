@@ -10,6 +10,7 @@ import pytest
 
 from hypernav.core.embodiment import BodyConfig
 from hypernav.datasets.habitat_frames import positions_from_habitat
+from hypernav.worlds.config import StopChoice
 from hypernav.worlds.navmesh.files.polygon_mesh import PolygonMesh
 from hypernav.worlds.navmesh.files.reader import navmesh_of, read_navmesh
 from hypernav.worlds.navmesh.files.writer import navmesh_bytes
@@ -82,20 +83,25 @@ def test_snaps(navmesh: Navmesh, truth: dict[str, Any]) -> None:
         assert navmesh.is_navigable(point) == snap["navigable"]
 
 
+@pytest.mark.parametrize("stop_at", ["first_wall", "last_wall"])
 @pytest.mark.parametrize(("answer", "sliding"), [("slide", True), ("no_slide", False)])
-def test_steps(navmesh: Navmesh, truth: dict[str, Any], answer: str, sliding: bool) -> None:
+def test_steps(
+    navmesh: Navmesh, truth: dict[str, Any], answer: str, sliding: bool, stop_at: StopChoice
+) -> None:
     for step in truth["try_steps"]:
-        reached = navmesh.try_step(_point(step["start"]), _point(step["end"]), sliding=sliding)
+        start, end = _point(step["start"]), _point(step["end"])
+        reached = navmesh.try_step(start, end, sliding=sliding, stop_at=stop_at)
         assert reached == pytest.approx(step[answer], abs=1e-6)
 
 
-def test_a_step_without_sliding_goes_on_to_the_last_wall(test_data: Path) -> None:
+def test_a_step_that_goes_on_to_the_last_wall_ends_at_it(test_data: Path) -> None:
     folder = test_data / "habitat"
     known = json.loads((folder / "step_without_sliding.json").read_text())
     navmesh = Navmesh.load(folder / known["navmesh"])
     step = known["step"]
+    start, end = _point(step["start"]), _point(step["end"])
     for answer, sliding in (("slide", True), ("no_slide", False)):
-        reached = navmesh.try_step(_point(step["start"]), _point(step["end"]), sliding=sliding)
+        reached = navmesh.try_step(start, end, sliding=sliding, stop_at="last_wall")
         assert reached == pytest.approx(step[answer], abs=1e-6)
 
 

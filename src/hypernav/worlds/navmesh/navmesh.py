@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int32
 
 from hypernav.core.errors import StartError
+from hypernav.worlds.config import StopChoice
 from hypernav.worlds.navmesh.detour.islands import find_islands
 from hypernav.worlds.navmesh.detour.mesh import mesh_of
 from hypernav.worlds.navmesh.detour.motion_kernels import try_step, wall_distance
@@ -112,20 +113,23 @@ class Navmesh:
             return math.inf
         return float(wall_distance(self.mesh, polygon, found, np.float32(radius_m)))
 
-    def try_step(self, start: Point, end: Point, *, sliding: bool) -> Point:
+    def try_step(
+        self, start: Point, end: Point, *, sliding: bool, stop_at: StopChoice = "first_wall"
+    ) -> Point:
         """End of a straight move on the mesh.
 
         Args:
             start: Where it begins.
             end: Where it should end.
             sliding: Whether to slide along borders of the mesh; otherwise a move ends there.
+            stop_at: The border that ends a move without sliding.
 
         Returns:
             The position reached; the start if it, or the end, is off the mesh, or if they lie on
             different islands.
         """
-        reached = try_step(self.mesh, self.islands, singles(start), singles(end), sliding)
-        return _point(reached)
+        ends, to_last_wall = (singles(start), singles(end)), stop_at == "last_wall"
+        return _point(try_step(self.mesh, self.islands, *ends, sliding, to_last_wall))
 
     def shortest_path(self, start: Point, end: Point) -> MeshPath:
         """The shortest path between two positions."""

@@ -11,6 +11,7 @@ from jaxtyping import Bool, Float64, Int64
 from hypernav.core.errors import SceneError, StartError
 from hypernav.core.world import Position
 from hypernav.datasets.habitat_frames import positions_from_habitat, positions_to_habitat
+from hypernav.worlds.config import StopChoice
 from hypernav.worlds.navmesh.goal_paths import GoalPaths
 from hypernav.worlds.navmesh.navmesh import Navmesh, Point
 from hypernav.worlds.surface.box_distance import floors_of_box, is_near_box
@@ -33,17 +34,24 @@ class NavmeshSurface:
             over that of its storeys that has the most floor, if they are known.
     """
 
-    def __init__(self, navmesh: Navmesh, storeys: Sequence[float] = ()) -> None:
+    def __init__(
+        self,
+        navmesh: Navmesh,
+        storeys: Sequence[float] = (),
+        stop_at: StopChoice = "first_wall",
+    ) -> None:
         """Create it with a navigation mesh.
 
         Args:
             navmesh: The mesh.
             storeys: Heights of the building's floors, metres; empty if they are not known.
+            stop_at: The wall that ends a step without sliding.
 
         Raises:
             SceneError: There is nothing to walk on.
         """
         self.navmesh = navmesh
+        self._stop_at: StopChoice = stop_at
         is_roof = np.array(
             [bool(storeys) and not self._touches(k, storeys) for k in range(len(navmesh.areas_m2))],
             dtype=bool,
@@ -101,8 +109,9 @@ class NavmeshSurface:
             sliding: Whether it slides along obstacles; by default it stops at the contact.
         """
         x, y, z = position
-        end = self._point(x + dx, y + dy, z)
-        return _position(self.navmesh.try_step(self._point(x, y, z), end, sliding=sliding))
+        start, end = self._point(x, y, z), self._point(x + dx, y + dy, z)
+        reached = self.navmesh.try_step(start, end, sliding=sliding, stop_at=self._stop_at)
+        return _position(reached)
 
     def distance(self, start: Position, end: Position) -> float:
         """Geodesic distance, metres; infinite if no path exists."""

@@ -1,6 +1,6 @@
 """Straight moves on a navigation mesh, and distances to its walls (numba kernels).
 
-As Detour's ``dtNavMeshQuery::moveAlongSurface`` and ``findDistanceToWall``, and habitat-sim's
+As ``dtNavMeshQuery::moveAlongSurface`` and ``findDistanceToWall`` of habitat-sim's Detour, and its
 ``PathFinder::tryStep``.
 """
 
@@ -60,15 +60,29 @@ def _hits(a, b, start, end):
 
 
 @njit(cache=True)
-def move(mesh, start_polygon, start, end, sliding):
+def _stop_at(a, b, start, end, straight):
+    """Squared distance from where a wall ends a move to the move's end, and that point."""
+    if not straight:
+        gap, t = to_segment(end, a, b)
+        return gap, between(a, b, t)
+    met, t = _hits(a, b, start, end)
+    stop = between(a, b, t)
+    dx, dz = end[0] - stop[0], end[2] - stop[2]
+    return (dx * dx + dz * dz if met else FARTHEST), stop
+
+
+@njit(cache=True)
+def move(mesh, start_polygon, start, end, sliding, to_last_wall):
     """The end of a straight move from a point on a polygon.
 
-    Without sliding, the move with sliding is computed first and then cut back at the wall, among
-    the polygons on the way, that crosses the straight line.
+    Without sliding, only polygons that the line enters are on its way, and a wall ends it unless
+    its end is reached, so a robot on a wall may leave it. To the last wall, the move with sliding
+    is computed first and then cut back at the wall, among the polygons on the way, that crosses
+    the line.
 
     Returns:
-        The point, not yet at the height of the surface, and the polygon where sliding ends, which
-        is `NOWHERE` if there is no such move.
+        The point, not yet at the height of the surface, and the polygon where the search ends,
+        which is `NOWHERE` if there is no such move.
     """
     polygons = np.empty(_MOST_NEAR, dtype=np.int32)
     parents = np.full(_MOST_NEAR, -1, dtype=np.int32)
@@ -78,6 +92,7 @@ def move(mesh, start_polygon, start, end, sliding):
     polygons[0], visited[0], waiting[0] = start_polygon, True, 0
     nodes, first, last = 1, 0, 1
     best, best_point, best_gap = -1, start, FARTHEST
+    straight = not (sliding or to_last_wall)
     middle = between(start, end, HALF)
     radius = distance(start, end) * HALF + _SLACK
     radius_squared = radius * radius
@@ -95,9 +110,9 @@ def move(mesh, start_polygon, start, end, sliding):
             beyond = _neighbours(mesh, polygon, edge, found)
             edge = i
             if beyond == 0:
-                gap, t = to_segment(end, a, b)
+                gap, stop = _stop_at(a, b, start, end, straight)
                 if gap < best_gap:
-                    best, best_point, best_gap = current, between(a, b, t), gap
+                    best, best_point, best_gap = current, stop, gap
             for k in range(beyond):
                 node = 0
                 while node < nodes and polygons[node] != found[k]:
@@ -109,6 +124,8 @@ def move(mesh, start_polygon, start, end, sliding):
                     nodes += 1
                 if visited[node] or to_segment(middle, a, b)[0] > radius_squared:
                     continue
+                if straight and not _hits(a, b, start, end)[0]:
+                    continue
                 if last - first < _MOST_WAITING:
                     visited[node], parents[node] = True, current
                     waiting[last] = node
@@ -116,7 +133,7 @@ def move(mesh, start_polygon, start, end, sliding):
     if best < 0:
         return start, NOWHERE
     reached, stop_gap = best_point, FARTHEST
-    node = -1 if sliding else best
+    node = best if to_last_wall and not sliding else -1
     while node >= 0:
         stop, gap = _stop_at_wall(mesh, polygons[node], start, end)
         if gap < stop_gap:
@@ -138,17 +155,14 @@ def _stop_at_wall(mesh, polygon, start, end):
         if mesh.neighbours[polygon, edge] >= 0 or _neighbours(mesh, polygon, edge, found) > 0:
             continue
         a, b = corner(mesh, polygon, edge), corner(mesh, polygon, (edge + 1) % count)
-        met, t = _hits(a, b, start, end)
-        stop = between(a, b, t)
-        dx, dz = end[0] - stop[0], end[2] - stop[2]
-        gap = dx * dx + dz * dz
-        if met and gap < least:
+        gap, stop = _stop_at(a, b, start, end, True)
+        if gap < least:
             reached, least = stop, gap
     return reached, least
 
 
 @njit(cache=True)
-def try_step(mesh, islands, start, end, sliding):
+def try_step(mesh, islands, start, end, sliding, to_last_wall):
     """The end of a straight move on the mesh, as habitat-sim's ``PathFinder::tryStep``.
 
     It is the start if start or end is off the mesh or they lie on different islands.
@@ -157,7 +171,7 @@ def try_step(mesh, islands, start, end, sliding):
     end_polygon, _ = nearest(mesh, end, islands, NOWHERE)
     if polygon == NOWHERE or end_polygon == NOWHERE or islands[polygon] != islands[end_polygon]:
         return start
-    reached, last = move(mesh, polygon, point, end, sliding)
+    reached, last = move(mesh, polygon, point, end, sliding, to_last_wall)
     if last == NOWHERE:
         return start
     over, height = height_on(mesh, last, reached)
