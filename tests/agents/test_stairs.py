@@ -124,6 +124,16 @@ def test_a_level_of_the_same_floor_is_drawn_on_its_map(steps):
     assert {int(grid.cells[cell]) for cell in ahead} == {Cell.FREE}
 
 
+@pytest.mark.slow
+def test_stairs_to_a_level_of_the_same_floor_lead_somewhere():
+    trace, memory = search("bed", steps=4)
+    assert trace[-1].action is Action.STOP
+    assert any(one.mode is Mode.CLIMB for one in trace)
+    assert "another level reached" in [event for one in trace for event in one.events]
+    assert len(memory.floors) == 1
+    assert {one.passage for one in memory.connectors if one.goes_up} == {Passage.USED}
+
+
 def test_a_search_that_begins_on_stairs_is_not_blind():
     world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
     agent.reset(Goal("umbrella"))

@@ -91,7 +91,7 @@ def test_a_robot_that_cannot_climb_looks_for_no_stairs():
 def test_stairs_that_were_refuted_are_no_way_out_however_often_they_are_seen():
     memory = memory_after([FLOOR, *stairs_up()], *before_stairs(3.0, 2.5))
     assert len(memory.ways_out()) == 1
-    memory.set_passage(0, Passage.REFUTED)
+    memory.give_up(0)
     for pose in before_stairs(2.5, 2.4):
         memory.follow(view_of([FLOOR, *stairs_up()], pose, camera=CAMERA))
     assert not memory.ways_out()
@@ -107,6 +107,24 @@ def test_used_stairs_are_known_from_both_ends_and_lead_on_until_all_is_explored(
     assert [one.connector for one in memory.ways_out()] == [1]
     assert not memory.ways_out(new=True)
     memory.floors[0].search.is_explored = True
+    assert not memory.ways_out()
+
+
+def test_stairs_that_were_taken_stay_a_way_though_a_search_fails_on_them():
+    memory = memory_after([FLOOR, *stairs_up()], *before_stairs(3.0, 2.5))
+    memory.number = memory.add_floor(1.8)
+    memory.crossed(0)
+    memory.give_up(1)
+    assert not memory.ways_out()
+    memory.begin_search(sees_stairs=True)
+    assert [one.connector for one in memory.ways_out()] == [1]
+    assert {one.passage for one in memory.connectors} == {Passage.USED}
+
+
+def test_stairs_to_another_level_of_the_floor_are_stairs_and_no_way_out():
+    memory = memory_after([FLOOR, *stairs_up()], *before_stairs(3.0, 2.5))
+    memory.reached_level(0)
+    assert memory.connectors[0].passage is Passage.USED
     assert not memory.ways_out()
 
 

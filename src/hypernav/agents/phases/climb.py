@@ -98,7 +98,11 @@ def _given_up(
     step: Step, memory: Memory, plan: Plan, climbing: Climbing
 ) -> tuple[Decision | Phase, Plan]:
     """Turn back; end the attempt on level ground, or where the robot has turned back already."""
-    memory.set_passage(climbing.connector, Passage.REFUTED)
+    if memory.is_off_floor and not (memory.on_stairs or climbing.is_back):
+        memory.reached_level(climbing.connector)
+        step.events.append("another level reached")
+        return Phase.LOOK_AROUND, replace(plan, climbing=None)
+    memory.give_up(climbing.connector)
     if climbing.is_back or not memory.on_stairs:
         step.events.append("stairs given up")
         return Phase.LOOK_AROUND, replace(plan, climbing=None)

@@ -15,7 +15,6 @@ from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Mode
-from hypernav.mapping.memory.connectors import Passage
 from hypernav.mapping.memory.memory import Memory
 
 _CHOICES_PER_STEP = 4
@@ -225,7 +224,7 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
         return plan
     step.events.append(event)
     if destination.connector is not None:
-        memory.set_passage(destination.connector, Passage.REFUTED)
+        memory.give_up(destination.connector)
     elif destination.is_sighting:
         search.evidence = replace(search.evidence, far_position=None)
         plan = plan.explore(pursued=(*plan.exploring.pursued, destination.xy))

@@ -45,6 +45,7 @@ class SearchMemory:
         lasts: Whether later searches are to know what it has seen.
         remembered: Numbers of the things that were known before it began.
         gone_to: Numbers of those that it has gone to, or given up.
+        given_up: Numbers of the connectors of this floor that it has tried to take in vain.
         looked_over: What it has looked at of the floor; None if the floor was not known before.
         looks_again: Whether it explores what it has not looked at itself, known or not.
     """
@@ -58,6 +59,7 @@ class SearchMemory:
     lasts: bool = False
     remembered: frozenset[int] = frozenset()
     gone_to: set[int] = field(default_factory=set)
+    given_up: set[int] = field(default_factory=set)
     looked_over: LookedOver | None = None
     looks_again: bool = False
 

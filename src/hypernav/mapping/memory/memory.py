@@ -247,11 +247,24 @@ class Memory:
         if not self.on_stairs:
             self.floor.map.mark_occupied(points_xy)
 
-    def set_passage(self, number: int, passage: Passage) -> None:
-        """Note what was learned of the way over a connector."""
-        connectors = list(self.connectors)
-        connectors[number] = replace(connectors[number], passage=passage)
-        self.connectors = tuple(connectors)
+    def give_up(self, number: int) -> None:
+        """Note that an attempt to take a connector has failed; this search makes no other one.
+
+        What has never been taken counts as no way from then on. Stairs that have stay stairs.
+        """
+        one = self.connectors[number]
+        self.floors[one.floor].search.given_up.add(number)
+        if one.passage is not Passage.USED:
+            self._replace(number, replace(one, passage=Passage.REFUTED))
+
+    def reached_level(self, number: int) -> None:
+        """Note that a connector led to another level of its own floor, where the robot stands."""
+        one = self.connectors[number]
+        self._replace(number, replace(one, passage=Passage.USED, other_floor=one.floor))
+
+    def _replace(self, number: int, connector: Connector) -> None:
+        before, after = self.connectors[:number], self.connectors[number + 1 :]
+        self.connectors = (*before, connector, *after)
 
     def crossed(self, number: int) -> None:
         """Note that a connector led to the floor that the robot is on now."""
@@ -267,6 +280,7 @@ class Memory:
             for k, one in enumerate(self.connectors)
             if one.floor == self.number
             and one.is_usable
+            and k not in self.search.given_up
             and (one.is_new if new else self._leads_on(one))
         ]
 
