@@ -33,6 +33,9 @@ _SAME_LEVEL_M = 0.15
 """Greatest difference in height, metres, between two sights of one edge of the floor."""
 _NEAR_LEVEL_M = 0.5
 """Height above or below the robot, metres, of the ground from which the blind zone is filled in."""
+_SPOT_CELLS = 9
+"""Side of a square, cells: unseen ground in the midst of seen ground that it doesn't fit into is
+ground. Where a simulated robot stands a step too high, single rays seem to pass below the floor."""
 _STEP_SLACK_M = 0.04
 """Addition to the highest step, metres, for errors of measured heights."""
 _CLEARANCE = 0.65
@@ -140,10 +143,11 @@ class ElevationMap:
         closed, gaps = _without_gaps(known_heights, seen)
         dropped_m = below - robot_z
         seen = seen | gaps
-        drop = ~seen & (np.abs(dropped_m) <= _SAME_LEVEL_M)
+        spots = _closed(seen, _SPOT_CELLS) & ~seen
+        drop = ~seen & ~spots & (np.abs(dropped_m) <= _SAME_LEVEL_M)
         # Right before the robot the camera sees no stairs; they go on as they began.
         lower = ~seen & (dropped_m > 0.0) & (dropped_m < self._blind_m * _STEEPEST)
-        blind = ~seen & ~drop & (away <= self._blind_m)
+        blind = ~seen & ~drop & (spots | (away <= self._blind_m))
         with np.errstate(invalid="ignore"):
             near_level = np.abs(known_heights - robot_z) < _NEAR_LEVEL_M
         filled = _filled(np.where(near_level, known_heights, np.float32(np.nan)))
@@ -257,9 +261,15 @@ def _without_gaps(
 ) -> tuple[Float32[np.ndarray, "rows columns"], Bool[np.ndarray, "rows columns"]]:
     """The heights where gaps of one cell are filled in, as at risers, and a mask of these gaps."""
     square = np.ones((3, 3), np.uint8)
-    gaps = (cv2.morphologyEx(seen.view(np.uint8), cv2.MORPH_CLOSE, square) > 0) & ~seen
+    gaps = _closed(seen, 3) & ~seen
     higher = cv2.dilate(np.where(seen, heights, np.float32(-1e6)), square)
     return np.where(gaps, higher, heights), gaps
+
+
+def _closed(mask: Bool[np.ndarray, "rows columns"], side: int) -> Bool[np.ndarray, "rows columns"]:
+    """The mask with its gaps that a square of so many cells doesn't fit into."""
+    square = np.ones((side, side), np.uint8)
+    return cv2.morphologyEx(mask.view(np.uint8), cv2.MORPH_CLOSE, square) > 0
 
 
 def _is_even(

@@ -1,7 +1,9 @@
 """Stairs are seen in both directions, and furniture is no stairs."""
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from box_views import FLOOR, SolidBox, room, view_of
@@ -79,6 +81,19 @@ def test_a_tilted_camera_knows_no_more_ground_than_its_range(pitch_deg: float):
     ground = memory.ground_around((0.0, 0.0), down=True)
     away = ground.distances_m((0.0, 0.0))[ground.reached]
     assert away.max() <= camera.max_depth_m + 0.5
+
+
+@pytest.mark.parametrize(("side_m", "is_ground"), [(0.3, True), (1.0, False)])
+def test_a_spot_without_depth_in_the_midst_of_the_floor_is_no_hole(side_m: float, is_ground: bool):
+    memory = Memory(MappingConfig(), CLIMBER)
+    memory.begin_search(sees_stairs=True)
+    seen = view_of([FLOOR], Pose2(0.0, 0.0, 0.0), camera=CAMERA)
+    x, y = seen.camera.ray_slopes()
+    ahead_m = CLIMBER.camera.height_m / np.maximum(y, 1e-6)[:, None]
+    dark = (np.abs(ahead_m - 2.5) < side_m / 2.0) & (np.abs(x * ahead_m) < side_m / 2.0)
+    memory.follow(replace(seen, depth=np.where(dark, np.float32(0.0), seen.depth)))
+    ground = memory.ground_around((0.0, 0.0), down=False)
+    assert ground.reached[ground.grid.cell_of(2.5, 0.0)] == is_ground
 
 
 def test_a_robot_that_cannot_climb_looks_for_no_stairs():
