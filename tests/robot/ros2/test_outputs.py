@@ -1,6 +1,7 @@
 """Map, path and markers are where the search has them, as RViz reads messages."""
 
 import math
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -68,13 +69,33 @@ def test_an_image_has_rows_of_three_bytes_a_pixel():
     assert message.data == rgb.tobytes()
 
 
+class Network:
+    """Keeps what is published, and how."""
+
+    def __init__(self) -> None:
+        self.qualities: dict[str, Quality] = {}
+        self.published: dict[str, list[Any]] = {}
+
+    def publisher(self, topic: str, kind: type, quality: Quality = Quality.RELIABLE) -> Any:
+        self.qualities[topic] = quality
+        messages = self.published[topic] = list[Any]()
+        return SimpleNamespace(publish=messages.append)
+
+
 def test_of_map_and_image_only_the_last_is_kept_for_a_slow_reader():
-    qualities: dict[str, Quality] = {}
-
-    class Network:
-        def publisher(self, topic: str, kind: type, quality: Quality = Quality.RELIABLE) -> None:
-            qualities[topic] = quality
-
     network: Any = Network()
     Ros2Outputs(network, Ros2Config())
-    assert qualities["/hypernav/image"] is qualities["/hypernav/map"] is Quality.LATCHED
+    latched = {topic for topic, one in network.qualities.items() if one is Quality.LATCHED}
+    assert latched == {"/hypernav/image", "/hypernav/map", "/hypernav/floor"}
+
+
+def test_the_floor_of_the_map_is_named():
+    network: Any = Network()
+    outputs = Ros2Outputs(network, Ros2Config())
+    step = StepTrace(step=0, pose=(0.0, 0.0, 0.0), action=None, mode=Mode.EXPLORE, reason="")
+    grid = OccupancyGrid(np.zeros((2, 3), dtype=np.uint8), 0.05, (0.0, 0.0))
+    for floor in (None, 2):
+        trace = step.model_copy(update={"floor": floor})
+        rgb = np.zeros((4, 4, 3), dtype=np.uint8)
+        outputs.publish(trace, grid, rgb, at_s=0.0, camera_frame="camera")
+    assert [one.data for one in network.published["/hypernav/floor"]] == ["floor 1", "floor 2"]

@@ -67,6 +67,13 @@ class Bool(IdlStruct, typename="std_msgs.msg.dds_.Bool_"):
 
 
 @dataclass
+class String(IdlStruct, typename="std_msgs.msg.dds_.String_"):
+    """A text."""
+
+    data: str = ""
+
+
+@dataclass
 class ColorRGBA(IdlStruct, typename="std_msgs.msg.dds_.ColorRGBA_"):
     """A colour, each value from 0 to 1."""
 
@@ -341,6 +348,7 @@ ROS_TYPES: dict[str, type[IdlStruct]] = {
     "sensor_msgs/msg/CompressedImage": CompressedImage,
     "sensor_msgs/msg/Image": Image,
     "std_msgs/msg/Bool": Bool,
+    "std_msgs/msg/String": String,
     "tf2_msgs/msg/TFMessage": TFMessage,
     "visualization_msgs/msg/MarkerArray": MarkerArray,
 }

@@ -1,4 +1,4 @@
-"""What a search publishes for people: map, path, markers for RViz, and an annotated image."""
+"""What a search publishes for people: map and its floor, path, markers for RViz, and an image."""
 
 import math
 from collections.abc import Iterable, Sequence
@@ -23,6 +23,7 @@ from hypernav.robot.ros2.idl_types import (
     Point,
     Pose,
     PoseStamped,
+    String,
     Vector3,
 )
 from hypernav.robot.ros2.network import Quality, Ros2Network
@@ -42,6 +43,7 @@ class Ros2Outputs:
         below = config.topics.output.rstrip("/")
         self._frame = config.frames.map or config.frames.odom
         self._map = network.publisher(f"{below}/map", OccupancyGrid, Quality.LATCHED)
+        self._floor = network.publisher(f"{below}/floor", String, Quality.LATCHED)
         self._path = network.publisher(f"{below}/path", Path)
         self._markers = network.publisher(f"{below}/markers", MarkerArray)
         self._image = network.publisher(f"{below}/image", Image, Quality.LATCHED)
@@ -60,13 +62,14 @@ class Ros2Outputs:
 
         Args:
             trace: What the agent knew and decided.
-            grid: The map.
+            grid: The map of the floor that the robot is on.
             rgb: The camera image of the step.
             at_s: Time of the image, seconds.
             camera_frame: Frame of the image.
         """
         header = Header(ros_time(at_s), self._frame)
         self._map.publish(grid_message(grid, header))
+        self._floor.publish(String(f"floor {trace.floor or 1}"))
         self._path.publish(path_message(trace.path, header))
         self._blocks = trace.blocks or self._blocks
         self._markers.publish(marker_message(trace, self._blocks, header))

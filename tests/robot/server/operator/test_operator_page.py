@@ -14,10 +14,14 @@ import numpy as np
 import pytest
 from selenium import webdriver
 from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
+from hypernav.core.actions import Action
 from hypernav.core.errors import LinkLostError
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.trace import Mode, StepTrace
 from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.stop_listener import StopListener
@@ -25,9 +29,11 @@ from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.searches import Searches
+from hypernav.robot.server.watching.page_view import PageView
 from hypernav.robot.simulation.base import SimulatedBase
 from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
+from hypernav.show.video.frame import EpisodeInfo
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
 from servers.processes import serving_process, simulate
@@ -321,3 +327,28 @@ def test_the_page_loads_nothing_from_elsewhere(tmp_path):
             assert stranger.call("GET", f"/{name}").status == 200
         for name in ("nothing.js", "..%2ffiles.py", "%2e%2e/files.py"):
             assert stranger.call("GET", f"/page/{name}").status == 404
+
+
+def test_the_map_is_that_of_the_shown_steps_floor_and_says_so(page, driver):
+    info = EpisodeInfo("bed", "hypernav", detector="ground truth", reasoner="geometric")
+    floors, sizes = (None, 1, 2, 1), (60, 60, 100, 70)
+    with closing(PageView(info, lambda: None)) as view:
+        driver.get(view.address.partition(" ")[0])
+        for number, (floor, columns) in enumerate(zip(floors, sizes, strict=True)):
+            trace = StepTrace(
+                step=number,
+                pose=(0.1 * number, 0.0, 0.0),
+                action=Action.MOVE_FORWARD,
+                mode=Mode.CLIMB if number == 1 else Mode.EXPLORE,
+                reason="on the stairs to floor 2",
+                floor=floor,
+            )
+            cells = np.full((40, columns), Cell.FREE, dtype=np.uint8)
+            view.add(trace, OccupancyGrid(cells, 0.05, (0.0, 0.0)), None)
+            page.until(lambda count=number + 1: page.step.text == f"{count} of {count}")
+            page.until(lambda width=columns * 0.05: page.map_size_m[:1] == (width,))
+        assert page.map_title.text == "Map of floor 1"
+        assert page.floor_words.text.startswith("Floor 1 of 2 so far, where the search began.")
+        page.slider.send_keys(Keys.ARROW_LEFT)
+        page.until(lambda: page.map_title.text == "Map of floor 2")
+        assert page.map_size_m == (5.0, 2.0)

@@ -6,11 +6,14 @@ const WAIT_S = 10;
 const SHORTEST_ROUND_MS = 120;
 const RETRY_MS = 1000;
 
+/** Number of the floor of a step; it has none as long as only one floor is known. */
+export const floorOf = (step) => step.floor ?? 1;
+
 /** What is known of one search. Calls `onChange(follower)` after every change. */
 export class Follower {
   status = null;
   steps = [];
-  map = null;
+  maps = new Map(); // the last map of each floor
 
   constructor(id, onChange) {
     this.path = `v1/searches/${id}`;
@@ -47,7 +50,7 @@ export class Follower {
 
   async update(status) {
     const isNew = !this.status || status.next_sequence !== this.status.next_sequence
-      || status.last?.sequence !== this.status.last?.sequence || !status.map !== !this.map;
+      || status.last?.sequence !== this.status.last?.sequence || !status.map !== !this.maps.size;
     if (isNew && status.next_sequence > 0) {
       const lines = await (await this.request(`/trace?since=${this.steps.length}`)).text();
       for (const line of lines.split("\n")) if (line) this.steps.push(parse(line));
@@ -60,7 +63,7 @@ export class Follower {
   async updateMap(extent) {
     const image = await createImageBitmap(await (await this.request("/map.png")).blob());
     // The map may have grown since; then the next round has both.
-    if (image.width === extent.columns && image.height === extent.rows) this.map = { image, extent };
+    if (image.width === extent.columns && image.height === extent.rows) this.maps.set(floorOf(this.steps.at(-1)), { image, extent });
   }
 
   /** Image of an observation. */

@@ -3,7 +3,7 @@
 import { drawCamera } from "./camera.js";
 import { GoalBox, armStop, armToken } from "./controls.js";
 import { element, swatch } from "./elements.js";
-import { Follower } from "./follower.js";
+import { Follower, floorOf } from "./follower.js";
 import { drawMap } from "./map.js";
 import { connection, getJson, pause } from "./server.js";
 import { Timeline } from "./timeline.js";
@@ -42,7 +42,7 @@ function follow(id) {
 }
 
 function show() {
-  const { status, steps, map } = follower ?? { status: null };
+  const { status, steps, maps } = follower ?? { status: null };
   if (!status) return;
   timeline.show(steps);
   const step = steps[timeline.shown];
@@ -56,7 +56,9 @@ function show() {
   byId("action").textContent = next(status, step);
   document.body.dataset.silent = String(isSilent(status));
   byId("words").textContent = status.words.replace("detector ", "").replace(", reasoner ", " · ");
+  const map = step && maps.get(floorOf(step));
   drawMap(byId("map"), map, steps, timeline.shown);
+  showFloor(steps, step);
   if (step) {
     byId("map").setAttribute("aria-label", mapWords(map, step));
     showCamera(follower, step);
@@ -95,6 +97,17 @@ function reason(status, step) {
 }
 
 const sentence = (words) => (/^\S+:\/\//.test(words) ? words : words.charAt(0).toUpperCase() + words.slice(1)) + (/[.!?]$/.test(words) ? "" : ".");
+
+/** Names the floor of the map, once there is more than one. */
+function showFloor(steps, step) {
+  const floors = Math.max(1, ...steps.map(floorOf));
+  const isNamed = step && floors > 1;
+  byId("map-title").textContent = isNamed ? `Map of floor ${floorOf(step)}` : "Map";
+  byId("floor-words").hidden = !isNamed;
+  if (!isNamed) return;
+  const starts = floorOf(step) === 1 ? "where the search began" : "numbered in the order in which the robot came to them";
+  byId("floor-words").textContent = `Floor ${floorOf(step)} of ${floors} so far, ${starts}. The timeline leads to the others.`;
+}
 
 function mapWords(map, step) {
   const size = map ? `${(map.extent.columns * map.extent.resolution_m).toFixed(1)} by ${(map.extent.rows * map.extent.resolution_m).toFixed(1)} metres` : "none yet";

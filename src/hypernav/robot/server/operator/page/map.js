@@ -1,11 +1,12 @@
 // The map from above, with the robot and its plan.
 
+import { floorOf } from "./follower.js";
 import { COLORS } from "./vocabulary.js";
 
 const MARGIN_M = 0.6;
 const LEAST_M = 4;
 
-/** Draws the map and everything on it, sharp on any screen. */
+/** Draws the map of the shown step's floor and everything on it, sharp on any screen. */
 export function drawMap(canvas, map, steps, shown) {
   const ratio = window.devicePixelRatio || 1;
   canvas.width = Math.round(canvas.clientWidth * ratio);
@@ -20,11 +21,21 @@ export function drawMap(canvas, map, steps, shown) {
   draw.cells(map);
   draw.area(step.goal_area);
   draw.blocks(steps, shown);
-  draw.line(steps.slice(0, shown + 1).map((one) => one.pose), COLORS.trajectory_new, 2);
+  for (const walk of walksOn(floorOf(step), steps.slice(0, shown + 1))) draw.line(walk, COLORS.trajectory_new, 2);
   draw.line(step.path, COLORS.path, 2.5, [6, 4]);
   if (step.destination) draw.destination(step.destination);
   draw.robot(step.pose);
   draw.scale();
+}
+
+/** The poses on a floor, in a row each time that the robot was there. */
+function walksOn(floor, steps) {
+  const walks = [[]];
+  for (const step of steps) {
+    if (floorOf(step) === floor) walks.at(-1).push(step.pose);
+    else if (walks.at(-1).length) walks.push([]);
+  }
+  return walks;
 }
 
 /** Metres to pixels: `at(x, y)` and `scale` pixels a metre. */
@@ -69,7 +80,7 @@ class Painter {
   blocks(steps, shown) {
     let asked = shown;
     while (asked >= 0 && !steps[asked].blocks.length) asked -= 1;
-    if (asked < 0 || steps[shown].mode !== "explore") return;
+    if (asked < 0 || steps[shown].mode !== "explore" || floorOf(steps[asked]) !== floorOf(steps[shown])) return;
     const exchange = steps[asked].exchanges.findLast((one) => one.chosen !== null);
     const { context, ratio } = this;
     for (const block of steps[asked].blocks) {
