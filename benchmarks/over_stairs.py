@@ -1,12 +1,17 @@
 """Searches over stairs, by where the goal is: on the floor of the start, above it, or below it.
 
-python benchmarks/over_stairs.py storeys-train#3000:3010 --last 230 --every 5
-python benchmarks/over_stairs.py storeys-train#3000:3010 --last 230 --every 5 \
+python benchmarks/over_stairs.py storeys-train#3000:3010 --last 230 --every 10
+python benchmarks/over_stairs.py storeys-train#3000:3010 --last 230 --every 10 \
         --set search.use_stairs=false
+python benchmarks/over_stairs.py storeys-val --workers 14
 """
 
+import multiprocessing
 from bisect import bisect
 from collections import defaultdict
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -14,7 +19,7 @@ import tyro
 
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.data.datasets import load_episodes
-from hypernav.build.presets import preset
+from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.core.config import layered
 from hypernav.core.episodes.episode import Episode
 from hypernav.evaluation.record import EpisodeRecord
@@ -40,36 +45,63 @@ def direction(episode: Episode) -> str:
     return "same" if goal == start else "above" if goal > start else "below"
 
 
+@dataclass(frozen=True)
+class Found:
+    """How a search ended."""
+
+    where: str
+    record: EpisodeRecord
+
+
+def searched(config: HyPerNavConfig, episodes: Sequence[Episode]) -> list[Found]:
+    """Run searches one after another."""
+    worker = EpisodeWorker(Job(Path(), config, ComponentSpecs(agent="hypernav"), 0))
+    found = list[Found]()
+    for one in episodes:
+        found.append(Found(direction(one), worker.run(one)))
+        record = found[-1].record
+        words = (one.scene_id, one.episode_id, one.goal.text, record.outcome, record.steps)
+        print(found[-1].where, *words, f"{record.spl:.3f}", flush=True)
+    return found
+
+
 def main(
     split: Annotated[str, tyro.conf.Positional],
     /,
+    first: int = 0,
     last: int = 300,
     every: int = 1,
+    workers: int = 1,
     set: tuple[str, ...] = (),
 ) -> None:
     """Run every n-th of the first searches of a split with ground-truth labels.
 
     Args:
         split: Split of buildings with storeys.
+        first: Number of the first search.
         last: Number of searches from which they are taken.
         every: Distance between two of them.
+        workers: Number of processes; one runs all searches of a building.
         set: Changes of the `default` preset.
     """
     base = preset("default")
     robot = base.embodiment.model_copy(update={"body": CLIMBING_BODY})
     config = layered(base.model_copy(update={"embodiment": robot}), assignments=set)
-    worker = EpisodeWorker(Job(Path(), config, ComponentSpecs(agent="hypernav"), 0))
-    records: dict[str, list[EpisodeRecord]] = defaultdict(list)
-    for episode in load_episodes(split)[:last:every]:
-        where, record = direction(episode), worker.run(episode)
-        records[where].append(record)
-        records["all"].append(record)
-        print(where, episode.scene_id, episode.goal.text, record.outcome, record.steps, flush=True)
+    buildings: dict[str, list[Episode]] = defaultdict(list)
+    episodes = load_episodes(split)[first:last:every]
+    for one in episodes:
+        buildings[one.scene_id].append(one)
+    if workers == 1:
+        found = searched(config, episodes)
+    else:
+        with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
+            runs = [pool.submit(searched, config, group) for group in buildings.values()]
+            found = [one for run in runs for one in run.result()]
     for where in ("same", "above", "below", "all"):
-        chosen = records[where]
-        found = sum(one.outcome == "found" for one in chosen)
+        chosen = [one.record for one in found if where in (one.where, "all")]
+        count = sum(one.outcome == "found" for one in chosen)
         spl = sum(one.spl for one in chosen) / max(len(chosen), 1)
-        print(f"{where}: {found} of {len(chosen)} found, SPL {spl:.3f}")
+        print(f"{where}: {count} of {len(chosen)} found, SPL {spl:.3f}")
 
 
 if __name__ == "__main__":
