@@ -12,6 +12,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.connectors import Connector
 from hypernav.mapping.memory.flights import (
+    first_ahead,
     flight_down,
     flight_from,
     landing_z,
@@ -141,3 +142,23 @@ def test_a_floor_counts_at_the_height_at_which_the_robot_walks_on_it():
     ground = memory.ground_around((2.0, 0.0), down=False)
     far = memory.way_on(ground, -2.93, 2.0)
     assert (far & ground.seen).any()
+
+
+def test_the_way_on_is_ahead_where_there_is_one():
+    robot = Pose2(0.0, 0.0, 0.0)
+    memory = seen_from([((-30.0, -30.0, -1.0), (30.0, 30.0, 0.0))], robot)
+    ground = memory.ground_around(robot.xy, down=False)
+    away = ground.distances_m(robot.xy)
+    clear = ground.reached & (away >= 0.8)
+    points = ground.positions(first_ahead(ground, robot, clear))
+    assert len(points)
+    assert (points[:, 0] > np.abs(points[:, 1]) - 0.1).all()
+    behind = clear & (ground.along(robot.xy, 0.0)[0] < 0.0)
+    assert (first_ahead(ground, robot, behind) == behind).all()
+    assert not first_ahead(ground, robot, ground.reached).any()
+
+
+@pytest.mark.parametrize(("below_m", "is_away"), [(1.5, False), (2.5, True)])
+def test_a_storey_lies_farther_down_than_a_landing(below_m: float, is_away: bool):
+    memory = seen_from([FLOOR], Pose2(0.0, 0.0, 0.0), z=-below_m)
+    assert memory.is_storey_away == is_away

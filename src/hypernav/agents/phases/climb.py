@@ -2,14 +2,13 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.trace import Mode
 from hypernav.mapping.memory.connectors import Passage
 from hypernav.mapping.memory.flights import (
+    first_ahead,
     flight_down,
     flight_from,
     landing_z,
@@ -54,12 +53,13 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
         flight = flight_down(ground, *here, None if is_lost else flight, first)
     climbing = replace(climbing, flight=flight)
     ground = on_flight(ground, *here, flight, goes_up=goes_up)
+    way_on = first_ahead(ground, step.robot, memory.way_on(ground, level_z, _OFF_STAIRS_M))
     to = stairs_ahead(ground, *here, flight, goes_up=goes_up, on_slope=on_slope)
+    if memory.is_storey_away and not on_slope and way_on.any():
+        to = way_on
     words = f"on the stairs to floor {_next_floor(memory, climbing) + 1}"
     if not to.any() and memory.is_off_floor and not climbing.turned:
-        to = memory.way_on(ground, level_z, _OFF_STAIRS_M)
-        if to[ground.grid.cell_of(*step.robot.xy)]:  # the robot is there
-            to = np.zeros_like(to)
+        to = way_on
     turn = Action.TURN_LEFT
     if not memory.is_off_floor and not to.any():
         turn = turn_towards(step.robot, connector.beyond, step.motion)

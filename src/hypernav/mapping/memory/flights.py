@@ -131,3 +131,14 @@ def stairs_ahead(
     beyond &= rise >= best - np.where(ground.presumed, _SAME_DROP_M, _SAME_TREAD_M)
     away = ground.distances_m(robot.xy)
     return beyond & (away >= min(_AHEAD_M, float(away[beyond].max())))
+
+
+def first_ahead(
+    ground: Ground, robot: Pose2, mask: Bool[np.ndarray, "rows columns"]
+) -> Bool[np.ndarray, "rows columns"]:
+    """The part of a mask ahead of the robot, if there is any; nothing where the robot is on it."""
+    if mask[ground.grid.cell_of(*robot.xy)]:
+        return np.zeros_like(mask)
+    ahead_m, beside_m = ground.along(robot.xy, robot.yaw)
+    ahead = mask & (ahead_m > beside_m)
+    return ahead if ahead.any() else mask

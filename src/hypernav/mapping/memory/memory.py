@@ -224,6 +224,11 @@ class Memory:
         return abs(self.z - self.floor.z) > _OFF_M
 
     @property
+    def is_storey_away(self) -> bool:
+        """Whether the robot is so far above or below its floor that hardly a landing lies there."""
+        return abs(self.z - self.floor.z) >= _STOREY_M
+
+    @property
     def is_on_slope(self) -> bool:
         """Whether the latest step changed the robot's height, as treads and ramps do."""
         return self._walked_m == 0.0
