@@ -143,7 +143,9 @@ def test_the_map_is_that_of_the_last_floor_and_shows_the_robot_there_only(
     data = player(read(write_page(tmp_path, result, steps, room)))
     assert [robot is not None for robot in data["robots"]] == [False, False, True, True]
     assert data["reasons"][-1].startswith("Floor 2")
-    assert "of floor 2" in (tmp_path / "index.html").read_text()
+    page = (tmp_path / "index.html").read_text()
+    assert "of floor 2" in page
+    assert "floor 1 from step 1, floor 2 from step 3" in page
 
 
 def test_as_long_as_one_floor_is_known_no_floor_is_named(

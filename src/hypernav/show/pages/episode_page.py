@@ -187,6 +187,10 @@ def _metrics(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[_Met
         _Metric("Distance to goal", number(value("distance_to_goal_m"), 2, "m"), "at the end"),
         _Metric("Model calls", number(value("model_calls")), "questions put to neural networks"),
     ]
+    if steps and steps[-1].floor is not None:
+        floors = {one.floor or 1 for one in steps}
+        words = ", ".join(episode_summary.floors_in_turn(steps))
+        figures.append(_Metric("Floors", str(len(floors)), words))
     if seconds is not None:
         figures.append(_Metric("Time", captions.duration(seconds), "that the run took in all"))
     if read or written:

@@ -253,3 +253,9 @@ def _number(value: object) -> float | None:
 def _typical(name: str, steps: Sequence[StepTrace]) -> float | None:
     ran = [step.seconds[name] for step in steps if step.seconds.get(name)]
     return statistics.median(ran) if ran else None
+
+
+def floors_in_turn(steps: Sequence[StepTrace]) -> list[str]:
+    """The floors in the order in which the robot was on them, each with its first step."""
+    turns = groupby(steps, key=lambda one: one.floor or 1)
+    return [f"floor {floor} from step {next(walk).step + 1}" for floor, walk in turns]
