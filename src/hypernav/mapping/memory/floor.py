@@ -49,6 +49,7 @@ class SearchMemory:
         lasts: Whether later searches are to know what it has seen.
         remembered: Numbers of the things that were known before it began.
         gone_to: Numbers of those that it has gone to, or given up.
+        first: Number of the one that is meant, and gone to before all others; None if any will do.
         looked_over: What it has looked at of the floor; None if the floor was not known before.
         looks_again: Whether it explores what it has not looked at itself, known or not.
         viewed_from: Pose of the latest frame with a new view; None before the first frame.
@@ -65,10 +66,16 @@ class SearchMemory:
     lasts: bool = False
     remembered: frozenset[int] = frozenset()
     gone_to: set[int] = field(default_factory=set)
+    first: int | None = None
     looked_over: LookedOver | None = None
     looks_again: bool = False
     viewed_from: Pose2 | None = None
     has_new_view: bool = True
+
+    @property
+    def is_on_errand(self) -> bool:
+        """Whether it is on its way to the one thing that is meant."""
+        return self.first is not None and self.first not in self.gone_to
 
     def note_view(self, robot: Pose2) -> None:
         """Note from where the present frame is taken."""

@@ -121,6 +121,16 @@ class Memory:
         for floor in self.floors:
             floor.begin_search(self.searches, lasts=lasts)
 
+    def go_first_to(self, floor: int, thing: int) -> None:
+        """Let the search that has begun go to one remembered thing before all others.
+
+        Args:
+            floor: Number of its floor.
+            thing: Its number on that floor. One that is not remembered any more changes nothing.
+        """
+        if floor < len(self.floors) and thing in self.floors[floor].search.remembered:
+            self.floors[floor].search.first = thing
+
     def copy(self) -> "Memory":
         """A copy that shares nothing that changes."""
         return copy.deepcopy(self)
