@@ -14,6 +14,7 @@ from contextlib import closing
 import numpy as np
 import tyro
 
+from hypernav.agents.search import SearchAgent
 from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.data.datasets import load_episodes
@@ -74,6 +75,7 @@ def _timed(
 ) -> list[float]:
     """Processor time of every step of the agent, milliseconds."""
     agent = build_agent(config, ComponentSpecs()).agent
+    assert isinstance(agent, SearchAgent)
     observation = world.reset(episode, None)
     agent.reset(episode.goal, memory)
     times = list[float]()
