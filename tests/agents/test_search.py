@@ -319,6 +319,15 @@ def test_the_last_steps_belong_to_the_likeliest_candidate():
     assert steps[-1].ending is Ending.FOUND
 
 
+def test_who_is_told_of_fewer_steps_takes_its_last_chance_earlier_and_forgets_them_again():
+    agent = search(detector=FaintDetector(), search={"max_steps": 400})
+    agent.allow_steps(60)
+    steps, _ = run(agent, "bed", max_steps=60)
+    assert steps[-1].ending is Ending.FOUND
+    agent.allow_steps(10_000)
+    assert agent.components.config.max_steps == 400
+
+
 @pytest.mark.parametrize(("look_again", "circles"), [(True, 2), (False, 1)])
 def test_it_looks_around_once_more_before_it_gives_up(look_again, circles):
     agent = search(search={"look_again_before_giving_up": look_again})

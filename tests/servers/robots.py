@@ -111,11 +111,12 @@ def robot_server(
     token: str | None = None,
     limits: ServerLimits | None = None,
     port: int = 0,
+    memory: Path | None = None,
 ) -> Iterator["RobotLink"]:
     """A server on a free port of this machine, or a given one, and a client of it."""
     access, limits = Access("127.0.0.1", token), limits or ServerLimits()
     with Searches(state, plan, limits) as searches, listening("127.0.0.1", port) as listener:
-        server = RobotServer(searches, access, limits)
+        server = RobotServer(searches, access, limits, memory)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
         thread.start()
         end = time.monotonic() + 10.0

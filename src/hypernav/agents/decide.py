@@ -12,7 +12,9 @@ from hypernav.agents.phases.second_look import second_look
 from hypernav.agents.phases.verify import verify
 from hypernav.agents.plan import Plan
 from hypernav.agents.step import Decision, Phase, Step
+from hypernav.core.goal import Goal
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.target import Target
 from hypernav.perception.local.belief import likeliest, reconsidered
 
 _PHASES: Mapping[Phase, Callable[[Step, Memory, Plan], tuple[Decision | Phase, Plan]]] = {
@@ -56,6 +58,8 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
             plan = plan.approach(as_near_as_possible=True, steps_run_out=True)
             approaching = plan.approaching
     target = memory.search.evidence.target
+    if target is not None and _is_another(memory, target, step.goal):
+        target = None
     if target is None or target.number != approaching.candidate:
         number = None if target is None else target.number
         plan = plan.approach(
@@ -74,6 +78,15 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
     if approaching.second_look is not None:
         return Phase.SECOND_LOOK, plan
     return Phase.APPROACH, plan
+
+
+def _is_another(memory: Memory, target: Target, goal: Goal) -> bool:
+    """Whether a target is another thing than the one that the robot was sent to."""
+    search = memory.search
+    if not search.is_on_errand:
+        return False
+    there = memory.floor.things.at(*target.area.centre, goal)
+    return all(one.number != search.first for one in there)
 
 
 def _must_choose(step: Step, memory: Memory) -> bool:

@@ -38,11 +38,19 @@ class SearchAgent:
         self._plan: Plan | None = None
         self._trace: StepTrace | None = None
         self._steps = 0
+        self._most_steps = components.config.max_steps
 
     @property
     def embodiment(self) -> Embodiment:
         """The robot that the agent was built for."""
         return self.components.embodiment
+
+    def allow_steps(self, most: int) -> None:
+        """Plan the next searches with so many steps, at most those of the configuration."""
+        steps, config = min(most, self._most_steps), self.components.config
+        if steps != config.max_steps:
+            config = config.model_copy(update={"max_steps": steps})
+            self.components = replace(self.components, config=config)
 
     def reset(self, goal: Goal, memory: Memory | None = None) -> None:
         """Begin a new search.

@@ -83,5 +83,5 @@ def run(options: Options) -> int:
 
     limits = ServerLimits(searches=options.max_searches, idle_s=60.0 * options.idle_minutes)
     with warm_up_in_background(console.print):
-        serve(access, options.port, options.state, plan, limits, on_start=say)
+        serve(access, options.port, options.state, plan, limits, memory=memory, on_start=say)
     return ExitStatus.SUCCESS

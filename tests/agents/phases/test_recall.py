@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from box_scenes import room_boxes, scene_of
@@ -126,3 +127,41 @@ def test_a_thing_that_was_never_seen_is_looked_for_again_where_all_is_known(memo
     assert over is not None
     grid = known.floor.map.grid
     assert over.cells[grid.explored].mean() > 0.7
+
+
+TWO_SOFAS = [
+    *room_boxes(9.0, 4.0),
+    ("sofa", (0.1, 1.2, 0.0), (0.9, 2.8, 0.7)),
+    ("sofa", (8.1, 1.2, 0.0), (8.9, 2.8, 0.7)),
+]
+
+
+@pytest.mark.parametrize("meant", [True, False])
+def test_a_robot_that_is_sent_to_one_thing_passes_others_of_its_kind(meant):
+    world = SimulatedWorld(scene_of(*TWO_SOFAS, name="hall"), CONFIG.world, CONFIG.embodiment)
+    _, _, memory = searched(world, "piano", Pose2(4.5, 1.0, 1.5), None)
+    start = Pose2(3.0, 2.0, 3.14)
+    sofas = [one for one in memory.floor.things.known if one.label == "sofa"]
+    far = max(sofas, key=lambda one: (world.map_to_scene.apply(np.array([one.position])))[0, 0])
+    agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog())
+    world.keep_map_frame(START.to_transform())
+    run = EpisodeRun(agent, world, episode_from(start, "sofa", max_steps=200), memory=memory)
+    if meant:
+        memory.go_first_to(0, far.number)
+    assert all(step.trace.action is not None for step in run)
+    assert run.result().metrics.success
+    assert (world.pose.x > 4.5) is meant
+
+
+def test_being_sent_to_what_is_forgotten_or_gone_is_a_search_like_any(memory):
+    agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog())
+    world = two_rooms()
+    world.keep_map_frame(START.to_transform())
+    episode = episode_from(IN_BEDROOM, "sofa", max_steps=200)
+    run = EpisodeRun(agent, world, episode, memory=memory)
+    for floor, number in ((0, 10_000), (7, 0)):
+        memory.go_first_to(floor, number)
+    assert memory.search.first is None
+    reasons = [step.trace.reason for step in run]
+    assert reasons[0] == "a sofa was seen there before"
+    assert run.result().metrics.success

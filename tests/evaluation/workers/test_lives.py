@@ -2,6 +2,7 @@
 
 from contextlib import closing
 from dataclasses import replace
+from typing import ClassVar
 
 import pytest
 
@@ -99,6 +100,33 @@ def test_the_steps_of_a_life_are_counted_together(tmp_path):
     assert [r.outcome for r in records[1:]] == [Outcome.NOT_FOUND] * 2
     assert all(r.counts for r in records)
     assert records[2].why == "the steps of its life had been used up before this goal"
+
+
+def test_an_agent_that_plans_with_its_steps_is_told_how_many_are_left(tmp_path):
+    class Planning(Listening):
+        allowed: ClassVar[list[int]] = []
+
+        def allow_steps(self, most):
+            self.allowed.append(most)
+
+    agent = Planning([[Action.TURN_LEFT] * 2 + STOP, STOP, STOP])
+    lived(tmp_path, life_in(tmp_path, max_steps=4, max_life_steps=6), agent)
+    assert agent.allowed == [4, 3, 2]
+
+
+def test_an_agent_whose_reset_takes_no_memory_lives_without_one(tmp_path):
+    class HasAnotherMemory:
+        memory = "its own affair"
+
+        def reset(self, goal):
+            pass
+
+        def act(self, observation):
+            assert observation.robot == Pose2(0.0, 0.0, 0.0)
+            return Action.STOP
+
+    records = lived(tmp_path, life_in(tmp_path), HasAnotherMemory())
+    assert [r.stopped for r in records] == [True] * 3
 
 
 @pytest.mark.parametrize(

@@ -468,3 +468,20 @@ def test_a_second_look_is_taken_once():
     local.evidence = confirmed(local.evidence)
     local.look(thing_before_wall())
     assert not local.needs_second_look
+
+
+class SeesEverything(ScriptedDetector):
+    """Has names for all things."""
+
+    def things_in(self, observation, detections):
+        return [*detections, Detection(Box(0.0, 0.0, 30.0, 30.0), 0.9, "wall")]
+
+
+@pytest.mark.parametrize("is_new", [True, False])
+def test_in_a_view_that_is_not_new_the_goal_alone_is_remembered(is_new):
+    found = [Detection(Box(60.0, 40.0, 100.0, 80.0), 0.9, "thing")]
+    local = Perception(SeesEverything([found]))
+    local.floor.search = SearchMemory(lasts=True, has_new_view=is_new)
+    local.look(thing_before_wall())
+    labels = {one.label for one in local.floor.things.known}
+    assert labels == ({"thing", "wall"} if is_new else {"thing"})

@@ -15,6 +15,7 @@ _PATHS = {
     "/v1/robots/{name}/goal": {"post"},
     "/v1/robots/{name}/wait": {"post"},
     "/v1/stop": {"post"},
+    "/v1/things": {"get"},
     "/v1/searches": {"get", "post"},
     "/v1/searches/{name}": {"get"},
     "/v1/searches/{name}/observations": {"post"},

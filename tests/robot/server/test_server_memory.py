@@ -3,7 +3,9 @@
 import json
 import math
 import shutil
+import time
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -157,3 +159,30 @@ def test_an_agent_without_memory_is_refused(tmp_path):
         refused = link.call("POST", "/v1/searches", request)
         assert refused.status == 422
         assert "keeps no memory" in refused.json["message"]
+
+
+def test_an_operator_sends_a_robot_to_one_of_the_remembered_things(tmp_path, plan):
+    home = tmp_path / "home"
+    with robot_server(tmp_path / "state", plan, memory=home) as link:
+        assert link.call("GET", "/v1/things").json == []
+        drive(link, link.open(), BoxRoom())
+        while not (things := link.call("GET", "/v1/things").json):
+            time.sleep(0.02)  # it is saved after the last answer
+        (door,) = [one for one in things if one["label"] == "door"]
+        assert door["thing"]["floor"] == 1
+        assert door["chance"] > 0.5
+        link.call("POST", "/v1/robots/anna/wait")
+        asked = {"goal": "door", "thing": door["thing"]}
+        given = link.call("POST", "/v1/robots/anna/goal", asked).json
+        search = link.open(key=given["key"])
+        drive(link, search, BoxRoom(FACING_AWAY))
+        assert first_reason(link, search) == "a door was seen there before"
+    with closing(Journal(tmp_path / "state" / "searches" / search.rpartition("/")[2])) as journal:
+        record = journal.record
+    assert record.request.thing is not None
+    assert record.request.thing.model_dump() == door["thing"]
+
+
+def test_without_a_memory_there_are_no_things(tmp_path):
+    with robot_server(tmp_path / "state", scripted_plan) as link:
+        assert link.call("GET", "/v1/things").json == []

@@ -38,6 +38,8 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
         and thing.number in search.remembered
         and thing.number not in search.gone_to
     ]
+    if search.is_on_errand:
+        likely = [one for one in likely if one[0].number == search.first] or likely
     if not likely:
         return None
     with step.clock("plan"):

@@ -1,7 +1,7 @@
 """Optional abilities of components, besides their protocols."""
 
 from collections.abc import Collection, Mapping, Sequence
-from inspect import getattr_static
+from inspect import getattr_static, signature
 from typing import Any, Protocol, TypeGuard, runtime_checkable
 
 from hypernav.core.components.protocols import Agent, Remembers
@@ -32,6 +32,15 @@ class BeginsMemory(Protocol):
 
     def new_memory(self) -> Any:
         """An empty memory, for the first of several searches."""
+        ...
+
+
+@runtime_checkable
+class PlansSteps(Protocol):
+    """An agent that plans with the steps that it has, for example for a last chance."""
+
+    def allow_steps(self, most: int) -> None:
+        """Tell it how many steps its next searches have at most; called before `reset`."""
         ...
 
 
@@ -116,8 +125,18 @@ class SeesAllThings(Protocol):
 
 
 def remembers(agent: Agent) -> TypeGuard[Remembers]:
-    """Whether an agent keeps what it knows of a building, asked also before its first search."""
-    return getattr_static(agent, "memory", _MISSING) is not _MISSING
+    """Whether an agent keeps what it knows of a building, asked also before its first search.
+
+    It has an attribute ``memory``, and its ``reset`` takes one: an attribute of that name alone may
+    be anything of its own.
+    """
+    if getattr_static(agent, "memory", _MISSING) is _MISSING:
+        return False
+    try:
+        signature(agent.reset).bind(None, None)
+    except TypeError:
+        return False
+    return True
 
 
 def check_remembers(agent: Agent) -> None:
@@ -128,8 +147,9 @@ def check_remembers(agent: Agent) -> None:
     """
     if not remembers(agent):
         raise ConfigError(
-            f"{type(agent).__name__} keeps no memory of a building; use an agent that searches on "
-            "a map, such as hypernav or frontier, or leave the memory out"
+            f"{type(agent).__name__} keeps no memory of a building: it lacks an attribute memory "
+            "or a reset(goal, memory); use an agent that searches on a map, such as hypernav or "
+            "frontier, or leave the memory out"
         )
 
 

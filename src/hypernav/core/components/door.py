@@ -10,7 +10,7 @@ import os
 import traceback
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from functools import partial
+from functools import partial, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -139,9 +139,9 @@ class _Shell:
             value = getattr(self._component, attribute, _MISSING)
         if value is _MISSING:
             raise AttributeError(f"{self._name} has no {attribute}")
-        return (
-            partial(self._call, attribute) if callable(value) else self._checked(attribute, value)
-        )
+        if not callable(value):
+            return self._checked(attribute, value)
+        return update_wrapper(partial(self._call, attribute), value)  # with its signature
 
     def _call(self, method: str, *given: Any, **named: Any) -> Any:
         with calling(self._name, method):

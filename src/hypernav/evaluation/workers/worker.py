@@ -14,7 +14,7 @@ from hypernav.build.component_specs import ComponentSpecs, WorldName
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.worlds import open_world
-from hypernav.core.components.abilities import BeginsMemory, Closes, remembers
+from hypernav.core.components.abilities import BeginsMemory, Closes, PlansSteps, remembers
 from hypernav.core.components.door import SIMULATOR_ERRORS
 from hypernav.core.components.protocols import Agent
 from hypernav.core.episodes.episode import Episode, Outcome
@@ -135,6 +135,8 @@ class EpisodeWorker:
             scene = self._scene_of(episode.scene_id)
             scene.renderer.colours = self._searcher.looks_at_colours or self._job.save == "videos"
             agent, memory = self._searcher.agent, None
+            if isinstance(agent, PlansSteps):
+                agent.allow_steps(episode.max_steps)
             keeps_memory = not self._job.fresh_memory and remembers(agent)
             goes_on = number > 1 and keeps_memory
             if episode.life and number == 1 and keeps_memory and isinstance(agent, BeginsMemory):

@@ -1,5 +1,6 @@
 """One floor as the robot knows it, and what the present search has learned on it."""
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -7,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from hypernav.core.exploring.sightings import Sightings
-from hypernav.core.geometry.transforms import Transform
+from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.looked_over import LookedOver
 from hypernav.mapping.memory.target import GoalEvidence
@@ -16,6 +17,9 @@ from hypernav.mapping.top_down_map import TopDownMap
 
 _MOST_POSITIONS = 5000
 """Number of positions of earlier searches that a floor's trajectory keeps."""
+_NEW_VIEW_M = 0.75
+_NEW_VIEW_DEG = 45.0
+"""Way and turn from which an image shows enough that the one before didn't to look at all of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +50,12 @@ class SearchMemory:
         remembered: Numbers of the things that were known before it began.
         gone_to: Numbers of those that it has gone to, or given up.
         given_up: Numbers of the connectors of this floor that it has tried to take in vain.
+        first: Number of the one that is meant, and gone to before all others; None if any will do.
         looked_over: What it has looked at of the floor; None if the floor was not known before.
         looks_again: Whether it explores what it has not looked at itself, known or not.
+        viewed_from: Pose of the latest frame with a new view; None before the first frame.
+        has_new_view: Whether the present frame has one: only then all things in it and what it
+            tells as a key image are looked at, since frames close together show the same.
     """
 
     evidence: GoalEvidence = field(default_factory=GoalEvidence)
@@ -60,8 +68,27 @@ class SearchMemory:
     remembered: frozenset[int] = frozenset()
     gone_to: set[int] = field(default_factory=set)
     given_up: set[int] = field(default_factory=set)
+    first: int | None = None
     looked_over: LookedOver | None = None
     looks_again: bool = False
+    viewed_from: Pose2 | None = None
+    has_new_view: bool = True
+
+    @property
+    def is_on_errand(self) -> bool:
+        """Whether it is on its way to the one thing that is meant."""
+        return self.first is not None and self.first not in self.gone_to
+
+    def note_view(self, robot: Pose2) -> None:
+        """Note from where the present frame is taken."""
+        last = self.viewed_from
+        self.has_new_view = (
+            last is None
+            or last.distance_to(*robot.xy) >= _NEW_VIEW_M
+            or abs(wrap_angle(robot.yaw - last.yaw)) >= math.radians(_NEW_VIEW_DEG)
+        )
+        if self.has_new_view:
+            self.viewed_from = robot
 
     def remembered_of(self, things: Things) -> Things:
         """The things that were known before the search began."""
@@ -98,6 +125,7 @@ class Floor:
     def integrate(self, observation: Observation) -> None:
         """Add a frame, with heights counted from the ground, to map and trajectory."""
         self.trajectory.append(observation.robot.xy)
+        self.search.note_view(observation.robot)
         self.map.integrate(observation)
         if self.search.looked_over is not None:
             self.search.looked_over.add(observation, self.map.grid)

@@ -118,13 +118,12 @@ class KeyImages:
         new = sum(patch not in self.showing for patch in patches.tolist())
         if new < _LEAST_PATCHES and not shows_new_thing:
             return None
+        bgr = cv2.cvtColor(observation.rgb, cv2.COLOR_RGB2BGR)
         image = KeyImage(
             number=self.count,
             floor=floor,
             search=search,
-            jpeg=_encoded(
-                ".jpg", observation.rgb[..., ::-1], cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY
-            ),
+            jpeg=_encoded(".jpg", bgr, cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY),
             png=_encoded(".png", _millimetres(observation), cv2.IMWRITE_PNG_COMPRESSION, 1),
             camera=observation.camera,
             camera_to_map=observation.camera_to_map,
@@ -191,7 +190,7 @@ def _patches_at(points: Float64[np.ndarray, "n 3"], floor: int) -> Int64[np.ndar
 
 
 def _encoded(kind: str, image: np.ndarray, *settings: int) -> bytes:
-    _, data = cv2.imencode(kind, np.ascontiguousarray(image), list(settings))
+    _, data = cv2.imencode(kind, image, list(settings))
     return data.tobytes()
 
 

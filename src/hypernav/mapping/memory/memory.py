@@ -121,6 +121,16 @@ class Memory:
         for floor in self.floors:
             floor.begin_search(self.searches, lasts=lasts)
 
+    def go_first_to(self, floor: int, thing: int) -> None:
+        """Let the search that has begun go to one remembered thing before all others.
+
+        Args:
+            floor: Number of its floor.
+            thing: Its number on that floor. One that is not remembered any more changes nothing.
+        """
+        if floor < len(self.floors) and thing in self.floors[floor].search.remembered:
+            self.floors[floor].search.first = thing
+
     def copy(self) -> "Memory":
         """A copy that shares nothing that changes."""
         return copy.deepcopy(self)
@@ -185,7 +195,8 @@ class Memory:
     def keep_image(self, observation: Observation) -> None:
         """Keep a frame as key image if it tells enough, and if key images are kept.
 
-        On stairs none is: they belong to no floor from which heights could be counted.
+        Of a view that is not new, only things that are asked for can tell enough. On stairs none is
+        kept: they belong to no floor from which heights could be counted.
 
         Args:
             observation: The latest frame, with heights counted from the ground.
@@ -193,12 +204,15 @@ class Memory:
         floor = self.floor
         if self.images is None or self.on_stairs:
             return
+        shows_new_thing = floor.things.wants_image
+        if not (shows_new_thing or floor.search.has_new_view):
+            return
         image = self.images.take(
             observation,
             self.embodiment.camera,
             floor=self.number,
             search=self.searches,
-            shows_new_thing=floor.things.wants_image,
+            shows_new_thing=shows_new_thing,
         )
         if image is not None:
             floor.things = floor.things.with_image(image.number)

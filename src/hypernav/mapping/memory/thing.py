@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel, canonical
+from hypernav.core.labels import ObjectLabel
 
 _SAME_SHARE = 0.35
 _SAME_M = (0.15, 0.6)
@@ -126,16 +127,18 @@ class Thing:
 
     def fits(self, goal: Goal) -> float:
         """How well its label fits a goal: 1 as far as asked, 0.5 only its kind, 0 not at all."""
-        label = ObjectLabel(self.label)
-        if label.satisfies(goal):
-            return 1.0
-        return 0.5 if label.may_satisfy(goal) else 0.0
+        return _fit(self.label, goal)
 
 
-def is_same(a: Thing, b: Thing) -> bool:
-    """Whether two views are of one thing: one's middle lies in the other's box, or beside it."""
-    if canonical(a.label) != canonical(b.label):
-        return False
+@lru_cache(maxsize=4096)
+def _fit(label: str, goal: Goal) -> float:
+    if ObjectLabel(label).satisfies(goal):
+        return 1.0
+    return 0.5 if ObjectLabel(label).may_satisfy(goal) else 0.0
+
+
+def overlap(a: Thing, b: Thing) -> bool:
+    """Whether the middle of one lies in the other's box, or right beside it."""
     return holds(a, b.position) or holds(b, a.position)
 
 

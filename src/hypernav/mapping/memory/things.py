@@ -15,8 +15,9 @@ from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
+from hypernav.core.labels import canonical
 from hypernav.core.observation import Observation
-from hypernav.mapping.memory.thing import Thing, holds, is_same, joined
+from hypernav.mapping.memory.thing import Thing, holds, joined, overlap
 from hypernav.mapping.memory.visibility import should_be_visible
 
 MOST_THINGS = 500
@@ -116,7 +117,10 @@ class Things:
             new = _seen_thing(detection, observation, camera, count, search)
             if new is None:
                 continue
-            same = [one for one in known.values() if is_same(one, new)]
+            name = canonical(new.label)
+            same = [
+                one for one in known.values() if canonical(one.label) == name and overlap(one, new)
+            ]
             for one in same:
                 del known[one.number]
             one = joined(same, new)

@@ -142,11 +142,16 @@ class LocalPerception:
     def _remembered(
         self, floor: Floor, observation: Observation, goal: Goal, detections: list[Detection]
     ) -> Things:
-        """The floor's things after an image; a detector of the goal alone misses nothing else."""
+        """The floor's things after an image: the goal in all of them, the rest in new views.
+
+        A detector of the goal alone misses nothing else.
+        """
         only: Goal | None = goal
         search = floor.search
         refuted = [area.centre for area in search.evidence.rejected_areas]
-        if isinstance(self.detector, SeesAllThings):
+        if not search.has_new_view:
+            detections = [one for one in detections if one.is_goal]
+        elif isinstance(self.detector, SeesAllThings):
             detections, only = self.detector.things_in(observation, detections), None
         things = floor.things.after_image(
             observation,

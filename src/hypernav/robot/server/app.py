@@ -3,6 +3,7 @@
 import logging
 from collections.abc import Iterable
 from importlib.metadata import version
+from pathlib import Path as FilePath
 from typing import Annotated, Any
 
 from fastapi import APIRouter, FastAPI, Path, Request, WebSocket
@@ -38,7 +39,11 @@ _OBSERVATION_BODY = {
 
 
 def make_app(
-    searches: Searches, waiting: WaitingRobots, access: Access, limits: ServerLimits
+    searches: Searches,
+    waiting: WaitingRobots,
+    access: Access,
+    limits: ServerLimits,
+    memory: FilePath | None = None,
 ) -> FastAPI:
     """The application around the searches of a server.
 
@@ -47,12 +52,13 @@ def make_app(
         waiting: Robots that wait for a goal.
         access: Who may use the server.
         limits: Limits of the server.
+        memory: Folder of the memory; None if there is none.
     """
     allowances = Allowances(limits)
     routers = (
         _routes(searches, waiting, allowances),
         watching_routes(searches),
-        operator_routes(searches, waiting),
+        operator_routes(searches, waiting, memory),
     )
     return guarded_app(routers, access, limits, allowances)
 
@@ -107,6 +113,8 @@ def _routes(searches: Searches, waiting: WaitingRobots, allowances: Allowances) 
     @routes.post(SEARCHES, status_code=201)
     async def open_search(request: OpenSearch) -> SearchOpened:
         """Begin a search, or return that of the same key."""
+        thing = waiting.meant(request.key) or request.thing
+        request = request.model_copy(update={"thing": thing})
         try:
             search = await run_in_threadpool(searches.open, request)
         except HyPerNavError as error:

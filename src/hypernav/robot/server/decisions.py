@@ -51,7 +51,7 @@ class Decisions:
         """
         request = record.request
         self._built, self._memory = built, memory
-        self._goal = Goal(request.goal)
+        self._goal, self._thing = Goal(request.goal), request.thing
         self._agent = cast(ExplainsItself, built.agent)
         self._name, self._most_steps = record.id, request.max_steps
         self._robot, self._camera = request.robot, request.camera
@@ -94,7 +94,10 @@ class Decisions:
         self._sensing.note(packed, seen, self._told)
         if number == 0 and self._memory is not None:
             agent = cast(Remembers, self._built.agent)
-            agent.reset(self._goal, self._memory.begin(self._goal, seen))
+            memory = self._memory.begin(self._goal, seen)
+            agent.reset(self._goal, memory)
+            if self._thing is not None:
+                memory.go_first_to(self._thing.floor - 1, self._thing.number)
         self._steps = number + 1
         self._built.agent.act(seen)
         grid, trace = self._agent.grid, self._agent.last_step

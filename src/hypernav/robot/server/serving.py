@@ -77,6 +77,7 @@ def serve(
     plan: PlanAgent,
     limits: ServerLimits,
     *,
+    memory: Path | None = None,
     on_start: Callable[[str], object],
 ) -> None:
     """Serve until SIGINT or SIGTERM; the signal is raised again at the end.
@@ -87,6 +88,7 @@ def serve(
         state: Folder of all searches.
         plan: Chooses the agent for a request.
         limits: Limits of the server.
+        memory: Folder of the memory of the plan's agents, to show it; None if there is none.
         on_start: Function that is called with the server's URL once it answers.
 
     Raises:
@@ -98,22 +100,30 @@ def serve(
     with listening(access.host, port) as listener, Searches(state, plan, limits) as searches:
         host = f"[{access.host}]" if ":" in access.host else access.host
         on_start(f"http://{host}:{listener.getsockname()[1]}")
-        RobotServer(searches, access, limits).run(sockets=[listener])
+        RobotServer(searches, access, limits, memory).run(sockets=[listener])
 
 
 class RobotServer(uvicorn.Server):
     """Uvicorn running the application."""
 
-    def __init__(self, searches: Searches, access: Access, limits: ServerLimits) -> None:
+    def __init__(
+        self,
+        searches: Searches,
+        access: Access,
+        limits: ServerLimits,
+        memory: Path | None = None,
+    ) -> None:
         """Create it; `run` serves.
 
         Args:
             searches: Opened searches.
             access: Who may use the server.
             limits: Limits of the server.
+            memory: Folder of the memory; None if there is none.
         """
         self._searches, self._waiting = searches, WaitingRobots()
-        super().__init__(server_config(make_app(searches, self._waiting, access, limits)))
+        app = make_app(searches, self._waiting, access, limits, memory)
+        super().__init__(server_config(app))
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Begin to listen, and to look for robots that fell silent."""

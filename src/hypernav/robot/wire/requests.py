@@ -34,6 +34,18 @@ class Intrinsics(Message):
     cy: float = Field(ge=-1e4, le=1e5)
 
 
+class ThingName(Message):
+    """One thing of the server's memory.
+
+    Attributes:
+        floor: Number of its floor, from 1.
+        number: Its number on that floor.
+    """
+
+    floor: int = Field(ge=1, le=1000)
+    number: int = Field(ge=0, le=2**53)
+
+
 class OpenSearch(Message):
     """The request for a search.
 
@@ -49,6 +61,7 @@ class OpenSearch(Message):
         labels: Whether the observations bring true labels, as only a simulation can. Without them a
             search is refused where the server's detector reads labels.
         deadline_s: Longest wait for an answer before the reply says ``hold``, seconds.
+        thing: The remembered thing to go to before all others, if the server has a memory.
         key: Word that the robot makes up for each search. Opening again with the same key gives the
             same search, so that a lost answer does not leave a second one behind.
     """
@@ -61,6 +74,7 @@ class OpenSearch(Message):
     max_steps: int = Field(default=500, ge=1, le=MOST_STEPS)
     labels: bool = False
     deadline_s: float = Field(default=1.0, ge=0.05, le=LONGEST_WAIT_S)
+    thing: ThingName | None = None
     key: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{8,64}$")] | None = None
 
     @model_validator(mode="after")

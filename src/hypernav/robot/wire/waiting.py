@@ -17,8 +17,11 @@ from typing import Annotated
 from pydantic import Field
 
 from hypernav.core.goal import MAX_GOAL_LENGTH
+from hypernav.robot.wire.requests import ThingName
 from hypernav.robot.wire.values import Message
 
+THINGS = "/v1/things"
+"""Path of the things that the server's memory knows."""
 ROBOTS = "/v1/robots"
 """Path of the robots that wait; that of one is ``ROBOTS/NAME``."""
 STOP_ALL = "/v1/stop"
@@ -39,9 +42,11 @@ class GoalRequest(Message):
 
     Attributes:
         goal: What to find, as text.
+        thing: The remembered thing that is meant; None if any will do.
     """
 
     goal: Annotated[str, Field(min_length=1, max_length=MAX_GOAL_LENGTH)]
+    thing: ThingName | None = None
 
 
 class GivenGoal(Message):
@@ -49,11 +54,27 @@ class GivenGoal(Message):
 
     Attributes:
         goal: What to find; None as long as no goal was given.
-        key: The ``key`` to open the search with.
+        key: The ``key`` to open the search with; it also tells the server which thing is meant.
     """
 
     goal: str | None = None
     key: str | None = None
+
+
+class RememberedThing(Message):
+    """A thing of the server's memory.
+
+    Attributes:
+        thing: Its name, to be given to a robot as a goal.
+        label: The detector's word for it.
+        position: Its middle ``(x, y, z)``, ``map`` frame, heights above the floor, metres.
+        chance: Chance that it is what it was taken for and still there, 0 to 1.
+    """
+
+    thing: ThingName
+    label: str
+    position: tuple[float, float, float]
+    chance: float
 
 
 class WaitingRobot(Message):

@@ -1,6 +1,7 @@
 """The paths of the operator: the page, goals for robots that wait, and STOP for all."""
 
 from contextlib import ExitStack
+from pathlib import Path as FilePath
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Query, Request
@@ -9,30 +10,36 @@ from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
 from hypernav.core.goal import Goal
+from hypernav.mapping.memory.reading import read_index
 from hypernav.robot.server.operator.files import page_files
 from hypernav.robot.server.operator.waiting import WaitingRobots
 from hypernav.robot.server.watching.routes import STOP_BODY, ShownSearches
 from hypernav.robot.wire.replies import Status
-from hypernav.robot.wire.requests import StopRequest
+from hypernav.robot.wire.requests import StopRequest, ThingName
 from hypernav.robot.wire.waiting import (
     LONGEST_WAIT_FOR_GOAL_S,
     ROBOT_NAME,
     ROBOTS,
     STOP_ALL,
+    THINGS,
     GivenGoal,
     GoalRequest,
+    RememberedThing,
     WaitingRobot,
 )
 
 _Name = Annotated[str, Path(pattern=ROBOT_NAME, description="Name of the robot.")]
 
 
-def operator_routes(searches: ShownSearches, waiting: WaitingRobots) -> APIRouter:
+def operator_routes(
+    searches: ShownSearches, waiting: WaitingRobots, memory: FilePath | None = None
+) -> APIRouter:
     """The operator's paths.
 
     Args:
         searches: All searches.
         waiting: Robots that wait for a goal.
+        memory: Folder of the memory; None if there is none.
     """
     routes = APIRouter()
     files = page_files()
@@ -63,7 +70,12 @@ def operator_routes(searches: ShownSearches, waiting: WaitingRobots) -> APIRoute
     @routes.post(f"{ROBOTS}/{{name}}/goal")
     async def give(name: _Name, request: GoalRequest) -> GivenGoal:
         """Give a goal to a robot that waits."""
-        return waiting.give(name, Goal(request.goal))
+        return waiting.give(name, Goal(request.goal), request.thing)
+
+    @routes.get(THINGS)
+    def things() -> list[RememberedThing]:
+        """What the memory knew after the last search, without what is gone; none without one."""
+        return [] if memory is None else _things_in(memory)
 
     @routes.post(STOP_ALL, openapi_extra=STOP_BODY)
     async def stop_all(request: Request) -> list[Status]:
@@ -77,3 +89,19 @@ def operator_routes(searches: ShownSearches, waiting: WaitingRobots) -> APIRoute
         return [search.status() for search in stopped]
 
     return routes
+
+
+def _things_in(memory: FilePath) -> list[RememberedThing]:
+    index = read_index(memory)
+    known = [
+        RememberedThing(
+            thing=ThingName(floor=number, number=one.number),
+            label=one.label,
+            position=one.position,
+            chance=round(one.chance, 2),
+        )
+        for number, floor in enumerate(() if index is None else index.floors, start=1)
+        for one in floor.all_things().known
+        if not one.is_gone
+    ]
+    return sorted(known, key=lambda one: (one.label, -one.chance))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from hypernav.core.errors import RequestRefusedError
 from hypernav.core.goal import Goal
 from hypernav.robot.server.threads import Bell
+from hypernav.robot.wire.requests import ThingName
 from hypernav.robot.wire.waiting import GivenGoal, WaitingRobot
 
 _MOST_ROBOTS = 100
@@ -23,6 +24,7 @@ class _Robot:
     heard_s: float
     asking: int = 0
     given: GivenGoal | None = None
+    thing: ThingName | None = None
     refused: str = ""
 
 
@@ -58,8 +60,13 @@ class WaitingRobots:
             await self.bell.until(lambda: robot.given is not None, wait_s)
             return robot.given or GivenGoal()
 
-    def give(self, name: str, goal: Goal) -> GivenGoal:
+    def give(self, name: str, goal: Goal, thing: ThingName | None = None) -> GivenGoal:
         """Give a goal to a robot that waits.
+
+        Args:
+            name: The robot.
+            goal: What to find.
+            thing: The remembered thing that is meant; None if any will do.
 
         Raises:
             RequestRefusedError: It is not waiting, or has a goal already.
@@ -77,8 +84,16 @@ class WaitingRobots:
                 status=409,
             )
         robot.given, robot.refused = GivenGoal(goal=goal.text, key=secrets.token_hex(16)), ""
+        robot.thing = thing
         self.bell.ring()
         return robot.given
+
+    def meant(self, key: str | None) -> ThingName | None:
+        """The remembered thing that is meant by the goal with a key; None if any will do."""
+        for robot in self._robots.values():
+            if robot.given is not None and robot.given.key == key:
+                return robot.thing
+        return None
 
     def take_up(self, key: str | None) -> bool:
         """Note that a search was opened with a key.

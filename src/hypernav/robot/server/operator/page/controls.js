@@ -4,6 +4,7 @@ import { Refused, getJson, pause, post, rememberToken, connection } from "./serv
 import { element } from "./elements.js";
 
 const POLL_MS = 1000;
+const THINGS_MS = 5000;
 const AGAIN_MS = 300;
 const UNSURE_MS = 1000; // a STOP that the server has is confirmed in a tenth of this
 const REASON = "the operator pressed STOP";
@@ -46,16 +47,17 @@ export class GoalBox {
     }
     select.hidden = free.length < 2;
     byId("send").disabled = free.length === 0;
+    for (const button of byId("things").querySelectorAll("button")) button.disabled = free.length === 0;
     byId("find-words").textContent = this.note || waitingWords(robots, free);
   }
 
-  async send() {
-    const goal = byId("goal").value.trim();
+  /** Sends a robot to the goal in the box or, with `what`, to a remembered thing. */
+  async send(what = { goal: byId("goal").value.trim() }) {
     const name = byId("robot").value;
-    if (!goal || !name) return;
+    if (!what.goal || !name) return;
     byId("send").disabled = true;
     try {
-      await post(`v1/robots/${encodeURIComponent(name)}/goal`, { goal });
+      await post(`v1/robots/${encodeURIComponent(name)}/goal`, what);
       this.onSent();
       this.say("");
     } catch (error) {
@@ -67,6 +69,40 @@ export class GoalBox {
     this.note = note;
     this.show(this.robots);
     if (note) setTimeout(() => { if (this.note === note) this.say(""); }, 8000);
+  }
+}
+
+/** The things of the memory, each with a button that sends a robot there. */
+export class Memory {
+  constructor(goalBox) {
+    this.goalBox = goalBox;
+    this.poll();
+  }
+
+  async poll() {
+    let shown = "";
+    for (;;) {
+      try {
+        const things = await getJson("v1/things");
+        const now = JSON.stringify(things);
+        if (now !== shown) this.show(things);
+        shown = now;
+      } catch {
+        // The connection line says so.
+      }
+      await pause(THINGS_MS);
+    }
+  }
+
+  show(things) {
+    byId("memory").hidden = things.length === 0;
+    byId("things").replaceChildren(...things.map(({ thing, label, position: [x, y], chance }) => {
+      const where = `floor ${thing.floor}, at ${x.toFixed(1)}, ${y.toFixed(1)} · ${Math.round(100 * chance)} % sure`;
+      const button = element("button", { type: "button", "aria-label": `Go to the ${label} on ${where}` }, "Go there");
+      button.addEventListener("click", () => this.goalBox.send({ goal: label, thing }));
+      return element("li", {}, element("span", { class: "goal" }, label), element("span", { class: "when" }, where), button);
+    }));
+    this.goalBox.show(this.goalBox.robots);
   }
 }
 

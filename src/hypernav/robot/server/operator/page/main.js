@@ -1,7 +1,7 @@
 // The operator's page: follows one search, lists all, and keeps the rest up to date.
 
 import { drawCamera } from "./camera.js";
-import { GoalBox, armStop, armToken } from "./controls.js";
+import { GoalBox, Memory, armStop, armToken } from "./controls.js";
 import { element, swatch } from "./elements.js";
 import { Follower, floorOf } from "./follower.js";
 import { drawMap } from "./map.js";
@@ -217,6 +217,6 @@ window.addEventListener("resize", show);
 setInterval(() => { if (follower?.status && isSilent(follower.status)) show(); }, POLL_MS);
 armToken();
 armStop();
-new GoalBox(() => { isChosen = false; });
+new Memory(new GoalBox(() => { isChosen = false; }));
 list();
 getJson("v1/health").then(({ version }) => { byId("version").textContent = version; }).catch(() => {});
