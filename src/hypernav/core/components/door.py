@@ -14,6 +14,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
+from hypernav.core.components.exits import exits_raised
 from hypernav.core.components.returned import CHECKS, Check, ValueFault
 from hypernav.core.errors import (
     CameraError,
@@ -104,7 +105,7 @@ def calling(name: str, what: str) -> Iterator[None]:
         KeyboardInterrupt: Ctrl-C or SIGTERM came.
     """
     try:
-        with interruptions_of_kernels():
+        with interruptions_of_kernels(), exits_raised():
             yield
     except KeyboardInterrupt:
         raise
