@@ -68,8 +68,5 @@ def test_too_little_memory_is_no_error_of_this_program(tmp_path):
 )
 def test_neither_is_memory_that_the_system_refuses_to_a_library(error, tmp_path):
     with pytest.raises(OutOfMemoryError, match="out of memory"), crash_report(tmp_path):
-        try:
-            raise error
-        except type(error):
-            raise OSError("could not find the library")  # noqa: B904  as llvmlite does
+        raise OSError("could not find the library") from error  # as llvmlite does
     assert not list(tmp_path.iterdir())

@@ -215,7 +215,7 @@ def test_interruptions_and_outages_pass(error):
 
 def test_its_word_for_people_is_one_line():
     error = ModelUnavailableError("no server\n\tat all\n")
-    with pytest.raises(ModelUnavailableError, match="^no server at all$"):
+    with pytest.raises(ModelUnavailableError, match=r"^no server at all$"):
         through_door(own(detect=raising(error)), Detector).detect(SEEN, GOAL)
 
 
