@@ -1,6 +1,7 @@
 """Time the renderer on small_house, as it is and subdivided into a million triangles.
 
-Run: python benchmarks/render.py [--scene FILE] [--out DIR] [--device cuda:0]
+Run: python benchmarks/render.py [--scene FILE] [--out DIR] [--device cuda:0 --batches 8 32 128]
+A generated building, such as houses:1000, may stand in for the file.
 
 Poses are spread over the free floor of the scene, drawn with a fixed seed. Each is rendered once
 before the measurement, so that compilation and the light baked on a first view don't count; "first
@@ -23,11 +24,12 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
+from hypernav.build.data.scenes import load_scene
+from hypernav.core.components.extras import require
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.drawing.warp_renderer import WarpRenderer
-from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 
 TEST_DATA = Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))
@@ -38,36 +40,38 @@ T = TypeVar("T")
 
 
 def main(
-    scene: Path = TEST_DATA / "scenes" / "small_house" / "scene.glb",
+    scene: str = str(TEST_DATA / "scenes" / "small_house" / "scene.glb"),
     out: Path | None = None,
     poses: int = 40,
     triangles: int = 1_000_000,
     device: str | None = None,
-    batch: int = 16,
+    batches: tuple[int, ...] = (8, 32, 128),
 ) -> None:
     """Print the table.
 
     Args:
-        scene: File of the scene.
+        scene: File of the scene, or the name of a generated building.
         out: Folder of the images; none are written without it.
         poses: Number of views to render.
         triangles: Number of triangles of the subdivided scene.
         device: Warp's name of the device on which the GPU renderer draws the same views, such as
             cuda:0 or cpu; without it, there are no rows of that renderer.
-        batch: Views that the GPU renderer draws at a time in the rows "at a time",
+        batches: Numbers of views that the GPU renderer draws at a time in the rows "at a time",
             which give the time of one of them.
     """
-    console = Console()
+    console = Console(width=110)
     start = time.perf_counter()
-    loaded = read_scene(scene)
+    loaded = load_scene(scene)
     console.print(f"{loaded.name}: loaded in {(time.perf_counter() - start) * 1e3:.0f} ms")
     views = standing_views(loaded, poses)
     title = "640×480, colour + depth + instances, ms"
     table = Table("scene", "what", "median", "p95", "CPU, all threads", title=title)
+    if device is not None:
+        console.print(f"Warp draws on {name_of(device)}")
     for size in (loaded, subdivided(loaded, triangles)):
         measure(table, size, views)
         if device is not None:
-            measure_warp(table, size, views, device, batch)
+            measure_warp(table, size, views, device, batches)
             console.print(agreement(size, views, device))
     console.print(table)
     if out is not None:
@@ -97,7 +101,7 @@ def measure(table: Table, scene: Scene, views: list[Transform]) -> None:
 
 
 def measure_warp(
-    table: Table, scene: Scene, views: list[Transform], device: str, batch: int
+    table: Table, scene: Scene, views: list[Transform], device: str, batches: tuple[int, ...]
 ) -> None:
     """Add the rows of the GPU renderer for one scene."""
     name, on = f"{len(scene.faces):,} triangles", f"Warp on {device}"
@@ -117,10 +121,17 @@ def measure_warp(
         drawn.render_batch(CAMERA, views)
         alone = [timed(partial(drawn.render, CAMERA), view, REPEATS) for view in views]
         add(table, name, f"{on}: {what}", alone)
-        several = (views * batch)[:batch]
-        wall, cpu = timed(lambda poses, d=drawn: d.render_batch(CAMERA, poses), several, REPEATS)
-        a_view = [(wall / batch, cpu / batch)]
-        add(table, name, f"{on}: {what}, {batch} at a time", a_view)
+        for batch in batches:
+            several = (views * batch)[:batch]
+            wall, cpu = timed(partial(drawn.render_batch, CAMERA), several, REPEATS)
+            a_view = [(wall / batch, cpu / batch)]
+            add(table, name, f"{on}: {what}, {batch} at a time", a_view)
+
+
+def name_of(device: str) -> str:
+    """A device as Warp calls it and as its makers do."""
+    warp = require("warp", extra="gpu")
+    return f"{device}, {warp.get_device(device).name}"
 
 
 def agreement(scene: Scene, views: list[Transform], device: str) -> str:

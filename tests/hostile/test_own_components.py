@@ -21,6 +21,19 @@ class Exits:
 class Leaves(Exits):
     def act(self, observation): os._exit(0)
 
+class LeavesByThread(Exits):
+    def act(self, observation):
+        leaving = threading.Thread(target=os._exit, args=(0,))
+        leaving.start()
+        leaving.join(60)
+
+class LeavesByFork(Exits):
+    def act(self, observation):
+        if os.fork() == 0:
+            os._exit(0)
+        assert os.wait()[1] == 0
+        return Action.STOP
+
 class Crashes(Exits):
     def act(self, observation): os.kill(os.getpid(), signal.SIGSEGV)
 
@@ -63,6 +76,11 @@ class Chooses:
 """
 CASES = {
     ("--agent", "mine:Exits"): "--agent mine:Exits: act ended the program (SystemExit: 0, ",
+    (
+        "--agent",
+        "mine:Leaves",
+    ): "--agent mine:Leaves: act ended the program (SystemExit: os._exit(0), ",
+    ("--agent", "mine:LeavesByThread"): "a component ended the program by os._exit(0) in a thread",
     ("--agent", "mine:Seven"): "--agent mine:Seven: act returned 7; expected an Action",
     ("--agent", "sys:exit"): "sys:exit: its constructor ended the program",
     ("--agent", "exits:Thing"): "exits:Thing: its import ended the program",
@@ -116,7 +134,7 @@ def test_what_is_no_component_is_the_users_mistake(folder):
     ("agent", "did"),
     [
         ("Exits", "act ended the program"),
-        ("Leaves", "ended"),
+        ("Leaves", "act ended the program (SystemExit: os._exit(0), "),
         ("Crashes", r"its process was killed by signal 11 (SIGSEGV)"),
     ],
 )
@@ -142,6 +160,12 @@ def test_a_working_directory_that_it_changes_moves_no_results(folder):
     assert {"index.html", "result.json", "episode.mp4"} <= {
         path.name for path in (folder / "out").iterdir()
     }
+
+
+def test_a_process_that_it_forks_may_end_as_it_likes(folder):
+    options = ["--scene", "room.glb", "--out", "out", "--agent", "mine:LeavesByFork", *SMALL]
+    assert run(["find", "lamp", *options], folder).status == 1
+    assert (folder / "out" / "index.html").exists()
 
 
 def test_a_thread_that_it_forgets_keeps_no_process_alive(folder):

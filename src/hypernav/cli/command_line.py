@@ -19,6 +19,7 @@ from typing import Any, NoReturn
 
 import tyro
 
+from hypernav.cli.guards.address_space import check_address_space
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
 
@@ -60,7 +61,7 @@ def run_command(arguments: Sequence[str]) -> int:
         Its exit status.
 
     Raises:
-        ConfigError: The command line cannot be understood.
+        ConfigError: The command line cannot be understood, or a limit leaves no room for libraries.
         HyPerNavError: The command failed; the message gives the reason.
         SystemExit: The command line asks for help, which has been printed.
     """
@@ -78,6 +79,7 @@ def run_command(arguments: Sequence[str]) -> int:
         raise ConfigError(_unknown(name))
     _refuse_empty(rest)
     options = _parse(name, _with_one_set(rest))
+    check_address_space()
     return importlib.import_module(f"hypernav.cli.{name}").run(options)
 
 

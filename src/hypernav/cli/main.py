@@ -16,6 +16,7 @@ from typing import NoReturn
 from hypernav.cli.guards.crashes import ReportedCrashError, crash_report
 from hypernav.cli.guards.interruptions import Terminated, sigterm_as_interruption
 from hypernav.cli.guards.statuses import ExitStatus
+from hypernav.core.components.exits import answer_exits, end_at_once
 from hypernav.core.errors import HyPerNavError, ModelUnavailableError
 from hypernav.core.text.visible_text import visible
 
@@ -29,6 +30,8 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed: no file of a search may get its number
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
+    if arguments is None:  # this is the program
+        answer_exits(_end_of_component)
     status = _flushed(_status(sys.argv[1:] if arguments is None else arguments))
     if arguments is None:  # this is the program
         _end_without_threads(status)
@@ -53,6 +56,11 @@ def _status(arguments: Sequence[str]) -> int:
         return _say(str(error), ExitStatus.USAGE)
 
 
+def _end_of_component(status: int) -> NoReturn:
+    said = f"a component ended the program by os._exit({status}) in a thread of its own"
+    end_at_once(_say(said, ExitStatus.CRASH))
+
+
 def _end_without_threads(status: int) -> None:
     """Let the process end although a component has left a thread running."""
 
@@ -61,7 +69,7 @@ def _end_without_threads(status: int) -> None:
         names = ", ".join(thread.name for thread in left if thread.is_alive())
         if names:
             _say(f"ended although a component has left a thread running: {names}", status)
-            os._exit(status)
+            end_at_once(status)
 
     left = [one for one in threading.enumerate() if not one.daemon]
     left.remove(threading.main_thread())

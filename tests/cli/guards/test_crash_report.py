@@ -1,3 +1,4 @@
+import errno
 import re
 from pathlib import Path
 
@@ -54,4 +55,18 @@ def test_too_little_memory_is_no_error_of_this_program(tmp_path):
     with pytest.raises(OutOfMemoryError, match=r"out of memory \(768 KiB\).*ulimit"):  # noqa: SIM117
         with crash_report(tmp_path):
             raise MemoryError("768 KiB")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        ImportError("libblas.so: failed to map segment from shared object"),
+        OSError(errno.ENOMEM, "refused"),
+        RuntimeError("can't start new thread"),
+    ],
+)
+def test_neither_is_memory_that_the_system_refuses_to_a_library(error, tmp_path):
+    with pytest.raises(OutOfMemoryError, match="out of memory"), crash_report(tmp_path):
+        raise OSError("could not find the library") from error  # as llvmlite does
     assert not list(tmp_path.iterdir())

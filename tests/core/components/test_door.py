@@ -213,6 +213,12 @@ def test_interruptions_and_outages_pass(error):
         through_door(own(detect=raising(error)), Detector).detect(SEEN, GOAL)
 
 
+def test_its_word_for_people_is_one_line():
+    error = ModelUnavailableError("no server\n\tat all\n")
+    with pytest.raises(ModelUnavailableError, match=r"^no server at all$"):
+        through_door(own(detect=raising(error)), Detector).detect(SEEN, GOAL)
+
+
 def test_what_else_it_can_do_is_kept():
     mine = own(
         detect=lambda self, seen, goal: [],

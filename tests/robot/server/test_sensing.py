@@ -214,6 +214,28 @@ def test_images_of_elsewhere_are_named_at_once(pose):
         robot.senses(pose, is_new=False)
 
 
+def test_a_depth_camera_that_is_frozen_but_for_a_pixel_is_named():
+    robot = Robot()
+    robot.senses()
+    robot.rgb = robot.rgb + 1
+    robot.depth[3, 4] = 1.5
+    robot.senses((0.5, 0.0, 0.0), Action.MOVE_FORWARD, is_new=False)  # a corridor may look so
+    robot.depth[3, 4] = 1.6
+    robot.rgb = robot.rgb + 1
+    with pytest.raises(SensorError, match=r"98\.41% of the depth of observation 2.*frozen"):
+        robot.senses((0.5, 0.0, TURN), Action.TURN_LEFT, is_new=False)
+
+
+def test_a_depth_camera_that_clips_may_see_nothing_but_its_limit_again():
+    robot = Robot()
+    robot.depth[:] = 2.5
+    robot.depth[3, 4] = 1.5
+    robot.senses(is_new=False)
+    robot.rgb = robot.rgb + 1
+    robot.depth[3, 4], robot.depth[3, 5] = 2.5, 1.5
+    robot.senses((0.0, 0.0, TURN), Action.TURN_LEFT, is_new=False)
+
+
 def test_one_frozen_camera_of_two_is_named():
     robot = Robot()
     robot.senses()

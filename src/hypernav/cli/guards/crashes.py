@@ -3,6 +3,8 @@
 Every command imports this module, so what only a crash needs is imported when one happens.
 """
 
+import errno
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -12,6 +14,8 @@ from hypernav.core.errors import ComponentError, CrashError, HyPerNavError
 from hypernav.core.interruptions import interruptions_of_kernels
 
 CRASH_FILE = "crash.txt"
+_NO_MEMORY = re.compile("failed to map segment|[Cc]annot allocate memory|can't start new thread")
+"""What the loader of shared libraries and Python say where the system refuses memory."""
 
 
 class ReportedCrashError(HyPerNavError):
@@ -45,16 +49,27 @@ def crash_report(folder: Path | None = None) -> Iterator[None]:
         raise ReportedCrashError(f"{_line(str(error))}{written}") from error
     except HyPerNavError:
         raise
-    except MemoryError as error:
-        raise OutOfMemoryError(
-            f"out of memory{f' ({error})' if str(error) else ''}; close other programs, raise the "
-            "limit of ulimit -v or the container, or take a smaller building or camera"
-        ) from None
-    except Exception as error:  # The only broad except: whatever it catches is a bug of ours.
+    except Exception as error:  # The only broad except: what else it catches is a bug of ours.
+        if _lacks_memory(error):
+            raise OutOfMemoryError(
+                f"out of memory{f' ({_line(str(error))})' if str(error) else ''}; close other "
+                "programs, raise the limit of ulimit -v or the container, or take a smaller "
+                "building or camera"
+            ) from None
         import traceback
 
         last = traceback.format_exception_only(error)[-1].strip()
         raise ReportedCrashError(_told(last, traceback.format_exc(), folder)) from error
+
+
+def _lacks_memory(error: BaseException | None) -> bool:
+    """Whether an error or one that led to it says that there is no memory, as for a library."""
+    while error is not None:
+        is_refused = isinstance(error, OSError) and error.errno == errno.ENOMEM
+        if isinstance(error, MemoryError) or is_refused or _NO_MEMORY.search(str(error)):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def _told(what: str, details: str, folder: Path | None) -> str:

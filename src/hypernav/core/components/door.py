@@ -14,6 +14,7 @@ from functools import partial, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
+from hypernav.core.components.exits import exits_raised
 from hypernav.core.components.returned import CHECKS, Check, ValueFault
 from hypernav.core.errors import (
     CameraError,
@@ -104,12 +105,13 @@ def calling(name: str, what: str) -> Iterator[None]:
         KeyboardInterrupt: Ctrl-C or SIGTERM came.
     """
     try:
-        with interruptions_of_kernels():
+        with interruptions_of_kernels(), exits_raised():
             yield
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # whatever it is, it is the component's
         if isinstance(error, HyPerNavError) and not isinstance(error, SIMULATOR_ERRORS):
+            error.args = (" ".join(str(error).split()), *error.args[1:])  # a command says one line
             raise
         said = " ".join(traceback.format_exception_only(error)[-1].split())[:_MOST_WORDS]
         verb = "ended the program" if isinstance(error, SystemExit) else "raised"

@@ -15,6 +15,7 @@ from pathlib import Path
 from types import FrameType
 from typing import NoReturn
 
+from hypernav.core.components.exits import end_at_once
 from hypernav.core.episodes.life import Life
 from hypernav.core.errors import ComponentError, HyPerNavError
 from hypernav.core.interruptions import interruptions_of_kernels
@@ -185,7 +186,7 @@ def _die_with_owner() -> None:
 
     def watch() -> None:
         wait([owner.sentinel])
-        os._exit(0)
+        end_at_once(0)
 
     threading.Thread(target=watch, daemon=True, name="watch-owner").start()
 

@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float32
 
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import Embodiment
@@ -22,6 +23,8 @@ _MOVED_M, _TURNED_RAD = 0.1, math.radians(5.0)
 _MOST_IDENTICAL = 5
 """Number of images in a row that may repeat the one before them while the robot doesn't move: a
 real camera's noise never repeats, but a simulated one that is blocked sees the same again."""
+_FROZEN_SHARE = 0.98
+"""Share of the depth pixels that a camera which has turned doesn't measure alike again."""
 _JUMP_M = 1.0
 """Length by which a motion may exceed that of a step: a robot rolls on while it waits."""
 _PACE_M_S, _FARTHEST_M = 1.5, 20.0
@@ -73,6 +76,7 @@ class Sensing:
         self.blind: int = 0
         self._robot = robot
         self._last: ObservationFacts | None = None
+        self._depth: Float32[np.ndarray, "height width"] | None = None
         self._images: dict[bytes, _Image] = {}
         self._identical = 0
         self._blocked: Counter[bool] = Counter()  # failed in a row: turns, and steps
@@ -96,6 +100,8 @@ class Sensing:
             self._check_motion(last, facts, told)
             self._check_direction(last, facts, told)
         self._check_images(packed, seen)
+        if last is not None and self._depth is not None:
+            self._check_change(last, facts, self._depth, seen.depth)
 
     def note(self, packed: PackedObservation, seen: Observation, told: Action | None) -> None:
         """Remember an observation; one of before a restart of the server isn't checked again."""
@@ -113,7 +119,7 @@ class Sensing:
             self._images[one] = _Image(facts.sequence, pose)
         sees = is_measured(seen.depth, lens.min_depth_m, lens.max_depth_m).any()
         self.blind = 0 if sees else self.blind + 1
-        self._last = facts
+        self._last, self._depth = facts, seen.depth
 
     def _check_depth(self, seen: Observation) -> None:
         lens = self._robot.camera
@@ -154,6 +160,34 @@ class Sensing:
             raise SensorError(
                 f"the images of the last {_MOST_IDENTICAL + 1} observations are the same, byte for "
                 "byte; is the camera frozen?"
+            )
+
+    def _check_change(
+        self,
+        before: ObservationFacts,
+        now: ObservationFacts,
+        depth_before: Float32[np.ndarray, "height width"],
+        depth: Float32[np.ndarray, "height width"],
+    ) -> None:
+        """Refuse a depth image that is hardly another after a turn.
+
+        A step doesn't change it everywhere: the walls of a corridor stay where they are.
+        """
+        _, turned = _motion(before.base_to_odom, now.base_to_odom)
+        if abs(turned) <= _TURNED_RAD:
+            return
+        lens, largest = self._robot.camera, max(depth.max(), depth_before.max())
+        farthest_m = min(lens.max_depth_m, float(largest))  # a sensor may clip before its range
+        measured = is_measured(depth, lens.min_depth_m, farthest_m)
+        measured |= is_measured(depth_before, lens.min_depth_m, farthest_m)
+        if not measured.any():
+            return
+        share = float((depth == depth_before)[measured].mean())
+        if share >= _FROZEN_SHARE:
+            raise SensorError(
+                f"{share:.2%} of the depth of observation {now.sequence} is that of observation "
+                f"{before.sequence}, pixel for pixel, but the odometry has turned "
+                f"{math.degrees(turned):.0f}°; is the camera frozen?"
             )
 
     def _repeats(self, digests: tuple[bytes, bytes], facts: ObservationFacts) -> bool:

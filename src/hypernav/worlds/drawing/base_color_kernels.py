@@ -13,64 +13,62 @@ from numba import njit
 from numba.extending import register_jitable
 
 from hypernav.worlds.drawing.geometry_kernels import UV, UV_DOWN, UV_RIGHT, WEIGHT
+from hypernav.worlds.drawing.texel_kernels import (
+    HEIGHT,
+    LEVEL_ROWS,
+    READ_ROWS,
+    RED,
+    SHARE,
+    WIDTH,
+    WRAP_U,
+    WRAP_V,
+    U,
+    V,
+    read_texels,
+    wrapped,
+)
 
 MAX_TAPS = 4
+_MOST_READS = 2 * MAX_TAPS
+_RAYS = 256
+"""Rays whose textures are read at once: their positions stay in the processor's cache."""
 FLAG_UNLIT = 1
 FLAG_CUTOUT = 2
 FLAG_COLORED = 4
 
 
 @register_jitable(error_model="numpy", no_cfunc_wrapper=True)
-def wrapped(coordinate, mode):
-    """A texture coordinate mapped into [0, 1]; modes are those of `Wrap`."""
-    if mode == 0:
-        inside = coordinate - math.floor(coordinate)
-    elif mode == 1:
-        inside = coordinate - 2.0 * math.floor(coordinate * 0.5)
-        if inside > 1.0:
-            inside = 2.0 - inside
-    else:
-        inside = min(max(coordinate, 0.0), 1.0)
-    # A surface seen exactly edge-on gives infinite steps, and those NaN.
-    return inside if 0.0 <= inside <= 1.0 else 0.0
+def _footprint(surface, ray, width, height, coarsest):
+    """How a texture is read for one ray.
 
+    Args:
+        surface: As filled by `locate`.
+        ray: Number of the ray.
+        width: Width of the texture's finest level, texels.
+        height: Its height.
+        coarsest: Number of its coarsest level.
 
-@register_jitable(error_model="numpy", no_cfunc_wrapper=True)
-def _bilinear(texels, first, width, height, u, v, wrap_u, wrap_v):
-    """Colour of one level of a texture, sRGB codes 0 to 255; v upwards."""
-    x = wrapped(u, wrap_u) * width - 0.5
-    y = (1.0 - wrapped(v, wrap_v)) * height - 0.5
-    x0, y0 = math.floor(x), math.floor(y)
-    wx, wy = x - x0, y - y0
-    x1, y1 = x0 + 1, y0 + 1
-    if x0 < 0:
-        x0 = width - 1 if wrap_u == 0 else 0
-    if x1 >= width:
-        x1 = 0 if wrap_u == 0 else width - 1
-    if y0 < 0:
-        y0 = height - 1 if wrap_v == 0 else 0
-    if y1 >= height:
-        y1 = 0 if wrap_v == 0 else height - 1
-    # Weights in 1/65536. Red and blue are the two halves of one number, green is another.
-    right, below = int(wx * 256.0 + 0.5), int(wy * 256.0 + 0.5)
-    left, above = 256 - right, 256 - below
-    texel = np.int64(texels[first + y0 * width + x0])
-    weight = left * above
-    red_blue = weight * ((texel & 255) | ((texel & 0xFF0000) << 16))
-    green = weight * ((texel >> 8) & 255)
-    texel = np.int64(texels[first + y0 * width + x1])
-    weight = right * above
-    red_blue += weight * ((texel & 255) | ((texel & 0xFF0000) << 16))
-    green += weight * ((texel >> 8) & 255)
-    texel = np.int64(texels[first + y1 * width + x0])
-    weight = left * below
-    red_blue += weight * ((texel & 255) | ((texel & 0xFF0000) << 16))
-    green += weight * ((texel >> 8) & 255)
-    texel = np.int64(texels[first + y1 * width + x1])
-    weight = right * below
-    red_blue += weight * ((texel & 255) | ((texel & 0xFF0000) << 16))
-    green += weight * ((texel >> 8) & 255)
-    return (red_blue & 0xFFFFFFFF) / 65536.0, green / 65536.0, (red_blue >> 32) / 65536.0
+    Returns:
+        Number of samples; finer of the two levels to read; weight of the coarser one; change of
+        texture coordinates along the longer axis of the pixel's footprint.
+    """
+    du, dv = surface[ray, UV_RIGHT], surface[ray, UV_RIGHT + 1]
+    eu, ev = surface[ray, UV_DOWN], surface[ray, UV_DOWN + 1]
+    long = math.sqrt((du * width) ** 2 + (dv * height) ** 2)
+    short = math.sqrt((eu * width) ** 2 + (ev * height) ** 2)
+    if long < short:
+        long, short, du, dv = short, long, eu, ev
+    taps, level, blend = 1, 0, 0.0
+    if long > 1.0:
+        if long > 1.5 * short:
+            taps = int(min(long / max(short, 1e-9) + 0.5, MAX_TAPS))
+        size = max(long / taps, short, 1.0)
+        while size >= 1.6 and level < coarsest:
+            size *= 0.5
+            level += 1
+        if level < coarsest:
+            blend = max((size - 1.35) * 4.0, 0.0)
+    return taps, level, blend, du, dv
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -107,75 +105,64 @@ def fill_base_colors(
         level_count: See `TextureSet`.
         rgb: Output where a triangle is hit: sRGB codes 0 to 255, float32 [rays, 3].
     """
+    reads = np.empty((READ_ROWS, _RAYS * _MOST_READS))
+    of_level = np.empty((LEVEL_ROWS, _RAYS * _MOST_READS), np.int32)
+    first_texels = np.empty(_RAYS * _MOST_READS, np.int64)
+    ends = np.empty(_RAYS, np.int64)
     last = -1
-    for ray in range(hits.shape[0]):
-        face = hits[ray]
-        if face < 0:
-            continue
-        if face_material[face] != last:
-            material = last = face_material[face]
+    for start in range(0, hits.shape[0], _RAYS):
+        stop = min(start + _RAYS, hits.shape[0])
+        count = 0
+        for ray in range(start, stop):
+            face = hits[ray]
+            if face >= 0 and face_material[face] != last:
+                material = last = face_material[face]
+                wrap_u, wrap_v = material_wrap[material, 0], material_wrap[material, 1]
+                texture = material_texture[material]
+                coarsest = level_count[texture] - 1
+                width, height = levels[texture, 0, 1], levels[texture, 0, 2]
+            if face >= 0 and texture >= 0:
+                taps, level, blend, du, dv = _footprint(surface, ray, width, height, coarsest)
+                for tap in range(taps):
+                    at = (tap + 0.5) / taps - 0.5
+                    share = (1.0 - blend) / (255.0 * taps)
+                    for near in range(2 if blend > 0.0 else 1):
+                        reads[U, count] = surface[ray, UV] + du * at
+                        reads[V, count] = surface[ray, UV + 1] + dv * at
+                        reads[SHARE, count] = share
+                        first_texels[count] = levels[texture, level + near, 0]
+                        of_level[WIDTH, count] = levels[texture, level + near, 1]
+                        of_level[HEIGHT, count] = levels[texture, level + near, 2]
+                        of_level[WRAP_U, count], of_level[WRAP_V, count] = wrap_u, wrap_v
+                        share = blend / (255.0 * taps)
+                        count += 1
+            ends[ray - start] = count
+        read_texels(texels, count, first_texels, reads, of_level)
+        read = 0
+        for ray in range(start, stop):
+            face = hits[ray]
+            if face < 0:
+                continue
+            material, end = face_material[face], ends[ray - start]
             colored = material_flags[material] & FLAG_COLORED
-            base_red = 255.0 * material_color[material, 0]
-            base_green = 255.0 * material_color[material, 1]
-            base_blue = 255.0 * material_color[material, 2]
-            wrap_u, wrap_v = material_wrap[material, 0], material_wrap[material, 1]
-            texture = material_texture[material]
-            coarsest = level_count[texture] - 1
-            width, height = levels[texture, 0, 1], levels[texture, 0, 2]
-        red, green, blue = base_red, base_green, base_blue
-        if colored:
-            second, third = surface[ray, WEIGHT] / 255.0, surface[ray, WEIGHT + 1] / 255.0
-            first = 1.0 / 255.0 - second - third
-            a, b, c = colors[face, 0, 0], colors[face, 1, 0], colors[face, 2, 0]
-            red *= first * a + second * b + third * c
-            a, b, c = colors[face, 0, 1], colors[face, 1, 1], colors[face, 2, 1]
-            green *= first * a + second * b + third * c
-            a, b, c = colors[face, 0, 2], colors[face, 1, 2], colors[face, 2, 2]
-            blue *= first * a + second * b + third * c
-        if texture < 0:
-            rgb[ray, 0], rgb[ray, 1], rgb[ray, 2] = red, green, blue
-            continue
-        u, v = surface[ray, UV], surface[ray, UV + 1]
-        du, dv = surface[ray, UV_RIGHT], surface[ray, UV_RIGHT + 1]
-        eu, ev = surface[ray, UV_DOWN], surface[ray, UV_DOWN + 1]
-        long = math.sqrt((du * width) ** 2 + (dv * height) ** 2)
-        short = math.sqrt((eu * width) ** 2 + (ev * height) ** 2)
-        if long < short:
-            long, short, du, dv = short, long, eu, ev
-        taps = 1
-        level = 0
-        blend = 0.0
-        if long > 1.0:
-            if long > 1.5 * short:
-                taps = int(min(long / max(short, 1e-9) + 0.5, MAX_TAPS))
-            size = max(long / taps, short, 1.0)
-            while size >= 1.6 and level < coarsest:
-                size *= 0.5
-                level += 1
-            if level < coarsest:
-                blend = max((size - 1.35) * 4.0, 0.0)
-        texture_red, texture_green, texture_blue = 0.0, 0.0, 0.0
-        for tap in range(taps):
-            at = (tap + 0.5) / taps - 0.5
-            share = (1.0 - blend) / (255.0 * taps)
-            for near in range(2 if blend > 0.0 else 1):
-                r, g, b = _bilinear(
-                    texels,
-                    levels[texture, level + near, 0],
-                    levels[texture, level + near, 1],
-                    levels[texture, level + near, 2],
-                    u + du * at,
-                    v + dv * at,
-                    wrap_u,
-                    wrap_v,
-                )
-                texture_red += share * r
-                texture_green += share * g
-                texture_blue += share * b
-                share = blend / (255.0 * taps)
-        rgb[ray, 0] = red * texture_red
-        rgb[ray, 1] = green * texture_green
-        rgb[ray, 2] = blue * texture_blue
+            for channel in range(3):
+                code = 255.0 * material_color[material, channel]
+                if colored:
+                    second, third = surface[ray, WEIGHT] / 255.0, surface[ray, WEIGHT + 1] / 255.0
+                    first = 1.0 / 255.0 - second - third
+                    a, b, c = (
+                        colors[face, 0, channel],
+                        colors[face, 1, channel],
+                        colors[face, 2, channel],
+                    )
+                    code *= first * a + second * b + third * c
+                if read < end:
+                    total = 0.0
+                    for own in range(read, end):
+                        total += reads[RED + channel, own]
+                    code *= total
+                rgb[ray, channel] = code
+            read = end
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
