@@ -16,8 +16,9 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.exam.choices import choices_of
-from hypernav.exam.confusion import BoxAnswer, confusion_of
+from hypernav.exam.confusion import confusion_of
 from hypernav.exam.mimics import Asked, MimicDetector, MimicPresence, MimicReasoner
+from hypernav.exam.sight import BoxAnswer, sight_of
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
 from images import thing_before_wall
 
@@ -43,7 +44,19 @@ def seen(
 
 
 def detector(*answers) -> MimicDetector:
-    return MimicDetector(confusion_of(answers), Asked())
+    return detector_with(0, *answers)
+
+
+def detector_with(crops: int, *answers) -> MimicDetector:
+    confusion = confusion_of(answers)
+    assert confusion.sight is not None
+    return MimicDetector(confusion.sight, confusion, Asked(), crops)
+
+
+def answer_to(answered) -> BoxAnswer:
+    sight = sight_of([answered])
+    assert sight is not None
+    return (*sight.found, *sight.missed)[0]
 
 
 def share(mimic: MimicDetector, category: str) -> float:
@@ -72,14 +85,14 @@ def test_a_perfect_box_stays_perfect_about_every_other_thing(corner, size):
     width, height = 400, 400
     (x, y), (w, h) = corner, size
     true = Box(x, y, x + w, y + h)
-    perfect = confusion_of([boxed("near", TRUE_BOX)]).seen[0]
+    perfect = answer_to(boxed("near", TRUE_BOX))
     box = perfect.about(true, width, height)
     assert box is not None
     assert box.iou(true) == pytest.approx(1.0)
 
 
 def test_a_box_elsewhere_stays_where_it_was_in_the_image():
-    wrong = confusion_of([boxed("near", ELSEWHERE)]).seen[0]
+    wrong = answer_to(boxed("near", ELSEWHERE))
     assert wrong.is_elsewhere
     box = wrong.about(Box(0.0, 0.0, 5.0, 5.0), *SIZE)
     assert box is not None
@@ -117,6 +130,25 @@ def test_other_things_are_taken_for_the_goal_only_if_the_exam_had_such_boxes():
     assert share(honest, "sofa") == share(honest, "oven") == 0.0
     assert share(confused, "sofa") == 1.0
     assert share(confused, "oven") == 0.0
+
+
+@pytest.mark.parametrize("by", ["thing", "view"])
+def test_what_is_taken_for_the_goal_is_so_from_as_many_sides_as_in_the_exam(by: str):
+    """Half of all answers have a box: all about every second sofa, or half about each."""
+    is_boxed = [(k // 4 if by == "thing" else k) % 2 == 0 for k in range(160)]
+    mimic = detector(
+        boxed("near", TRUE_BOX),
+        *(
+            boxed("look-alike", ELSEWHERE if box else None, thing=k // 4, side=k % 4)
+            for k, box in enumerate(is_boxed)
+        ),
+    )
+    yaws = [2.0 * math.pi * k / 8 + 0.2 for k in range(8)]
+    taken = np.array(
+        [[bool(mimic.detect(seen("sofa", k, yaw), BED)) for yaw in yaws] for k in range(30)]
+    ).mean(axis=1)
+    always_or_never = np.mean((taken == 0.0) | (taken == 1.0))
+    assert always_or_never > 0.7 if by == "thing" else always_or_never < 0.2
 
 
 def test_an_answer_about_a_thing_does_not_change_while_the_view_does_not():
@@ -165,9 +197,7 @@ def test_where_no_block_could_be_read_the_rule_chooses():
 
 
 def test_questions_are_counted():
-    mimic = MimicDetector(
-        confusion_of([boxed("near", TRUE_BOX), boxed("absent", None)]), Asked(), 2
-    )
+    mimic = detector_with(2, boxed("near", TRUE_BOX), boxed("absent", None))
     mimic.detect(seen("bed", 0), BED)
     mimic.detect(seen("oven", 0), BED)
     assert mimic.asked == {"ground": 2, "crop": 1}

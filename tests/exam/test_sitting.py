@@ -11,7 +11,7 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.exam_file import read_exam
 from hypernav.build.prompts import prompt_hashes
 from hypernav.core.errors import RunFolderError
-from hypernav.exam.bank import Bank, Sheet
+from hypernav.exam.bank import VIEWS, Bank, Sheet
 from hypernav.exam.examinee import Examinee
 from hypernav.exam.faults import faults_of
 from hypernav.exam.gathering import questions_of
@@ -105,6 +105,17 @@ class Exam:
 @pytest.fixture
 def exam(found: dict[int, list[ExamQuestion]], gather: Gather, tmp_path: Path) -> Exam:
     return Exam(found, gather, tmp_path)
+
+
+def test_questions_for_boxes_come_in_pairs_about_one_goal(found: dict[int, list[ExamQuestion]]):
+    """So an exam that takes two of a stratum has two views of one thing, where there are two."""
+    for questions in found.values():
+        for stratum in ("near", "far", "look-alike"):
+            goals = [one.goal.text for one in questions if one.stratum == stratum]
+            often = {goal for goal in goals if goals.count(goal) >= VIEWS}
+            if often:
+                firsts = [goals[k : k + VIEWS] for k, goal in enumerate(goals) if goal in often]
+                assert any(len(set(pair)) == 1 for pair in firsts)
 
 
 @pytest.mark.parametrize("spoiled", NAMES)

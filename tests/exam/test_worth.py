@@ -6,7 +6,7 @@ from answers import TRUE_BOX, boxed, checked
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.exam.confusion import worth_of
+from hypernav.exam.worth import worth_of
 
 ELSEWHERE = (100.0, 10.0, 140.0, 40.0)
 told = st.lists(st.tuples(st.floats(0.0, 1.0), st.booleans()), min_size=16, max_size=60)

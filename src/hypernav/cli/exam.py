@@ -137,7 +137,7 @@ def _predicted(
 ) -> list[Prediction]:
     """What searches with the model would reach; nothing if no such question was asked."""
     confusion = confusion_of(answers)
-    if not (confusion.blocks or confusion.seen or confusion.presence):
+    if not (confusion.blocks or confusion.sight or confusion.presence):
         return []
     robot = {"embodiment": config.embodiment, "mapping": config.mapping}
     configs = {name: preset(name).model_copy(update=robot) for name in _PREDICTED}

@@ -15,7 +15,7 @@ from hypernav.houses.episodes.splits import EXAM_BUILDINGS
 BankName = Literal["val", "train"]
 ExamSize = Literal["quick", "full"]
 
-BANK_VERSION = 1
+BANK_VERSION = 2
 """Increased whenever the same numbers give other questions."""
 
 _BUILDINGS = ("houses", "offices", "shops")
@@ -38,6 +38,8 @@ QUICK: dict[tuple[Kind, str], int] = {
 }
 """Questions of a quick exam by type and stratum, 200 in all; a full one has five times as many."""
 _FULL = 5
+VIEWS = 2
+"""Number of questions about one goal that a sheet may give before those about another."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +100,8 @@ class Bank:
     ) -> list[ExamQuestion]:
         """The questions of a sheet that are asked: at most a 15th of a quick exam's, by stratum.
 
+        Of questions for boxes it is at least two, so that there are two views of one thing.
+
         Args:
             found: All questions of the sheet.
             taken: Number of questions of the sheets before, by type and stratum.
@@ -105,7 +109,8 @@ class Bank:
         chosen: list[ExamQuestion] = []
         factor = 1 if self.size == "quick" else _FULL
         for key, wanted in self.wanted.items():
-            share = -(-wanted // (15 * factor))
+            least = VIEWS if key[0] == "boxes" else 1
+            share = max(-(-wanted // (15 * factor)), least)
             room = min(share, wanted - taken[key])
             chosen += [one for one in found if (one.kind, one.stratum) == key][: max(room, 0)]
         return chosen

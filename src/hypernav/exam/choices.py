@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.optimize import minimize
 
+from hypernav.exam.agreement import likeness_of
 from hypernav.exam.questions import EQUAL_M, Answered
 from hypernav.perception.local.persistence import STANDARD_NORMAL
 
@@ -90,7 +91,7 @@ def choices_of(answers: Sequence[Answered]) -> BlockChoices | None:
     fitted = BlockChoices(lapse, powers, 1.0 - len(read) / len(asked), 0.0)
     levels = [_level(fitted, ranks, k) for ranks, k in zip(maps, chosen, strict=True)]
     searches = ["/".join(one.id.split("/")[:2]) for one in read]
-    return BlockChoices(lapse, powers, fitted.unread, _correlation(levels, searches))
+    return BlockChoices(lapse, powers, fitted.unread, likeness_of(levels, searches))
 
 
 def _ranks(answered: Answered) -> Int[np.ndarray, "options ranks"]:
@@ -149,20 +150,3 @@ def _level(choices: BlockChoices, ranks: Int[np.ndarray, "options ranks"], chose
 def _best_first(ranks: Int[np.ndarray, "options ranks"]) -> Int[np.ndarray, " options"]:
     """The blocks by the number of truly better ones."""
     return np.argsort(ranks[:, 0], kind="stable")
-
-
-def _correlation(values: Sequence[float], names: Sequence[str]) -> float:
-    """Correlation of the values within groups of one name (one-way analysis of variance)."""
-    groups: dict[str, list[float]] = {}
-    for value, name in zip(values, names, strict=True):
-        groups.setdefault(name, []).append(value)
-    several = [np.array(group) for group in groups.values() if len(group) > 1]
-    count, within = sum(map(len, several)), sum(float(((g - g.mean()) ** 2).sum()) for g in several)
-    if len(several) < 2 or count == len(several):
-        return 0.0
-    middle = np.concatenate(several).mean()
-    between = sum(len(g) * float((g.mean() - middle) ** 2) for g in several)
-    within_mean, between_mean = within / (count - len(several)), between / (len(several) - 1)
-    size = (count - sum(len(g) ** 2 for g in several) / count) / (len(several) - 1)
-    total = between_mean + (size - 1.0) * within_mean
-    return min(max((between_mean - within_mean) / total, 0.0), 1.0) if total > 0.0 else 0.0

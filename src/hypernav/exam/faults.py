@@ -21,6 +21,10 @@ _LEAST = 8
 """Number of answers below which no fault is named."""
 _CLEAR = 0.001
 """p-value below which a bias is named."""
+_OFTEN = 0.1
+"""Share of images without the goal from which boxes in them are named."""
+_PAIRS = 5
+"""Number of pairs of names that are told."""
 _READINGS = ("pixels", "thousandths", "unit")
 
 
@@ -151,6 +155,28 @@ def _absence(answers: Sequence[Answered]) -> Iterator[Finding]:
             "--set grounding.score_crops=2 grounding.min_score=0.5 asks about each box once "
             "more; another --detector if that does not help",
         )
+        return
+    mistaken = rate(sum(bool(one.boxes) for one in told), len(told))
+    if len(told) >= _LEAST and mistaken.low > _OFTEN:
+        yield Finding(
+            "takes other things for the goal",
+            State.NOTE,
+            f"it gives a box in {mistaken.mean:.0%} of {len(told)} images without the goal, most "
+            f"often of {_taken_for(told)}",
+            "--detector, if another knows them apart",
+        )
+
+
+def _taken_for(without: Sequence[Answered]) -> str:
+    """The names that most often get a box, in images without the goal."""
+    shown, boxed = Counter[str](), Counter[str]()
+    for one in without:
+        for thing in one.things:
+            pair = f"{thing.name} for {one.goal}"
+            shown[pair] += 1
+            boxed[pair] += thing.boxed
+    told = [f"{pair} ({n} of {shown[pair]})" for pair, n in boxed.most_common(_PAIRS) if n]
+    return ", ".join(told) or "nothing that has a name"
 
 
 def _first_option(answers: Sequence[Answered]) -> Iterator[Finding]:

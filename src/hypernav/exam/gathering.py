@@ -6,6 +6,7 @@ frames of doors and corridors. The questions to its components are kept with the
 
 import hashlib
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -28,7 +29,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.episodes.true_paths import true_paths
-from hypernav.exam.bank import BANK_VERSION, Sheet
+from hypernav.exam.bank import BANK_VERSION, VIEWS, Sheet
 from hypernav.exam.image_questions import close_by, of_frame, of_stops
 from hypernav.exam.questions import ExamQuestion, best_of
 from hypernav.houses.episodes.rules import RULES
@@ -47,7 +48,10 @@ _AHEAD_M = 2.0  # largest distance ahead from which the path of a direction is m
 
 
 def questions_of(sheet: Sheet, config: HyPerNavConfig) -> list[ExamQuestion]:
-    """All questions of a sheet, in an order by the hashes of their names.
+    """All questions of a sheet, in an order by chance, but two about one goal together.
+
+    So an exam that takes some of the questions has images of one thing from two sides, which tell
+    how far a model's errors belong to things.
 
     Args:
         sheet: The search.
@@ -70,7 +74,22 @@ def questions_of(sheet: Sheet, config: HyPerNavConfig) -> list[ExamQuestion]:
         found += of_stops(sheet, world, goals, rng)
     finally:
         world.close()
-    return sorted(found, key=lambda one: hashlib.sha256(one.id.encode()).digest())
+    return _in_pairs(found)
+
+
+def _in_pairs(questions: Sequence[ExamQuestion]) -> list[ExamQuestion]:
+    """First `VIEWS` questions of each kind about each goal, then as many more, and so on."""
+    before = Counter[tuple[str, str, str]]()
+    placed = []
+    for one in sorted(questions, key=lambda one: _hashed(one.id)):
+        about = (one.kind, one.stratum, one.goal.text)
+        placed.append(((before[about] // VIEWS, _hashed("/".join((one.scene, *about)))), one))
+        before[about] += 1
+    return [one for _, one in sorted(placed, key=lambda pair: pair[0])]
+
+
+def _hashed(text: str) -> bytes:
+    return hashlib.sha256(text.encode()).digest()
 
 
 def _base(config: HyPerNavConfig) -> HyPerNavConfig:

@@ -9,8 +9,12 @@ from jaxtyping import Bool
 
 from hypernav.core.exploring.overview import Overview
 from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.observation import Observation
 from hypernav.core.trace import Exchange
-from hypernav.exam.questions import RIGHT_IOU, Answered, ExamQuestion
+from hypernav.exam.questions import RIGHT_IOU, Answered, ExamQuestion, Role, Shown
+from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
+from hypernav.perception.local.noisy_detector import resembles
+from hypernav.perception.local.persistence import view_of
 
 _CORNERS = re.compile(r"(?:-?\d+(?:\.\d+)?[\s,()\[\]]+){3}-?\d")
 """Four successive numbers, as of a box."""
@@ -58,6 +62,7 @@ def marked(question: ExamQuestion, given: Given, exchanges: list[Exchange]) -> A
         rule=question.rule,
         true_boxes=[_corners(box) for box in question.boxes],
         boxes=[_corners(one.box) for one in _best_first(given.found)],
+        things=_things(question, given),
         raw_boxes=bool(given.found) or any(_CORNERS.search(text) for text in texts),
         image_size=(0, 0) if image is None else (image.shape[1], image.shape[0]),
         score=score,
@@ -78,6 +83,34 @@ def _travel(question: ExamQuestion) -> dict[str, float]:
         for block in question.subject.blocks
         if str(block.number) in question.costs and np.isfinite(block.travel_m)
     }
+
+
+def _things(question: ExamQuestion, given: Given) -> list[Shown]:
+    """What the image of a question for boxes shows; a box is of the thing that it fits best."""
+    if question.kind != "boxes" or not isinstance(question.subject, Observation):
+        return []
+    truth, goal = true_labels(question.subject), question.goal
+    trues = {number: true_detection(truth, number) for number in visible_objects(truth)}
+    boxed = set[int]()
+    for one in given.found:
+        fits = {number: true.box.iou(one.box) for number, true in trues.items()}
+        best = max(fits, key=fits.__getitem__, default=None)
+        if best is not None and fits[best] > 0.0:
+            boxed.add(best)
+    shown = []
+    for number, true in trues.items():
+        label = truth.labels[number]
+        role: Role = "alike" if resembles(label, goal) else "other"
+        shown.append(
+            Shown(
+                number=number,
+                name=label.category,
+                role="goal" if label.satisfies(goal) else role,
+                boxed=number in boxed,
+                view=view_of(true, question.subject),
+            )
+        )
+    return shown
 
 
 def _score(

@@ -1,15 +1,12 @@
 """Stand-ins for an examined model in searches: they err as it did in the exam.
 
-A detector and a presence check err the same way about a thing each time they see it, as real ones
-do; how persistently a detector does is as measured of YOLOX. How persistently the choices of blocks
-in one search are good or bad is as in the exam.
+A presence check says the same of a thing each time, as real ones do. How alike a detector's boxes
+are in the views of a thing, and how alike the choices of one search are, is as in the exam.
 """
 
 import math
 from collections import Counter
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TypeVar
 
 import numpy as np
 
@@ -22,15 +19,14 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import Observation
 from hypernav.exam.choices import BlockChoices, ranks_of
 from hypernav.exam.confusion import Confusion
+from hypernav.exam.sight import BoxAnswer, Sight, drawn
 from hypernav.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
 from hypernav.perception.local.noisy_detector import distance_to, resembles
 from hypernav.perception.local.persistence import (
-    SAME_NAME_SAID,
-    SAME_THING_FOUND,
     STANDARD_NORMAL,
     is_cut_off,
-    latent,
+    normal,
     uniform,
     view_of,
 )
@@ -39,13 +35,8 @@ Asked = Counter[str]
 """Number of questions of a search, by the names of their kinds in traces."""
 
 _SALT = "mimic"  # so that errors don't coincide with those of another stand-in
-_MOST = 0.99
-"""Rate of false boxes above which the things in view are taken to be equally likely."""
-_FAR_M = 10.0
-"""Distance beyond which a thing is as far as it gets, metres."""
-_SIMILAR = 2.0
-"""Number of answers about the most similar questions, in square roots of the number of all."""
-_Drawn = TypeVar("_Drawn")
+_Key = tuple[object, ...]
+"""What always gives the same number."""
 
 
 @dataclass(eq=False)
@@ -95,12 +86,14 @@ class MimicDetector:
     """Gives boxes with the errors of the examined model.
 
     Attributes:
-        confusion: How it errs.
+        sight: How it finds goals.
+        confusion: How it errs otherwise.
         asked: Counter of the questions.
         crops: Largest number of boxes of an image whose crops are asked about.
         looks_at_colours: See `hypernav.core.components.abilities.looks_at_colours`.
     """
 
+    sight: Sight
     confusion: Confusion
     asked: Asked
     crops: int = 0
@@ -117,63 +110,50 @@ class MimicDetector:
         for number in visible_objects(truth):
             label, true = truth.labels[number], true_detection(truth, number)
             key = (_SALT, number, label.category, *label.attributes, goal.text)
-            view = view_of(true, observation)
+            view = (*key, *view_of(true, observation))
             if label.satisfies(goal):
                 found = self._of_goal(key, view, true, observation, goal)
                 right += [] if found is None else [found]
             else:
                 wrong += self._of_other(key, view, true, label, goal)
-        # The model gave one box at most where there was no goal; it is that of the likeliest thing.
-        wrong = sorted(wrong, key=lambda pair: pair[0])[:1]
+        # Where there was no goal, the model gave so many boxes at most: to the likeliest things.
+        wrong = sorted(wrong, key=lambda pair: pair[0])[: self.confusion.most_alarms]
         found = sorted([*right, *(one for _, one in wrong)], key=lambda one: -one.score)
         self.asked["ground"] += 1
         self.asked["crop"] += min(len(found), self.crops)
         return found
 
     def _of_goal(
-        self,
-        key: tuple[object, ...],
-        view: tuple[object, ...],
-        true: Detection,
-        observation: Observation,
-        goal: Goal,
+        self, key: _Key, view: _Key, true: Detection, observation: Observation, goal: Goal
     ) -> Detection | None:
+        sight = self.sight
         height, width = observation.depth.shape
-        side = math.sqrt(true.box.area / (width * height))
-        away_m = min(distance_to(true, observation), _FAR_M)
-        is_cut = is_cut_off(true.box, observation)
-        similar = _most_similar(
-            self.confusion.seen,
-            lambda one: (
-                abs(math.log(one.side / side))
-                + abs(math.log(min(one.distance_m, _FAR_M) / away_m))
-                + (one.is_cut_off != is_cut)
-            ),
+        asked = BoxAnswer(
+            side=math.sqrt(true.box.area / (width * height)),
+            distance_m=distance_to(true, observation),
+            is_cut_off=is_cut_off(true.box, observation),
         )
-        answer = _drawn(similar, _level(key, view, SAME_THING_FOUND))
+        level = _level((key, sight.by_thing), (view, 1.0 - sight.by_thing))
+        fit, seen = ("fit", *key), ("fit", *view)
+        box_level = _level((fit, sight.box_by_thing), (seen, 1.0 - sight.box_by_thing))
+        answer = sight.answer(asked, level, box_level)
         box = answer.about(true.box, width, height)
         return None if box is None else Detection(box, answer.score, goal.thing)
 
     def _of_other(
-        self,
-        key: tuple[object, ...],
-        view: tuple[object, ...],
-        true: Detection,
-        label: ObjectLabel,
-        goal: Goal,
+        self, key: _Key, view: _Key, true: Detection, label: ObjectLabel, goal: Goal
     ) -> list[tuple[float, Detection]]:
         """The detection of a thing taken for the goal, if it is, with its rank among the things."""
-        alike = resembles(label, goal)
-        answers = self.confusion.unseen.get("look-alike" if alike else "absent", ())
-        alarms = [one for one in answers if one.edges is not None]
-        rate = len(alarms) / max(len(answers), 1)
-        if not alike:  # an image of the exam showed several things, of which one was enough
-            rate = 1.0 - (1.0 - min(rate, _MOST)) ** (1.0 / self.confusion.things_in_view)
-        level = _level(key, view, SAME_NAME_SAID)
-        if level >= rate:
+        alarms = self.confusion.alarms.get("alike" if resembles(label, goal) else "other")
+        if alarms is None or alarms.rate == 0.0:
             return []
-        answer = _drawn(alarms, uniform((*key, "score")))
-        return [(level / rate, Detection(true.box, answer.score, goal.thing))]
+        names = (_SALT, label.category, goal.text)
+        rest = 1.0 - alarms.by_names - alarms.by_thing
+        level = _level((names, alarms.by_names), (key, alarms.by_thing), (view, rest))
+        if level >= alarms.rate:
+            return []
+        score = drawn(alarms.scores, uniform((*key, "score")))
+        return [(level / alarms.rate, Detection(true.box, score, goal.thing))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,21 +184,11 @@ class MimicPresence:
         stratum = "there" if there else "look-alike" if alike else "not there"
         about = next(iter(there or alike or shown), -1)
         answers = self.confusion.presence.get(stratum, (True,))
-        said = _drawn(answers, uniform((_SALT, about, goal.text, stratum)))
+        said = drawn(answers, uniform((_SALT, about, goal.text, stratum)))
         return self.unsure_is_yes if said is None else said
 
 
-def _most_similar(answers: Sequence[_Drawn], difference: Callable[[_Drawn], float]) -> list[_Drawn]:
-    """The answers to the questions that differ least, in their order."""
-    by_difference = sorted(range(len(answers)), key=lambda k: difference(answers[k]))
-    count = math.ceil(_SIMILAR * math.sqrt(len(answers)))
-    return [answers[k] for k in sorted(by_difference[:count])]
-
-
-def _drawn(answers: Sequence[_Drawn], level: float) -> _Drawn:
-    """One of the answers, which are in order, by its level from 0 to 1."""
-    return answers[min(int(level * len(answers)), len(answers) - 1)]
-
-
-def _level(key: tuple[object, ...], view: tuple[object, ...], persistence: float) -> float:
-    return float(STANDARD_NORMAL.cdf(latent(key, view, persistence)))
+def _level(*parts: tuple[_Key, float]) -> float:
+    """Probability of less than a standard normal number, made of parts with these variances."""
+    total = sum(math.sqrt(variance) * normal(key) for key, variance in parts)
+    return float(STANDARD_NORMAL.cdf(total))

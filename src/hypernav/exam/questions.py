@@ -17,6 +17,8 @@ from hypernav.core.trace import Exchange
 
 Kind = Literal["block", "boxes", "mask", "presence", "near", "arrow", "direction"]
 
+Role = Literal["goal", "alike", "other"]
+
 KINDS: dict[Kind, str] = {
     "block": "Which block of the map to go to",
     "boxes": "Where is it in this image",
@@ -89,6 +91,27 @@ def best_of(costs: dict[str, float]) -> frozenset[str]:
     return frozenset(option for option, cost in costs.items() if cost <= shortest + EQUAL_M)
 
 
+class Shown(BaseModel):
+    """A thing in the image of a question, and whether the answer marks it.
+
+    Attributes:
+        number: Number of the thing in its building.
+        name: What it is.
+        role: "goal", "alike" if it is easily taken for the goal, or "other".
+        boxed: Whether it is the thing that some box of the answer fits best.
+        view: Side from which it is seen, size, and whether the image cuts it off
+            (`hypernav.perception.local.persistence.view_of`).
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    number: int
+    name: str
+    role: Role
+    boxed: bool
+    view: tuple[int, int, bool]
+
+
 class Answered(BaseModel):
     """One question, its truth and its answer: a line of ``answers.jsonl``.
 
@@ -107,6 +130,7 @@ class Answered(BaseModel):
         rule: Answer of the geometric rule; empty if there is none.
         true_boxes: True boxes ``(x_min, y_min, x_max, y_max)``, pixels.
         boxes: Boxes of the answer that were kept, in the same form, the best first.
+        things: The things in the image, where boxes are asked for, the largest first.
         raw_boxes: Whether the model's text held any box, before the questions about crops.
         image_size: Width and height of the question's image, pixels; zeros where it has none.
         score: 1 if the answer is right, else 0.
@@ -134,6 +158,7 @@ class Answered(BaseModel):
     rule: str = ""
     true_boxes: list[tuple[float, float, float, float]] = Field(default_factory=list)
     boxes: list[tuple[float, float, float, float]] = Field(default_factory=list)
+    things: list[Shown]
     raw_boxes: bool = False
     image_size: tuple[int, int] = (0, 0)
     score: float

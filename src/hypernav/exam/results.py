@@ -14,12 +14,12 @@ from hypernav.core.errors import OutputError
 from hypernav.core.files.whole_files import write_whole
 from hypernav.evaluation.checks.findings import Finding, State
 from hypernav.evaluation.statistics import Comparison, compare, holm
-from hypernav.exam.confusion import worth_of
 from hypernav.exam.faults import faults_of
 from hypernav.exam.marks import TypeMarks, costs_of, marks_of
 from hypernav.exam.pictures import picture_of
 from hypernav.exam.prediction import Prediction
 from hypernav.exam.questions import KINDS, STRATA, Answered
+from hypernav.exam.worth import worth_of
 from hypernav.show.pages.templating import data_uri, page_environment, plain
 
 PAGE, RESULT = "index.html", "exam.json"

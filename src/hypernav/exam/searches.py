@@ -211,8 +211,8 @@ def mimic_agent(
     check = confusion.presence and config.presence.enabled and variant != "unchecked"
     return build_search(
         config,
-        MimicDetector(confusion, asked, config.grounding.score_crops)
-        if confusion.seen
+        MimicDetector(confusion.sight, confusion, asked, config.grounding.score_crops)
+        if confusion.sight
         else GroundTruthDetector(),
         log,
         reasoner=MimicReasoner(blocks, truth, config.block_choice, rule, asked) if blocks else rule,
