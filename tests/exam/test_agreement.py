@@ -23,6 +23,12 @@ def test_the_correlation_is_found(correlation: float, chance: float):
     assert found == pytest.approx(correlation, abs=0.12)
 
 
+def test_rare_events_that_have_nothing_in_common_are_not_taken_for_alike():
+    happened, groups = drawn(0.0, 0.005, groups=500, size=2)
+    found = agreement_of(happened, [0.005] * len(happened), groups, 0.45)
+    assert found < 0.5
+
+
 def test_without_two_events_in_one_group_it_is_the_usual_one():
     assert agreement_of([True, False], [0.5, 0.5], ["a", "b"], 0.46) == pytest.approx(0.46)
     assert agreement_of([], [], [], 0.7) == pytest.approx(0.7)

@@ -82,11 +82,11 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
 
 def _is_another(memory: Memory, target: Target, goal: Goal) -> bool:
     """Whether a target is another thing than the one that the robot was sent to."""
-    search = memory.search
-    if not search.is_on_errand:
+    things = memory.floor.things
+    meant = memory.search.errand(things, goal)
+    if meant is None or target.is_last_chance:
         return False
-    there = memory.floor.things.at(*target.area.centre, goal)
-    return all(one.number != search.first for one in there)
+    return all(one.number != meant.number for one in things.at(*target.area.centre, goal))
 
 
 def _must_choose(step: Step, memory: Memory) -> bool:

@@ -34,6 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         answer_exits(_end_of_component)
     status = _flushed(_status(sys.argv[1:] if arguments is None else arguments))
     if arguments is None:  # this is the program
+        answer_exits(lambda _: end_at_once(status))  # a library may end so what has ended
         _end_without_threads(status)
     sys.exit(status)
 
@@ -57,7 +58,7 @@ def _status(arguments: Sequence[str]) -> int:
 
 
 def _end_of_component(status: int) -> NoReturn:
-    said = f"a component ended the program by os._exit({status}) in a thread of its own"
+    said = f"a component ended the program by os._exit({status}), outside a call of this program"
     end_at_once(_say(said, ExitStatus.CRASH))
 
 

@@ -8,7 +8,7 @@ from scipy.special import ndtr, ndtri
 _USUAL_SD = 0.3
 """How far from the usual value a correlation is taken to lie before any answer is seen."""
 _CORRELATIONS = np.append(np.linspace(0.0, 0.98, 50), (0.99, 0.995, 0.999))
-_SURE = 0.98
+_SURE = 0.9999
 """Probability from which an event is as good as certain, so that an exception stays possible."""
 _LEVELS = ndtri((np.arange(100) + 0.5) / 100)
 """Standard normal numbers, all as likely as the others."""

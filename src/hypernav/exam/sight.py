@@ -20,6 +20,8 @@ _FAR_M = 10.0
 """Distance beyond which a thing is as far as it gets, metres."""
 _SIMILAR = 2.0
 """Number of answers about the most similar goals, in square roots of the number of all."""
+_SURE = 0.98
+"""Fitted chance above which an exception still tells of the thing, not of the model."""
 _RIDGE = 0.0001
 """How strongly the chance of a find is drawn towards depending on nothing; ours."""
 
@@ -121,7 +123,7 @@ def sight_of(answers: Sequence[Answered]) -> Sight | None:
         fitted,
         by_thing=agreement_of(
             [answer.is_found for answer in once.values()],
-            [fitted.chance(answer) for answer in once.values()],
+            [min(max(fitted.chance(answer), 1.0 - _SURE), _SURE) for answer in once.values()],
             [about for about, _ in once],
             SAME_THING_FOUND,
         ),

@@ -146,8 +146,8 @@ def read_answers(folder: Path) -> list[Answered]:
             answers.append(Answered.model_validate_json(line))
         except ValidationError as error:
             raise RunFolderError(
-                f"{path}, line {number} is damaged or of an earlier version; remove it, and its "
-                "question is asked again"
+                f"{path}, line {number} is damaged: remove it, and its question is asked again; "
+                "or it is of an earlier version of hypernav: take another --out"
             ) from error
     return answers
 

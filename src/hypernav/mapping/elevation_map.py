@@ -33,8 +33,8 @@ _SAME_LEVEL_M = 0.15
 """Greatest difference in height, metres, between two sights of one edge of the floor."""
 _NEAR_LEVEL_M = 0.5
 """Height above or below the robot, metres, of the ground from which the blind zone is filled in."""
-_SPOT_CELLS = 9
-"""Side of a square, cells: unseen ground in the midst of seen ground that it doesn't fit into is
+_SPOT_M = 0.45
+"""Side of a square, metres: unseen ground in the midst of seen ground that it doesn't fit into is
 ground. Where a simulated robot stands a step too high, single rays seem to pass below the floor."""
 _STEP_SLACK_M = 0.04
 """Addition to the highest step, metres, for errors of measured heights."""
@@ -62,6 +62,7 @@ class ElevationMap:
         """
         self._embodiment = embodiment
         self._cell_m = cell_size_m
+        self._spot_cells = 2 * round(0.5 * (_SPOT_M / cell_size_m - 1.0)) + 1  # an odd number
         shape = (SIDE_CELLS, SIDE_CELLS)
         self._heights = np.full(shape, np.nan, dtype=np.float32)
         self._hits = np.zeros(shape, dtype=np.uint8)
@@ -143,7 +144,7 @@ class ElevationMap:
         closed, gaps = _without_gaps(known_heights, seen)
         dropped_m = below - robot_z
         seen = seen | gaps
-        spots = _closed(seen, _SPOT_CELLS) & ~seen
+        spots = _closed(seen, self._spot_cells) & ~seen
         drop = ~seen & ~spots & (np.abs(dropped_m) <= _SAME_LEVEL_M)
         # Right before the robot the camera sees no stairs; they go on as they began.
         lower = ~seen & (dropped_m > 0.0) & (dropped_m < self._blind_m * _STEEPEST)

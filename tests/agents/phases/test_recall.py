@@ -10,7 +10,7 @@ from hypernav.build.agents import build_search
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, Mode
-from hypernav.episodes.episode_run import EpisodeRun
+from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
 from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
@@ -161,7 +161,34 @@ def test_being_sent_to_what_is_forgotten_or_gone_is_a_search_like_any(memory):
     run = EpisodeRun(agent, world, episode, memory=memory)
     for floor, number in ((0, 10_000), (7, 0)):
         memory.go_first_to(floor, number)
-    assert memory.search.first is None
+    assert memory.search.meant is None
     reasons = [step.trace.reason for step in run]
     assert reasons[0] == "a sofa was seen there before"
     assert run.result().metrics.success
+
+
+def sent_to_the_sofa(memory, change) -> EpisodeResult:
+    """The search of a robot that is sent to the sofa, after a change of what is remembered."""
+    agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog())
+    world = two_rooms()
+    world.keep_map_frame(START.to_transform())
+    run = EpisodeRun(agent, world, episode_from(IN_BEDROOM, "sofa", max_steps=200), memory=memory)
+    (sofa,) = [one for one in memory.floor.things.known if one.label == "sofa"]
+    memory.go_first_to(0, sofa.number)
+    assert memory.search.errand(memory.floor.things, Goal("sofa")) == sofa
+    others = tuple(one for one in memory.floor.things.known if one is not sofa)
+    memory.floor.things = replace(memory.floor.things, known=(*others, change(sofa)))
+    for _ in run:
+        pass
+    return run.result()
+
+
+def test_a_robot_finds_what_it_was_sent_to_though_its_record_became_another(memory):
+    """Two records of one thing become one, which has the number of either."""
+    result = sent_to_the_sofa(memory, lambda sofa: replace(sofa, number=9_999))
+    assert result.metrics.success
+
+
+def test_being_sent_to_what_turns_out_to_be_gone_is_a_search_like_any(memory):
+    result = sent_to_the_sofa(memory, lambda sofa: replace(sofa, missed=100))
+    assert result.metrics.success

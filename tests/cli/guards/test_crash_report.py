@@ -61,6 +61,18 @@ def test_too_little_memory_is_no_error_of_this_program(tmp_path):
 @pytest.mark.parametrize(
     "error",
     [
+        ImportError("lib.so: failed to map segment from shared object: Operation not permitted"),
+        RuntimeError("a cause of itself"),
+    ],
+)
+def test_what_is_no_lack_of_memory_is_a_crash(error, tmp_path):
+    with pytest.raises(ReportedCrashError), crash_report(tmp_path):
+        raise error from error
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
         ImportError("libblas.so: failed to map segment from shared object"),
         OSError(errno.ENOMEM, "refused"),
         RuntimeError("can't start new thread"),

@@ -226,6 +226,19 @@ def test_a_depth_camera_that_is_frozen_but_for_a_pixel_is_named():
         robot.senses((0.5, 0.0, TURN), Action.TURN_LEFT, is_new=False)
 
 
+def test_a_hall_with_one_thing_looks_the_same_in_all_directions_but_one():
+    """Level floor is as far away in all of a row, so that a turn doesn't change it."""
+    robot = Robot()
+    rows = np.linspace(1.0, 4.0, robot.depth.shape[0], dtype=np.float32)
+    robot.depth[:] = rows[:, None]
+    robot.depth[3, 4] = 0.8
+    robot.senses(is_new=False)
+    robot.depth[:] = rows[:, None]
+    robot.depth[3, 6] = 0.8
+    robot.rgb = robot.rgb + 1
+    robot.senses((0.0, 0.0, TURN), Action.TURN_LEFT, is_new=False)
+
+
 def test_a_depth_camera_that_clips_may_see_nothing_but_its_limit_again():
     robot = Robot()
     robot.depth[:] = 2.5

@@ -135,7 +135,9 @@ def _pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
     """The plan that heads for a goal that was in sight, but too far away to be measured."""
     search, config = memory.search, step.config
     position = search.evidence.far_position
-    if not config.pursue_far_sightings or position is None or search.is_on_errand:
+    if not config.pursue_far_sightings or position is None:
+        return plan
+    if search.errand(memory.floor.things, step.goal) is not None:
         return plan
     # This sighting was pursued before without success: explore instead of going back.
     near_m = 2.0 * config.arrival_distance_m

@@ -31,15 +31,15 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
     search, floor = memory.search, memory.floor
     if not step.config.recall or not search.remembered:
         return None
-    likely = [
+    fitting = floor.things.fitting(step.goal)
+    meant = search.errand(floor.things, step.goal)
+    likely = [one for one in fitting if meant is not None and one[0].number == meant.number] or [
         (thing, chance)
-        for thing, chance in floor.things.fitting(step.goal)
+        for thing, chance in fitting
         if chance >= least
         and thing.number in search.remembered
         and thing.number not in search.gone_to
     ]
-    if search.is_on_errand:
-        likely = [one for one in likely if one[0].number == search.first] or likely
     if not likely:
         return None
     with step.clock("plan"):

@@ -14,7 +14,10 @@ from hypernav.core.errors import ComponentError, CrashError, HyPerNavError
 from hypernav.core.interruptions import interruptions_of_kernels
 
 CRASH_FILE = "crash.txt"
-_NO_MEMORY = re.compile("failed to map segment|[Cc]annot allocate memory|can't start new thread")
+_NO_MEMORY = re.compile(
+    r"failed to map segment from shared object(?!: Operation not permitted)"
+    "|[Cc]annot allocate memory|can't start new thread"
+)
 """What the loader of shared libraries and Python say where the system refuses memory."""
 
 
@@ -53,7 +56,7 @@ def crash_report(folder: Path | None = None) -> Iterator[None]:
         if _lacks_memory(error):
             raise OutOfMemoryError(
                 f"out of memory{f' ({_line(str(error))})' if str(error) else ''}; close other "
-                "programs, raise the limit of ulimit -v or the container, or take a smaller "
+                "programs, raise the limits (ulimit -v and -u, the container's), or take a smaller "
                 "building or camera"
             ) from None
         import traceback
@@ -64,11 +67,13 @@ def crash_report(folder: Path | None = None) -> Iterator[None]:
 
 def _lacks_memory(error: BaseException | None) -> bool:
     """Whether an error or one that led to it says that there is no memory, as for a library."""
-    while error is not None:
+    seen = list[BaseException]()
+    while error is not None and all(error is not one for one in seen):
         is_refused = isinstance(error, OSError) and error.errno == errno.ENOMEM
         if isinstance(error, MemoryError) or is_refused or _NO_MEMORY.search(str(error)):
             return True
-        error = error.__cause__ or error.__context__
+        seen.append(error)
+        error = error.__cause__
     return False
 
 

@@ -9,9 +9,11 @@ from jaxtyping import Bool
 
 from hypernav.core.exploring.sightings import Sightings
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
+from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.looked_over import LookedOver
 from hypernav.mapping.memory.target import GoalEvidence
+from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import Things
 from hypernav.mapping.top_down_map import TopDownMap
 
@@ -50,7 +52,7 @@ class SearchMemory:
         remembered: Numbers of the things that were known before it began.
         gone_to: Numbers of those that it has gone to, or given up.
         given_up: Numbers of the connectors of this floor that it has tried to take in vain.
-        first: Number of the one that is meant, and gone to before all others; None if any will do.
+        meant: The one that is gone to before all others, as it was known; None if any will do.
         looked_over: What it has looked at of the floor; None if the floor was not known before.
         looks_again: Whether it explores what it has not looked at itself, known or not.
         viewed_from: Pose of the latest frame with a new view; None before the first frame.
@@ -68,16 +70,23 @@ class SearchMemory:
     remembered: frozenset[int] = frozenset()
     gone_to: set[int] = field(default_factory=set)
     given_up: set[int] = field(default_factory=set)
-    first: int | None = None
+    meant: Thing | None = None
     looked_over: LookedOver | None = None
     looks_again: bool = False
     viewed_from: Pose2 | None = None
     has_new_view: bool = True
 
-    @property
-    def is_on_errand(self) -> bool:
-        """Whether it is on its way to the one thing that is meant."""
-        return self.first is not None and self.first not in self.gone_to
+    def errand(self, things: Things, goal: Goal) -> Thing | None:
+        """The one thing that is meant, as it is known now; None if it is gone, or was gone to.
+
+        Two records of one thing become one, with the number of either: then what is where it was.
+        """
+        if self.meant is None or self.meant.number in self.gone_to:
+            return None
+        x, y, _ = self.meant.position
+        there = (things.find(self.meant.number), *things.at(x, y, goal))
+        now = next((one for one in there if one is not None and not one.is_gone), None)
+        return None if now is None or now.number in self.gone_to else now
 
     def note_view(self, robot: Pose2) -> None:
         """Note from where the present frame is taken."""

@@ -128,8 +128,9 @@ class Memory:
             floor: Number of its floor.
             thing: Its number on that floor. One that is not remembered any more changes nothing.
         """
-        if floor < len(self.floors) and thing in self.floors[floor].search.remembered:
-            self.floors[floor].search.first = thing
+        known = self.floors[floor] if floor < len(self.floors) else None
+        if known is not None and thing in known.search.remembered:
+            known.search.meant = known.things.find(thing)
 
     def copy(self) -> "Memory":
         """A copy that shares nothing that changes."""

@@ -134,7 +134,7 @@ class HttpServer:
 
     def open(self, request: OpenSearch) -> SearchOpened:
         """Open a search, or find the one that was opened with the same key."""
-        body = request.model_dump_json().encode()
+        body = request.model_dump_json(exclude_none=True).encode()  # older servers know less
         return self._asked(SearchOpened, "POST", SEARCHES, body)
 
     def observe(self, search_id: str, body: bytes, timeout_s: float) -> Reply:

@@ -171,7 +171,8 @@ class Sensing:
     ) -> None:
         """Refuse a depth image that is hardly another after a turn.
 
-        A step doesn't change it everywhere: the walls of a corridor stay where they are.
+        A step doesn't change it everywhere: the walls of a corridor stay where they are. Nor does a
+        turn change level floor, which is as far away in all of a row; only the rest tells.
         """
         _, turned = _motion(before.base_to_odom, now.base_to_odom)
         if abs(turned) <= _TURNED_RAD:
@@ -180,6 +181,8 @@ class Sensing:
         farthest_m = min(lens.max_depth_m, float(largest))  # a sensor may clip before its range
         measured = is_measured(depth, lens.min_depth_m, farthest_m)
         measured |= is_measured(depth_before, lens.min_depth_m, farthest_m)
+        for image in (depth, depth_before):
+            measured &= image != np.median(image, axis=1, keepdims=True)
         if not measured.any():
             return
         share = float((depth == depth_before)[measured].mean())
