@@ -1,5 +1,7 @@
 """Searches that remember: straight to what was seen, and on where it is gone."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -35,15 +37,24 @@ def rooms(bed: tuple[float, float]) -> SimulatedWorld:
     return SimulatedWorld(scene_of(*boxes, name="two rooms"), CONFIG.world, CONFIG.embodiment)
 
 
+@contextmanager
+def in_frame_of_start(world: SimulatedWorld) -> Iterator[None]:
+    """The world, which other tests use, too, begins its episodes in one frame for a while."""
+    world.keep_map_frame(START.to_transform())
+    try:
+        yield
+    finally:
+        world.keep_map_frame(None)
+
+
 def searched(world, goal: str, start: Pose2, memory: Memory | None, **search):
     """The steps of a search in the frame of START, and the memory it leaves."""
     config = small_config(search=search)
     agent = build_search(config, GroundTruthDetector(), ExchangeLog())
-    world.keep_map_frame(START.to_transform())
-    episode = episode_from(start, goal, max_steps=200)
-    run = EpisodeRun(agent, world, episode, memory=memory or agent.new_memory())
-    steps = [step.trace for step in run]
-    world.keep_map_frame(None)
+    with in_frame_of_start(world):
+        episode = episode_from(start, goal, max_steps=200)
+        run = EpisodeRun(agent, world, episode, memory=memory or agent.new_memory())
+        steps = [step.trace for step in run]
     return steps, run.result(), agent.memory
 
 
@@ -144,11 +155,11 @@ def test_a_robot_that_is_sent_to_one_thing_passes_others_of_its_kind(meant):
     sofas = [one for one in memory.floor.things.known if one.label == "sofa"]
     far = max(sofas, key=lambda one: (world.map_to_scene.apply(np.array([one.position])))[0, 0])
     agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog())
-    world.keep_map_frame(START.to_transform())
-    run = EpisodeRun(agent, world, episode_from(start, "sofa", max_steps=200), memory=memory)
-    if meant:
-        memory.go_first_to(0, far.number)
-    assert all(step.trace.action is not None for step in run)
+    with in_frame_of_start(world):
+        run = EpisodeRun(agent, world, episode_from(start, "sofa", max_steps=200), memory=memory)
+        if meant:
+            memory.go_first_to(0, far.number)
+        assert all(step.trace.action is not None for step in run)
     assert run.result().metrics.success
     assert (world.pose.x > 4.5) is meant
 
@@ -156,30 +167,30 @@ def test_a_robot_that_is_sent_to_one_thing_passes_others_of_its_kind(meant):
 def test_being_sent_to_what_is_forgotten_or_gone_is_a_search_like_any(memory):
     agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog())
     world = two_rooms()
-    world.keep_map_frame(START.to_transform())
     episode = episode_from(IN_BEDROOM, "sofa", max_steps=200)
-    run = EpisodeRun(agent, world, episode, memory=memory)
-    for floor, number in ((0, 10_000), (7, 0)):
-        memory.go_first_to(floor, number)
-    assert memory.search.meant is None
-    reasons = [step.trace.reason for step in run]
+    with in_frame_of_start(world):
+        run = EpisodeRun(agent, world, episode, memory=memory)
+        for floor, number in ((0, 10_000), (7, 0)):
+            memory.go_first_to(floor, number)
+        assert memory.search.meant is None
+        reasons = [step.trace.reason for step in run]
     assert reasons[0] == "a sofa was seen there before"
     assert run.result().metrics.success
 
 
 def sent_to_the_sofa(memory, change) -> EpisodeResult:
     """The search of a robot that is sent to the sofa, after a change of what is remembered."""
-    agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog())
-    world = two_rooms()
-    world.keep_map_frame(START.to_transform())
-    run = EpisodeRun(agent, world, episode_from(IN_BEDROOM, "sofa", max_steps=200), memory=memory)
-    (sofa,) = [one for one in memory.floor.things.known if one.label == "sofa"]
-    memory.go_first_to(0, sofa.number)
-    assert memory.search.errand(memory.floor.things, Goal("sofa")) == sofa
-    others = tuple(one for one in memory.floor.things.known if one is not sofa)
-    memory.floor.things = replace(memory.floor.things, known=(*others, change(sofa)))
-    for _ in run:
-        pass
+    agent, world = build_search(CONFIG, GroundTruthDetector(), ExchangeLog()), two_rooms()
+    episode = episode_from(IN_BEDROOM, "sofa", max_steps=200)
+    with in_frame_of_start(world):
+        run = EpisodeRun(agent, world, episode, memory=memory)
+        (sofa,) = [one for one in memory.floor.things.known if one.label == "sofa"]
+        memory.go_first_to(0, sofa.number)
+        assert memory.search.errand(memory.floor.things, Goal("sofa")) == sofa
+        others = tuple(one for one in memory.floor.things.known if one is not sofa)
+        memory.floor.things = replace(memory.floor.things, known=(*others, change(sofa)))
+        for _ in run:
+            pass
     return run.result()
 
 
