@@ -191,8 +191,11 @@ def _first_option(answers: Sequence[Answered]) -> Iterator[Finding]:
         right = sum(str(n[0]) in o.right for o, n in zip(usable, numbers, strict=True))
         expected = max(right, sum(1.0 / len(n) for n in numbers)) / len(usable)
         if binomtest(first, len(usable), expected, alternative="greater").pvalue < _CLEAR:
-            ones = sum(o.chosen == "1" for o in usable)
-            named = f"{word} 1" if ones >= 0.9 * first else f"the first {word} on the list"
+            firsts = [o for o, n in zip(usable, numbers, strict=True) if o.chosen == str(n[0])]
+            # Who names block 1 where there is none is asked again, and has to take another.
+            own = [one for one in firsts if len(one.exchanges) < 2] or firsts
+            ones = sum(one.chosen == "1" for one in own)
+            named = f"{word} 1" if ones >= 0.9 * len(own) else f"the first {word} on the list"
             yield Finding(
                 f"prefers {named}",
                 State.FAULT,
