@@ -80,7 +80,10 @@ CASES = {
         "--agent",
         "mine:Leaves",
     ): "--agent mine:Leaves: act ended the program (SystemExit: os._exit(0), ",
-    ("--agent", "mine:LeavesByThread"): "a component ended the program by os._exit(0) in a thread",
+    (
+        "--agent",
+        "mine:LeavesByThread",
+    ): "a component ended the program by os._exit(0), outside a call of this program",
     ("--agent", "mine:Seven"): "--agent mine:Seven: act returned 7; expected an Action",
     ("--agent", "sys:exit"): "sys:exit: its constructor ended the program",
     ("--agent", "exits:Thing"): "exits:Thing: its import ended the program",
