@@ -58,6 +58,7 @@ def test_a_detector(tmp_path: Path, tiny: Callable[[str], Path]):
     near = next(part for part in marks["boxes"]["parts"] if "at most 2.5 m" in part["name"])
     assert near["score"]["low"] < 0.05  # a box by chance hardly ever covers the goal
     assert marks["boxes"]["calls"] == 0
+    assert "Words of the questions" not in (tmp_path / "exam" / "index.html").read_text()
 
 
 def test_a_segmenter(tmp_path: Path, tiny: Callable[[str], Path]):
