@@ -207,16 +207,39 @@ def test_whatever_it_raises_is_its_own(error):
     assert "in fail" in caught.value.details
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt(), ModelUnavailableError("no server")])
-def test_interruptions_and_outages_pass(error):
-    with pytest.raises(type(error)):
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), ModelUnavailableError("no\n server")])
+def test_interruptions_and_outages_pass_unchanged(error):
+    words = str(error)
+    with pytest.raises(type(error)) as caught:
         through_door(own(detect=raising(error)), Detector).detect(SEEN, GOAL)
+    assert caught.value is error
+    assert str(error) == words
 
 
-def test_its_word_for_people_is_one_line():
-    error = ModelUnavailableError("no server\n\tat all\n")
-    with pytest.raises(ModelUnavailableError, match=r"^no server at all$"):
-        through_door(own(detect=raising(error)), Detector).detect(SEEN, GOAL)
+@pytest.mark.parametrize(
+    ("end", "said"),
+    [
+        (lambda: os._exit(0), r"os\._exit\(0\)"),
+        (lambda: os.execv("/bin/true", ["true"]), r"os\.execv\('/bin/true', …\)"),
+        (lambda: os.execle("/bin/true", "true", {}), r"os\.execve\('/bin/true', …\)"),
+        (lambda: os.execlp("true", "true"), r"os\.execv\(b'.*true', …\)"),
+    ],
+)
+def test_it_cannot_end_or_replace_the_process(end, said):
+    mine = through_door(own(detect=lambda self, *_: end()), Detector)
+    with pytest.raises(ComponentError, match=rf"^Mine: detect ended the program \(.*{said}"):
+        mine.detect(SEEN, GOAL)
+
+
+def test_a_process_of_its_own_may_become_another():
+    def detect(self: object, *_: object) -> list[Detection]:
+        child = os.fork()
+        if child == 0:
+            os.execv("/bin/sh", ["sh", "-c", "exit 7"])
+        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+        return []
+
+    assert through_door(own(detect=detect), Detector).detect(SEEN, GOAL) == []
 
 
 def test_what_else_it_can_do_is_kept():

@@ -111,7 +111,6 @@ def calling(name: str, what: str) -> Iterator[None]:
         raise
     except BaseException as error:  # whatever it is, it is the component's
         if isinstance(error, HyPerNavError) and not isinstance(error, SIMULATOR_ERRORS):
-            error.args = (" ".join(str(error).split()), *error.args[1:])  # a command says one line
             raise
         said = " ".join(traceback.format_exception_only(error)[-1].split())[:_MOST_WORDS]
         verb = "ended the program" if isinstance(error, SystemExit) else "raised"
