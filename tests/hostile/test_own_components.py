@@ -61,6 +61,12 @@ class Lingers(Exits):
 class Seven(Exits):
     def act(self, observation): return 7
 
+class Alarms(Exits):
+    def act(self, observation):
+        signal.signal(signal.SIGALRM, lambda *_: sys.exit(0))
+        signal.setitimer(signal.ITIMER_REAL, 0.01)
+        return Action.TURN_LEFT
+
 class Nothing:
     def detect(self, observation, goal): return None
 
@@ -98,6 +104,7 @@ CASES = {
         "--agent",
         "mine:BecomesByThread",
     ): "a component ended the program by os.execv('/bin/true', …), outside a call of this program",
+    ("--agent", "mine:Alarms"): "a component ended the program (SystemExit: 0), outside a call",
     ("--agent", "mine:Seven"): "--agent mine:Seven: act returned 7; expected an Action",
     ("--agent", "sys:exit"): "sys:exit: its constructor ended the program",
     ("--agent", "exits:Thing"): "exits:Thing: its import ended the program",

@@ -39,6 +39,7 @@ from hypernav.core.exploring.overview import Block, BlockChoice, Overview
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.box_room import BoxRoom
 
@@ -92,6 +93,8 @@ DETECTED = {
     "a mask of another size": [broken(GOOD, mask=np.ones((10, 10), bool))],
     "a float mask": [broken(GOOD, mask=np.ones(SHAPE))],
     "a 3-D mask": [broken(GOOD, mask=np.ones((*SHAPE, 1), bool))],
+    "too many": [GOOD] * 1_001,
+    "a label without end": [broken(GOOD, label="door" * 10_000)],
     "no label": [broken(GOOD, label=None)],
     "half a surrogate pair": [broken(GOOD, label="door\ud800")],
     "a whole number beyond all floats": [broken(GOOD, score=10**400)],
@@ -240,6 +243,21 @@ def test_a_process_of_its_own_may_become_another():
         return []
 
     assert through_door(own(detect=detect), Detector).detect(SEEN, GOAL) == []
+
+
+def test_what_it_draws_on_an_image_nobody_else_sees():
+    seen = BoxRoom().observe()
+    rgb, depth = seen.rgb.copy(), seen.depth.copy()
+
+    def detect(self: object, observation: Observation, goal: Goal) -> list[Detection]:
+        observation.rgb[:] = 0
+        observation.depth[:] = 0.3
+        return []
+
+    through_door(own(detect=detect), Detector).detect(seen, GOAL)
+    through_door(own(detect=detect), Detector).detect(observation=seen, goal=GOAL)
+    np.testing.assert_array_equal(seen.rgb, rgb)
+    np.testing.assert_array_equal(seen.depth, depth)
 
 
 def test_what_else_it_can_do_is_kept():
