@@ -88,6 +88,7 @@ IMAGES = {
     "png zero": png(0, 0),
     "png 16 bit": png(9_000, 9_000, bits=16, color=6),
     "png without data": png(8_000, 4_000),
+    "png of one chunk": png(4, 4)[:33] + b"\xff\xff\xff\xf0IDAT" + bytes(6000),
     "png bad bits": png(4, 4, bits=77),
     "png cut": png(4, 4)[:20],
     "jpeg 65500": jpeg((65_500, 65_500)),

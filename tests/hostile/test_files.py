@@ -240,6 +240,13 @@ def test_run_folders(name, file, tmp_path):
     check(run(["report", "."], tmp_path), 2)
 
 
+@pytest.mark.parametrize("name", ["loop", "loop/below", "x" * 300, "pipe"])
+def test_what_is_no_recording_of_a_robot(name, tmp_path):
+    (tmp_path / "loop").symlink_to("loop")
+    place(tmp_path / "pipe", "pipe")
+    check(run(["robot", "replay", name], tmp_path), 2, "hypernav: ")
+
+
 MESHES = {
     "a.obj": b"v 0 0 0\nv nan 0 0\nv 1e999 1 0\nf 1 2 3\n",
     "index.obj": b"v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 999999999\n",

@@ -1,12 +1,14 @@
 """Signals at any moment: what was done stays, and an evaluation loses and doubles nothing."""
 
 import json
+import os
 import random
 import shutil
 import signal
 import subprocess
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -89,6 +91,29 @@ def test_a_search_leaves_what_it_has(number, ready, later_s, folder):
     assert [json.loads(line)["step"] for line in trace] == list(range(len(trace)))
     assert "</html>" in (folder / "out" / "index.html").read_text()
     assert (folder / "out" / "episode.mp4").stat().st_size > 0
+
+
+def children_of(process: Process) -> list[int]:
+    tasks = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    return [int(child) for child in tasks.read_text().split()]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("later_s", [0.0, 0.3, 0.8, 1.6])
+def test_ctrl_c_while_workers_import_is_one_line(later_s, folder):
+    """A terminal sends it to all processes of a command, so to its workers as well."""
+    command = ["eval", "scene:room.glb#4", "--out", "out", "--workers", "2", *FIND]
+    process = start(command, folder)
+    deadline = time.monotonic() + 60
+    while not (children := children_of(process)) and time.monotonic() < deadline:
+        time.sleep(0.002)
+    time.sleep(later_s)
+    for one in {*children, *children_of(process), process.pid}:
+        with suppress(ProcessLookupError):
+            os.kill(one, signal.SIGINT)
+    ended = wait(process, seconds=60)
+    check(ended, 130, "hypernav: interrupted")
+    assert ended.err.count("\n") <= 3, ended.err
 
 
 @pytest.mark.slow

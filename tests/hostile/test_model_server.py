@@ -97,6 +97,7 @@ def test_a_search_ends_well_and_leaves_what_it_did(
     with serving(fault) as server:
         ended = run_here(search(server, fault, glb, tmp_path), capsys)
     check(ended, fault.status, *fault.words)
+    assert (fault.status == 1) != ended.err.splitlines()[-1].startswith("hypernav: ")
     check_files(fault, tmp_path)
 
 

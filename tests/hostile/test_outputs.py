@@ -1,6 +1,7 @@
 """Places where nothing can be written: noticed before the work begins, and left as they were."""
 
 import json
+import os
 import shutil
 import subprocess
 
@@ -84,6 +85,34 @@ def test_a_place_that_cannot_be_written_is_refused_first(command, place, folder)
     assert ended.err.count("\n") == 1
     assert "cannot be written" in ended.err or "is not a folder" in ended.err
     assert sorted(path.name for path in folder.iterdir()) == before
+
+
+IN_THE_WAY = {
+    "find": ("trace.jsonl", "result.json", "episode.mp4", "index.html"),
+    "eval": ("run.json", "episodes.jsonl"),
+    "report": ("report.html",),
+}
+
+
+@pytest.mark.parametrize("kind", ["folder", "pipe", "loop", "device"])
+@pytest.mark.parametrize(
+    ("command", "name"), [(command, name) for command in IN_THE_WAY for name in IN_THE_WAY[command]]
+)
+def test_what_lies_where_a_file_will_be_is_refused_first(command, name, kind, folder, tmp_path):
+    place = tmp_path / name
+    match kind:
+        case "folder":
+            place.mkdir()
+        case "pipe":
+            os.mkfifo(place)
+        case "loop":
+            place.symlink_to(name)
+        case "device":
+            place.symlink_to("/dev/full")
+    ended = run([*COMMANDS[command], "--out", str(tmp_path)], folder, seconds=5)
+    check(ended, 2, f"hypernav: {place} ")
+    assert ended.err.count("\n") == 1
+    assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
 def test_a_folder_that_is_there_is_left_as_it_was(folder):

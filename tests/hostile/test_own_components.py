@@ -21,11 +21,20 @@ class Exits:
 class Leaves(Exits):
     def act(self, observation): os._exit(0)
 
+class Becomes(Exits):
+    def act(self, observation): os.execlp("true", "true")
+
 class LeavesByThread(Exits):
     def act(self, observation):
         leaving = threading.Thread(target=os._exit, args=(0,))
         leaving.start()
         leaving.join(60)
+
+class BecomesByThread(Exits):
+    def act(self, observation):
+        becoming = threading.Thread(target=os.execv, args=("/bin/true", ["true"]))
+        becoming.start()
+        becoming.join(60)
 
 class LeavesByFork(Exits):
     def act(self, observation):
@@ -51,6 +60,12 @@ class Lingers(Exits):
 
 class Seven(Exits):
     def act(self, observation): return 7
+
+class Alarms(Exits):
+    def act(self, observation):
+        signal.signal(signal.SIGALRM, lambda *_: sys.exit(0))
+        signal.setitimer(signal.ITIMER_REAL, 0.01)
+        return Action.TURN_LEFT
 
 class Nothing:
     def detect(self, observation, goal): return None
@@ -84,6 +99,12 @@ CASES = {
         "--agent",
         "mine:LeavesByThread",
     ): "a component ended the program by os._exit(0), outside a call of this program",
+    ("--agent", "mine:Becomes"): "--agent mine:Becomes: act ended the program (SystemExit: os.ex",
+    (
+        "--agent",
+        "mine:BecomesByThread",
+    ): "a component ended the program by os.execv('/bin/true', …), outside a call of this program",
+    ("--agent", "mine:Alarms"): "a component ended the program (SystemExit: 0), outside a call",
     ("--agent", "mine:Seven"): "--agent mine:Seven: act returned 7; expected an Action",
     ("--agent", "sys:exit"): "sys:exit: its constructor ended the program",
     ("--agent", "exits:Thing"): "exits:Thing: its import ended the program",
@@ -138,6 +159,7 @@ def test_what_is_no_component_is_the_users_mistake(folder):
     [
         ("Exits", "act ended the program"),
         ("Leaves", "act ended the program (SystemExit: os._exit(0), "),
+        ("Becomes", "act ended the program (SystemExit: os.execv("),
         ("Crashes", r"its process was killed by signal 11 (SIGSEGV)"),
     ],
 )

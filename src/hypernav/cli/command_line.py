@@ -12,6 +12,7 @@ import io
 import itertools
 import os
 import shutil
+import traceback
 from collections.abc import Sequence
 from dataclasses import make_dataclass
 from importlib.metadata import version
@@ -21,7 +22,7 @@ import tyro
 
 from hypernav.cli.guards.address_space import check_address_space
 from hypernav.cli.screen.terminal import Terminal
-from hypernav.core.errors import ConfigError
+from hypernav.core.errors import ComponentError, ConfigError
 
 COMMANDS = {
     "find": "Search for an object in a simulated building and leave a page about it.",
@@ -63,6 +64,7 @@ def run_command(arguments: Sequence[str]) -> int:
     Raises:
         ConfigError: The command line cannot be understood, or a limit leaves no room for libraries.
         HyPerNavError: The command failed; the message gives the reason.
+        ComponentError: A component of the user's own ended the program.
         SystemExit: The command line asks for help, which has been printed.
     """
     if shutil.get_terminal_size().columns < _LEAST_COLUMNS:
@@ -80,7 +82,14 @@ def run_command(arguments: Sequence[str]) -> int:
     _refuse_empty(rest)
     options = _parse(name, _with_one_set(rest))
     check_address_space()
-    return importlib.import_module(f"hypernav.cli.{name}").run(options)
+    run = importlib.import_module(f"hypernav.cli.{name}").run
+    try:
+        return run(options)
+    except SystemExit as end:  # as from a signal handler of a component
+        raise ComponentError(
+            f"a component ended the program (SystemExit: {end}), outside a call of this program",
+            traceback.format_exc(),
+        ) from end
 
 
 def _parse(name: str, arguments: list[str]) -> Any:

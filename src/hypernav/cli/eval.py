@@ -36,8 +36,8 @@ from hypernav.evaluation.runner import (
     crash_of,
     run_episodes,
 )
-from hypernav.evaluation.store.run_store import RunStore
-from hypernav.evaluation.store.scene_files import keep_scenes
+from hypernav.evaluation.store.run_store import RUN_FILES, RunStore
+from hypernav.evaluation.store.scene_files import SCENES_FILE, keep_scenes
 from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.ray_pool import RayPool
 from hypernav.evaluation.workers.worker import Job
@@ -60,7 +60,7 @@ def run(options: Options) -> int:
     """
     check(options)
     folder = options.out or Path("runs") / folder_name(f"{options.dataset}-{options.who.name}")
-    check_folder(folder)
+    check_folder(folder, (*RUN_FILES, SCENES_FILE))
     console = Terminal(quiet=options.quiet)
     with crash_report(folder):
         if options.plan and options.who.exam is not None:

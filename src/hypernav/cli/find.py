@@ -43,7 +43,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.datasets.benchmarks import robot_in
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
-from hypernav.episodes.recorder import EpisodeRecorder
+from hypernav.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.warmup.background import warm_up_in_background
@@ -81,7 +81,7 @@ def run(options: Options) -> int:
     check_start(options.start)
     goal = Goal(options.goal)
     folder = options.out or _new_folder(goal)
-    check_folder(folder)
+    check_folder(folder, OUTPUT_FILES)
     check_views(options.views, folder)
     if options.who.record is not None:
         check_file(options.who.record)

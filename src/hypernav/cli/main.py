@@ -57,8 +57,8 @@ def _status(arguments: Sequence[str]) -> int:
         return _say(str(error), ExitStatus.USAGE)
 
 
-def _end_of_component(status: int) -> NoReturn:
-    said = f"a component ended the program by os._exit({status}), outside a call of this program"
+def _end_of_component(called: str) -> NoReturn:
+    said = f"a component ended the program by {called}, outside a call of this program"
     end_at_once(_say(said, ExitStatus.CRASH))
 
 
@@ -90,8 +90,9 @@ def _flushed(status: int) -> int:
 
 
 def _say(message: str, status: int) -> int:
-    """Print a message; very long words are shortened."""
-    text = _LONG_WORD.sub(lambda word: f"{word[0][:80]}…{word[0][-40:]}", message)
+    """Print a message as one line; very long words are shortened."""
+    line = " ".join(message.split())
+    text = _LONG_WORD.sub(lambda word: f"{word[0][:80]}…{word[0][-40:]}", line)
     with suppress(OSError):  # a lost terminal does not change the status
         print(f"hypernav: {visible(text)}", file=sys.stderr)
     return status

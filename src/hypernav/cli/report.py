@@ -5,7 +5,7 @@ from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.report import Options
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
-from hypernav.evaluation.report.report_page import write_report
+from hypernav.evaluation.report.report_page import REPORT_FILES, write_report
 from hypernav.evaluation.report.run_data import load_runs
 
 
@@ -21,7 +21,7 @@ def run(options: Options) -> int:
         raise ConfigError("--compare needs at least two folders")
     several = len(options.runs) > 1
     out = options.out or (options.runs[0] / "compared" if several else options.runs[0])
-    check_folder(out)
+    check_folder(out, REPORT_FILES)
     page = write_report(out, load_runs(options.runs), compare=options.compare)
     console = Terminal(quiet=options.quiet)
     console.print(f"open {page}", soft_wrap=True)

@@ -11,6 +11,7 @@ from rich.table import Table
 from hypernav.cli.main import main
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.warnings_shown import warnings_on
+from hypernav.core.errors import ModelUnavailableError
 
 EVIL = "\x1b]0;owned\x07 \x9b31m \u202e red"
 SHOWN = r"\x1b]0;owned"
@@ -51,6 +52,18 @@ def test_an_error_about_input_is_shown_not_obeyed(capsys: pytest.CaptureFixture[
         main(["find", "bed", "--scene", f"{EVIL}.glb", "--detector", EVIL])
     said = capsys.readouterr().err
     assert not set(said) & set("\x1b\x07\x9b\u202e")
+
+
+def test_an_error_of_several_lines_is_said_in_one(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    def fail(_: object) -> int:
+        raise ModelUnavailableError("no server\n\tat all\n")
+
+    monkeypatch.setattr("hypernav.cli.command_line.run_command", fail)
+    with pytest.raises(SystemExit, match="3"):
+        main(["find", "bed"])
+    assert capsys.readouterr().err == "hypernav: no server at all\n"
 
 
 def ended(command: str) -> tuple[int, str, str]:

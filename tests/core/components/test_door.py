@@ -39,6 +39,7 @@ from hypernav.core.exploring.overview import Block, BlockChoice, Overview
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.box_room import BoxRoom
 
@@ -92,6 +93,8 @@ DETECTED = {
     "a mask of another size": [broken(GOOD, mask=np.ones((10, 10), bool))],
     "a float mask": [broken(GOOD, mask=np.ones(SHAPE))],
     "a 3-D mask": [broken(GOOD, mask=np.ones((*SHAPE, 1), bool))],
+    "too many": [GOOD] * 1_001,
+    "a label without end": [broken(GOOD, label="door" * 10_000)],
     "no label": [broken(GOOD, label=None)],
     "half a surrogate pair": [broken(GOOD, label="door\ud800")],
     "a whole number beyond all floats": [broken(GOOD, score=10**400)],
@@ -207,16 +210,54 @@ def test_whatever_it_raises_is_its_own(error):
     assert "in fail" in caught.value.details
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt(), ModelUnavailableError("no server")])
-def test_interruptions_and_outages_pass(error):
-    with pytest.raises(type(error)):
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), ModelUnavailableError("no\n server")])
+def test_interruptions_and_outages_pass_unchanged(error):
+    words = str(error)
+    with pytest.raises(type(error)) as caught:
         through_door(own(detect=raising(error)), Detector).detect(SEEN, GOAL)
+    assert caught.value is error
+    assert str(error) == words
 
 
-def test_its_word_for_people_is_one_line():
-    error = ModelUnavailableError("no server\n\tat all\n")
-    with pytest.raises(ModelUnavailableError, match=r"^no server at all$"):
-        through_door(own(detect=raising(error)), Detector).detect(SEEN, GOAL)
+@pytest.mark.parametrize(
+    ("end", "said"),
+    [
+        (lambda: os._exit(0), r"os\._exit\(0\)"),
+        (lambda: os.execv("/bin/true", ["true"]), r"os\.execv\('/bin/true', …\)"),
+        (lambda: os.execle("/bin/true", "true", {}), r"os\.execve\('/bin/true', …\)"),
+        (lambda: os.execlp("true", "true"), r"os\.execv\(b'.*true', …\)"),
+    ],
+)
+def test_it_cannot_end_or_replace_the_process(end, said):
+    mine = through_door(own(detect=lambda self, *_: end()), Detector)
+    with pytest.raises(ComponentError, match=rf"^Mine: detect ended the program \(.*{said}"):
+        mine.detect(SEEN, GOAL)
+
+
+def test_a_process_of_its_own_may_become_another():
+    def detect(self: object, *_: object) -> list[Detection]:
+        child = os.fork()
+        if child == 0:
+            os.execv("/bin/sh", ["sh", "-c", "exit 7"])
+        assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
+        return []
+
+    assert through_door(own(detect=detect), Detector).detect(SEEN, GOAL) == []
+
+
+def test_what_it_draws_on_an_image_nobody_else_sees():
+    seen = BoxRoom().observe()
+    rgb, depth = seen.rgb.copy(), seen.depth.copy()
+
+    def detect(self: object, observation: Observation, goal: Goal) -> list[Detection]:
+        observation.rgb[:] = 0
+        observation.depth[:] = 0.3
+        return []
+
+    through_door(own(detect=detect), Detector).detect(seen, GOAL)
+    through_door(own(detect=detect), Detector).detect(observation=seen, goal=GOAL)
+    np.testing.assert_array_equal(seen.rgb, rgb)
+    np.testing.assert_array_equal(seen.depth, depth)
 
 
 def test_what_else_it_can_do_is_kept():

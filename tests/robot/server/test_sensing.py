@@ -300,3 +300,12 @@ def test_a_robot_that_sees_no_depth_for_too_long_is_named():
     assert robot.sensing.blind == 23
     with pytest.raises(SensorError, match="24 images without any depth"):
         robot.senses(depth=0.0)
+
+
+def test_a_clock_that_is_set_forward_is_taken_and_one_that_ends_is_named():
+    robot = Robot()
+    robot.senses(stamp_s=12.0)
+    robot.senses((0.3, 0.0, 0.0), stamp_s=1.8e9)
+    robot.senses((0.6, 0.0, 0.0), stamp_s=1e12)
+    with pytest.raises(SensorError, match="observation 2 again"):
+        robot.senses((0.9, 0.0, 0.0), stamp_s=1e12)

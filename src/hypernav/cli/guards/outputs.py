@@ -1,6 +1,7 @@
 """Checks outputs before the work begins, so that no search is lost because of a folder."""
 
 import tempfile
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
@@ -8,10 +9,14 @@ from hypernav.core.errors import OutputError
 from hypernav.core.files.output_file import check_regular
 
 
-def check_folder(folder: Path) -> None:
+def check_folder(folder: Path, files: Iterable[str] = ()) -> None:
     """Make sure that files can be written to a folder, by writing one.
 
     A missing folder is created and removed again, so that a command that fails leaves nothing.
+
+    Args:
+        folder: The folder.
+        files: Names of the files that will be written to it: nothing else may lie in their way.
 
     Raises:
         OutputError: They cannot be written; the message names the folder and the reason.
@@ -34,6 +39,8 @@ def check_folder(folder: Path) -> None:
             f"{folder} cannot be written ({error.strerror}); choose a folder where files can be "
             "made"
         ) from error
+    for name in files:
+        check_regular(folder / name)
 
 
 def check_file(path: Path) -> None:

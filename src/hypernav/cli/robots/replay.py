@@ -20,7 +20,7 @@ from hypernav.cli.screen.views import check_views, opened_views
 from hypernav.core.config import check_option
 from hypernav.core.errors import ConfigError
 from hypernav.core.goal import Goal
-from hypernav.episodes.recorder import EpisodeRecorder
+from hypernav.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
 from hypernav.robot.recordings.opening import open_recording
 from hypernav.robot.recordings.replay import UprightRecording, replayed
 from hypernav.robot.ros.topics import CameraTopics
@@ -60,7 +60,7 @@ def run(options: Replay) -> int:
         )
     name = os.path.basename(os.path.abspath(options.recording))[:_LONGEST_NAME]
     folder = options.out or Path("runs") / f"{datetime.now():%Y%m%d-%H%M%S}-{name}"
-    check_folder(folder)
+    check_folder(folder, OUTPUT_FILES)
     check_views(options.views.chosen, folder)
     with crash_report(folder):
         return _replay(options, folder)

@@ -30,6 +30,7 @@ from hypernav.core.errors import (
     RosNetworkError,
 )
 from hypernav.core.goal import Goal
+from hypernav.episodes.recorder import OUTPUT_FILES
 from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.stop_listener import StopListener
@@ -76,7 +77,7 @@ def run(options: Ros2) -> int:
     check_steps_and_seed(options.max_steps, 0)
     goal = Goal(options.goal)
     if options.out is not None:
-        check_folder(options.out)
+        check_folder(options.out, OUTPUT_FILES)
     check_views(options.views.chosen, options.out)
     if options.server is not None and options.own_server:
         raise ConfigError("--vlm, --detector and --reasoner are options of the server of --server")

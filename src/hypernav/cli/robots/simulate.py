@@ -31,6 +31,7 @@ from hypernav.core.episodes.episode import Episode, Outcome
 from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
 from hypernav.core.errors import RequestRefusedError, RobotLinkError
 from hypernav.core.goal import Goal
+from hypernav.episodes.recorder import OUTPUT_FILES
 from hypernav.robot.client.links import HttpLink, HttpServer, Link, ServerAddress
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.stop_listener import StopListener
@@ -71,7 +72,7 @@ def run(options: Simulate) -> int:
     check_start(options.start)
     goal, faults, mishaps = Goal(options.goal), _faults(options), _mishaps(options)
     if options.out is not None:
-        check_folder(options.out)
+        check_folder(options.out, OUTPUT_FILES)
     check_views(options.views.chosen, options.out)
     config = layered(HyPerNavConfig(), file=options.config, assignments=options.set)
     console = Terminal(quiet=options.quiet)

@@ -10,6 +10,7 @@ import os
 import traceback
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -26,6 +27,7 @@ from hypernav.core.errors import (
     WorldError,
 )
 from hypernav.core.interruptions import interruptions_of_kernels
+from hypernav.core.observation import Observation
 
 T = TypeVar("T")
 
@@ -111,7 +113,6 @@ def calling(name: str, what: str) -> Iterator[None]:
         raise
     except BaseException as error:  # whatever it is, it is the component's
         if isinstance(error, HyPerNavError) and not isinstance(error, SIMULATOR_ERRORS):
-            error.args = (" ".join(str(error).split()), *error.args[1:])  # a command says one line
             raise
         said = " ".join(traceback.format_exception_only(error)[-1].split())[:_MOST_WORDS]
         verb = "ended the program" if isinstance(error, SystemExit) else "raised"
@@ -130,6 +131,13 @@ def _line_of(error: BaseException) -> str:
     return f", {own[-1].filename} line {own[-1].lineno}" if own else ""
 
 
+def _copied(given: Any) -> Any:
+    """What a component is given: of an observation images of its own, on which it may draw."""
+    if not isinstance(given, Observation):
+        return given
+    return replace(given, rgb=given.rgb.copy(), depth=given.depth.copy())
+
+
 class _Shell:
     """Forwards everything to a component; its class is made anew for every component."""
 
@@ -146,8 +154,11 @@ class _Shell:
         return update_wrapper(partial(self._call, attribute), value)  # with its signature
 
     def _call(self, method: str, *given: Any, **named: Any) -> Any:
+        own = [_copied(one) for one in given]
         with calling(self._name, method):
-            value = getattr(self._component, method)(*given, **named)
+            value = getattr(self._component, method)(
+                *own, **{name: _copied(one) for name, one in named.items()}
+            )
         return self._checked(method, value, *given, *named.values())
 
     def _checked(self, attribute: str, value: Any, *given: Any) -> Any:

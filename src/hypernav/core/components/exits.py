@@ -1,29 +1,35 @@
-"""What `os._exit` does while a component of a user's own is at work: nothing ends unsaid.
+"""What `os._exit` and `os.exec…` do while a component of a user's own is at work.
 
-It would end the process without a word, and with a status that the component chooses; 0 means that
-the goal was found.
+They would end or replace the process without a word, and with a status that the component chooses;
+0 means that the goal was found.
 """
 
 import os
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import NoReturn
+from functools import partial
+from typing import Any, NoReturn
 
 end_at_once = os._exit
 """`os._exit` as the system has it, for this package."""
 
+_ENDING: dict[str, Callable[..., Any]] = {
+    name: getattr(os, name) for name in ("_exit", "execv", "execve")
+}
+"""What ends or replaces this process. `os.execl` and others call the last two."""
+_answers: dict[int, Callable[[str], NoReturn]] = {}
+"""What answers them outside a component's call, by process: one that is forked ends as it likes."""
 _at_work = threading.local()
 
 
 @contextmanager
 def exits_raised() -> Iterator[None]:
-    """In the block, `os._exit` raises `SystemExit`, as `sys.exit` does.
+    """In the block, `os._exit` and `os.exec…` raise `SystemExit`, as `sys.exit` does.
 
     Processes that a component forks in it end as they wish, and so do other threads.
     """
-    if os._exit is end_at_once:
-        os._exit = _raise_or_end
+    _install()
     before = getattr(_at_work, "process", None)
     _at_work.process = os.getpid()
     try:
@@ -32,23 +38,26 @@ def exits_raised() -> Iterator[None]:
         _at_work.process = before
 
 
-def answer_exits(answer: Callable[[int], NoReturn]) -> None:
-    """Let a function answer each `os._exit` of this process outside such a block.
+def answer_exits(answer: Callable[[str], NoReturn]) -> None:
+    """Let a function answer each `os._exit` and `os.exec…` of this process outside such a block.
 
     Args:
-        answer: Takes the status that was asked for, and ends the process.
+        answer: Takes the call in words, such as ``os._exit(0)``, and ends the process.
     """
-    owner = os.getpid()
-
-    def end(status: int) -> NoReturn:
-        if os.getpid() == owner:
-            answer(status)
-        end_at_once(status)
-
-    os._exit = lambda status: _raise_or_end(status, end)
+    _install()
+    _answers[os.getpid()] = answer
 
 
-def _raise_or_end(status: int, end: Callable[[int], NoReturn] = end_at_once) -> NoReturn:
+def _install() -> None:
+    for name, real in _ENDING.items():
+        if getattr(os, name) is real:
+            setattr(os, name, partial(_end, name, real))
+
+
+def _end(name: str, real: Callable[..., Any], *given: Any, **named: Any) -> Any:
+    called = f"os.{name}({', '.join(map(repr, given[:1]))}{', …' if given[1:] else ''})"
     if getattr(_at_work, "process", None) == os.getpid():
-        raise SystemExit(f"os._exit({status})")
-    end(status)
+        raise SystemExit(called)
+    if os.getpid() in _answers:
+        _answers[os.getpid()](called)
+    return real(*given, **named)

@@ -30,6 +30,9 @@ _ROUNDING = 1e-6
 _FARTHEST_M = 10_000.0
 _FARTHEST_PIXELS = 1e6
 _LARGEST = sys.float_info.max
+_MOST_DETECTIONS = 1_000
+_MOST_CHARACTERS = 32_768
+"""Length of a text, as of a model's answer."""
 
 
 class ValueFault(HyPerNavError):
@@ -57,8 +60,10 @@ def _is_number(value: Any, low: float = -_LARGEST, high: float = _LARGEST) -> bo
 
 def _expect_text(value: Any, where: str) -> None:
     """Expect a text that files and pages can hold."""
-    fits = isinstance(value, str) and value == value.encode(errors="replace").decode()
-    _expect(fits, value, "a text of valid Unicode", where)
+    is_text = isinstance(value, str) and len(value) <= _MOST_CHARACTERS
+    fits = is_text and value == value.encode(errors="replace").decode()
+    expected = f"a text of valid Unicode, of up to {_MOST_CHARACTERS:,} characters"
+    _expect(fits, value, expected, where)
 
 
 def _is_whole(value: Any) -> bool:
@@ -74,6 +79,8 @@ def _action(value: Any, *_: Any) -> Action | None:
 
 def _detections(value: Any, *given: Any) -> list[Detection]:
     _expect(isinstance(value, list | tuple), value, "a list of Detection")
+    most = f"at most {_MOST_DETECTIONS:,} of an image"
+    _expect(len(value) <= _MOST_DETECTIONS, f"{len(value):,} detections", most)
     observation = next(one for one in given if isinstance(one, Observation))
     return [_detection(one, observation.depth.shape) for one in value]
 

@@ -21,9 +21,11 @@ def check_regular(path: Path) -> None:
     except OSError as error:
         raise _unwritten(path, error) from error
     if stat.S_ISDIR(mode):
-        raise OutputError(f"{path} is a folder; name a file in it")
+        raise OutputError(f"{path} is a folder where a file would be; choose another name")
     if not stat.S_ISREG(mode):
-        raise OutputError(f"{path} is a pipe or a device; name a file")
+        raise OutputError(
+            f"{path} is a pipe or a device where a file would be; choose another name"
+        )
 
 
 class OutputFile:

@@ -20,6 +20,8 @@ from hypernav.evaluation.report.table_files import write_csv, write_lives, write
 from hypernav.show import captions
 from hypernav.show.pages.templating import page_environment, plain
 
+REPORT_FILES = ("report.html", "report.csv", "report.tex", "lives.json")
+"""Names of the files that `write_report` writes."""
 _SHOWN_FAILURES = 200
 
 

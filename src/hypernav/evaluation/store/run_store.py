@@ -33,6 +33,8 @@ RUN_FILE = "run.json"
 EPISODES_FILE = "episodes.jsonl"
 RETRIED_FILE = "retried.jsonl"
 SESSIONS_FILE = "sessions.jsonl"
+RUN_FILES = (RUN_FILE, EPISODES_FILE, RETRIED_FILE, SESSIONS_FILE)
+"""Names of the files that a store writes to its folder."""
 
 _LOGGER = logging.getLogger(__name__)
 
