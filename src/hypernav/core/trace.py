@@ -163,9 +163,19 @@ class StepTrace(_Record):
         return values
 
 
+def floor_of(step: StepTrace) -> int:
+    """Number of the floor that the robot is on; 1 as long as it knows of one only."""
+    return step.floor or 1
+
+
+def on_floor(steps: Sequence[StepTrace], floor: int) -> list[StepTrace]:
+    """The steps made on a floor."""
+    return [one for one in steps if floor_of(one) == floor]
+
+
 def on_last_floor(steps: Sequence[StepTrace]) -> list[StepTrace]:
     """The steps made on the floor of the last one, whose map was the last one shown."""
-    return [one for one in steps if (one.floor or 1) == (steps[-1].floor or 1)]
+    return on_floor(steps, floor_of(steps[-1])) if steps else []
 
 
 class ExchangeLog:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from hypernav.core.errors import OutputError
 from hypernav.core.files.append_only import AppendOnlyFile
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
-from hypernav.core.trace import StepTrace
+from hypernav.core.trace import Mode, StepTrace, floor_of
 from hypernav.core.view import json_values
 from hypernav.mapping.ros_map import save_ros_map
 from hypernav.perception.exchanges import unusable_answers
@@ -79,6 +80,8 @@ class EpisodeRecorder:
         self.folder = folder
         self.steps: list[StepTrace] = []
         self._grid: OccupancyGrid | None = None
+        self._maps: dict[int, OccupancyGrid] = {}
+        self._heights_m: dict[int, list[float]] = {}
         with _written_to(folder):
             folder.mkdir(parents=True, exist_ok=True)
             # An unnamed file reserves disk space for result and page until they are written.
@@ -121,6 +124,9 @@ class EpisodeRecorder:
         self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
     ) -> None:
         """Record a step with what the camera saw; see `record`."""
+        if observation is not None and step.mode is not Mode.CLIMB:
+            camera_z = float(observation.camera_to_map.translation[2])
+            self._heights_m.setdefault(floor_of(step), []).append(camera_z)
         self.record(step, grid, None if observation is None else observation.rgb)
 
     def record(
@@ -147,7 +153,7 @@ class EpisodeRecorder:
             if grid is None or image is None:
                 self._video.pass_over(step)
             else:
-                self._grid = grid
+                self._grid = self._maps[floor_of(step)] = grid
                 self._video.add(image, step, grid)
 
     def finish(self, result: Mapping[str, Any]) -> None:
@@ -219,7 +225,8 @@ class EpisodeRecorder:
             self.folder,
             result,
             self.steps,
-            self._grid,
+            self._maps,
+            heights_m={floor: median(seen) for floor, seen in self._heights_m.items()},
             frame_counts=self._video.frame_counts,
         )
         try:

@@ -5,15 +5,24 @@ import shutil
 import struct
 import zlib
 
+import numpy as np
 import pytest
 
 from hypernav.core.actions import Action
 from hypernav.core.errors import RunFolderError
-from hypernav.core.trace import without_timings
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.trace import StepTrace, floor_of, without_timings
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.searches import Searches
 from hypernav.worlds.box_room import BoxRoom
-from servers.robots import body_of, drive, real_plan, robot_server, scripted_plan
+from servers.robots import (
+    ScriptedAgent,
+    body_of,
+    drive,
+    real_plan,
+    robot_server,
+    scripted_plan,
+)
 
 
 def trace_of(link, search) -> list:
@@ -129,3 +138,42 @@ def test_one_server_at_a_time_uses_a_folder(tmp_path):
         Searches(tmp_path, scripted_plan, limits),
     ):
         pass
+
+
+class ClimbingAgent(ScriptedAgent):
+    """Goes to floor 2 after two steps; a floor's map is as many cells wide as its number says."""
+
+    @property
+    def last_step(self) -> StepTrace:
+        trace = super().last_step
+        return trace.model_copy(update={"floor": 2 if trace.step >= 2 else None})
+
+    @property
+    def grid(self) -> OccupancyGrid:
+        cells = np.full((1, floor_of(self.last_step)), Cell.FREE, np.uint8)
+        return OccupancyGrid(cells, 0.05, (0.0, 0.0))
+
+
+@pytest.mark.parametrize("is_ended", [False, True])
+def test_the_maps_of_all_floors_are_there_before_and_after_a_restart(
+    tmp_path, monkeypatch, is_ended
+):
+    monkeypatch.setattr("servers.robots.ScriptedAgent", ClimbingAgent)
+    paths = ("floors", "map.png", "map.png?floor=1", "map.png?floor=2")
+    with robot_server(tmp_path) as link:
+        search = link.open("quick")
+        assert link.call("GET", f"{search}/floors").json == {}
+        for number in range(4):
+            link.observe(search, body_of(number))
+            link.answer(search, number)
+        if is_ended:
+            link.call("POST", f"{search}/close")
+        extents = link.call("GET", f"{search}/floors").json
+        assert extents["2"] == link.call("GET", search).json["map"]
+        assert extents["2"]["columns"] == extents["1"]["columns"] + 1
+        shown = [link.call("GET", f"{search}/{path}").content for path in paths]
+        assert shown[1] == shown[3] != shown[2]
+        assert link.call("GET", f"{search}/map.png?floor=3").status == 404
+    with robot_server(tmp_path) as link:
+        link.answer(search, 3)
+        assert [link.call("GET", f"{search}/{path}").content for path in paths] == shown

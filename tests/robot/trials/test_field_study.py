@@ -46,7 +46,7 @@ def finished(
         image = np.zeros((8, 8, 3), np.uint8)
         journal.add_observation(pack_observation(facts, image, np.ones((8, 8), np.float32)))
     if ending is not None:
-        journal.write_end(EndRecord(ending=ending), None)
+        journal.write_end(EndRecord(ending=ending), {}, last_floor=1)
     journal.close()
     if by_hand is not None:
         (folder / "trial.yaml").write_text(by_hand)

@@ -12,6 +12,7 @@ from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import BlockRecord, StepTrace
+from hypernav.show.climbs import StairsMark
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.map_images import draw_map, draw_result, write_map_png
 from hypernav.show.drawing.map_painter import MapPainter
@@ -240,3 +241,12 @@ def test_the_map_on_disk_has_map_and_legend(
     assert (image[300:] != palette.PAPER).any()
     empty = write_map_png(tmp_path / "empty.png", room, [], size=300)
     assert np.asarray(Image.open(empty)).shape == image.shape
+
+
+def test_stairs_are_marked_where_they_begin(room: OccupancyGrid) -> None:
+    view = MapView.fit(room, 500)
+    marked = draw_map(room, view=view, stairs=[StairsMark((1.0, -0.5), "to floor 2")])
+    near = pixels_near(marked, palette.STAIRS, tolerance=5)
+    distances = np.linalg.norm(near - view.pixel_of(1.0, -0.5), axis=1)
+    assert distances.min() < 5.0
+    assert len(pixels_near(draw_map(room, view=view), palette.STAIRS, tolerance=5)) == 0

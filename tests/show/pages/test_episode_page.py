@@ -1,16 +1,19 @@
 import base64
 import json
 import re
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Iterator
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from selenium import webdriver
+from selenium.webdriver.common.by import By
 
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.trace import DetectionRecord, StepTrace
+from hypernav.core.trace import DetectionRecord, Mode, StepTrace
 from hypernav.show.pages.episode_page import write_page
 from hypernav.show.pages.templating import page_environment
 
@@ -75,7 +78,7 @@ def player(page: Page) -> dict[str, Any]:
 def test_the_page_tells_the_whole_story(
     steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
 ) -> None:
-    page = read(write_page(tmp_path / "new", result, steps, room))
+    page = read(write_page(tmp_path / "new", result, steps, {1: room}))
     assert "Found “bed”" in page.texts["h1"]
     for expected in ("0.61", "0.63", "23.5", "14.40", "0.04", "small_house", "default settings"):
         assert expected in page.visible
@@ -90,7 +93,7 @@ def test_the_page_needs_no_network(
     steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
 ) -> None:
     (tmp_path / "episode.mp4").write_bytes(b"a film")
-    path = write_page(tmp_path, result, steps, room)
+    path = write_page(tmp_path, result, steps, {1: room})
     page = read(path)
     assert all(address.startswith("data:") for address in page.addresses)
     assert page.with_tag("link") == []
@@ -108,12 +111,12 @@ def test_the_video_is_inside_unless_it_is_large(
     steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
 ) -> None:
     (tmp_path / "episode.mp4").write_bytes(b"a film")
-    inside = read(write_page(tmp_path, result, steps, room)).with_tag("video")[0]["src"]
+    inside = read(write_page(tmp_path, result, steps, {1: room})).with_tag("video")[0]["src"]
     assert base64.b64decode(inside.removeprefix("data:video/mp4;base64,")) == b"a film"
     other = tmp_path / "films" / "my film.mp4"
     other.parent.mkdir()
     other.write_bytes(b"another film")
-    page = read(write_page(tmp_path, result, steps, room, video=other, embed_limit_bytes=3))
+    page = read(write_page(tmp_path, result, steps, {1: room}, video=other, embed_limit_bytes=3))
     assert page.with_tag("video")[0]["src"] == "films/my%20film.mp4"
 
 
@@ -128,38 +131,111 @@ def test_what_models_and_people_write_cannot_become_markup(
     ]
     step = make_step(2, reason=evil, exchanges=exchanges, events=[evil])
     result |= {"goal": evil, "scene": evil, "config": {evil: evil}, "detector": evil}
-    page = read(write_page(tmp_path, result, [step], room))
+    page = read(write_page(tmp_path, result, [step], {1: room}))
     assert len(page.with_tag("script")) == 2
     assert all(address.startswith("data:") for address in page.addresses)
     assert evil in page.texts["h1"]
     assert player(page)["reasons"] == [evil]
 
 
-def test_the_map_is_that_of_the_last_floor_and_shows_the_robot_there_only(
+def over_two_floors(make_step: MakeStep) -> list[StepTrace]:
+    """Two steps on floor 1, two on the stairs, two on floor 2."""
+    modes = [Mode.EXPLORE, Mode.EXPLORE, Mode.CLIMB, Mode.CLIMB, Mode.EXPLORE, Mode.EXPLORE]
+    floors = [None, None, None, None, 2, 2]
+    return [
+        make_step(k, mode=mode, floor=floor)
+        for k, (mode, floor) in enumerate(zip(modes, floors, strict=True))
+    ]
+
+
+def test_every_floor_has_its_map_and_the_robot_is_on_one_of_them(
     make_step: MakeStep, result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
 ) -> None:
-    floors = [None, None, 2, 2]
-    steps = [make_step(k, floor=floor) for k, floor in enumerate(floors)]
-    data = player(read(write_page(tmp_path, result, steps, room)))
-    assert [robot is not None for robot in data["robots"]] == [False, False, True, True]
+    maps, heights_m = {1: room, 2: room}, {1: 0.9, 2: 3.9}
+    steps = over_two_floors(make_step)
+    page = read(write_page(tmp_path, result, steps, maps, heights_m=heights_m))
+    data = player(page)
+    assert data["floors"] == [1, 1, 1, 1, 2, 2]
+    assert all(robot is not None for robot in data["robots"])
     assert data["reasons"][-1].startswith("Floor 2")
-    page = (tmp_path / "index.html").read_text()
-    assert "of floor 2" in page
-    assert "floor 1 from step 1, floor 2 from step 3" in page
+    assert len([image for image in page.with_tag("img") if "of floor" in image["alt"]]) == 2
+    assert "Floor 1, where the search began" in page.visible
+    assert "Floor 2, 3.0 m above floor 1; the search ended here" in page.visible
+    assert "Over stairs up to floor 2" in page.visible
+    assert "floor 1 from step 1, floor 2 from step 5" in page.visible
+
+
+def test_a_floor_without_a_map_shows_no_robot(
+    make_step: MakeStep, result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
+) -> None:
+    data = player(read(write_page(tmp_path, result, over_two_floors(make_step), {2: room})))
+    assert [robot is not None for robot in data["robots"]] == [False] * 4 + [True] * 2
+
+
+def test_a_search_that_ends_on_stairs_says_so(
+    make_step: MakeStep, result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
+) -> None:
+    steps = over_two_floors(make_step)[:4]
+    page = read(write_page(tmp_path, result, steps, {1: room}))
+    assert "Onto stairs; the search ended on them" in page.visible
 
 
 def test_as_long_as_one_floor_is_known_no_floor_is_named(
     steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
 ) -> None:
-    write_page(tmp_path, result, steps, room)
-    assert "of floor" not in (tmp_path / "index.html").read_text()
+    page = read(write_page(tmp_path, result, steps, {1: room}))
+    assert "floor 1" not in page.visible.lower()
+    assert not any("data-floor" in button for button in page.with_tag("button"))
     assert all("floor" not in step.model_dump() for step in steps)
+
+
+@pytest.fixture
+def browser() -> Iterator[webdriver.Chrome]:
+    options = webdriver.ChromeOptions()
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu"):
+        options.add_argument(argument)
+    driver = webdriver.Chrome(options, webdriver.ChromeService(shutil.which("chromedriver")))
+    yield driver
+    driver.quit()
+
+
+def test_a_click_shows_another_floor_until_the_robot_changes_floors(
+    make_step: MakeStep,
+    result: dict[str, Any],
+    room: OccupancyGrid,
+    tmp_path: Path,
+    browser: webdriver.Chrome,
+) -> None:
+    path = write_page(tmp_path, result, over_two_floors(make_step), {1: room, 2: room})
+    browser.get(path.as_uri())
+
+    def shown() -> list[str | None]:
+        figures = browser.find_elements(By.CSS_SELECTOR, "figure[data-floor]")
+        return [one.get_attribute("data-floor") for one in figures if one.is_displayed()]
+
+    def go_to(step: int) -> None:
+        move = "slider.value = arguments[0]; slider.dispatchEvent(new Event('input'))"
+        browser.execute_script(move, step)
+
+    assert shown() == ["2"], "where the search ended"
+    browser.find_element(By.CSS_SELECTOR, "button[data-floor='1']").click()
+    assert shown() == ["1"]
+    assert not browser.find_element(By.ID, "robot").is_displayed()
+    go_to(5)
+    assert shown() == ["1"], "the robot is still on floor 2"
+    go_to(0)
+    browser.find_element(By.CSS_SELECTOR, "button[data-floor='2']").click()
+    assert shown() == ["2"]
+    go_to(4)
+    go_to(1)
+    assert shown() == ["1"]
+    assert browser.find_element(By.ID, "robot").is_displayed()
 
 
 def test_the_script_knows_where_the_robot_was(
     steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
 ) -> None:
-    data = player(read(write_page(tmp_path, result, steps, room)))
+    data = player(read(write_page(tmp_path, result, steps, {1: room})))
     places = ("times", "steps", "modes", "reasons", "robots", "destinations")
     assert {len(data[name]) for name in places} == {len(steps)}
     (u0, v0, angle0), (u1, v1, angle1) = data["robots"][0], data["robots"][5]
@@ -172,15 +248,15 @@ def test_the_script_knows_where_the_robot_was(
 def test_the_script_knows_which_step_decided_a_failure(
     steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
 ) -> None:
-    assert player(read(write_page(tmp_path, result, steps, room)))["decisive"] is None
+    assert player(read(write_page(tmp_path, result, steps, {1: room})))["decisive"] is None
     failed = result | {"success": False, "decisive_step": 3}
-    assert player(read(write_page(tmp_path, failed, steps, room)))["decisive"] == 3
+    assert player(read(write_page(tmp_path, failed, steps, {1: room})))["decisive"] == 3
 
 
 def test_a_screen_reader_finds_the_content_and_a_name_for_each_column(
     steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
 ) -> None:
-    text = write_page(tmp_path, result, steps, room).read_text(encoding="utf-8")
+    text = write_page(tmp_path, result, steps, {1: room}).read_text(encoding="utf-8")
     assert text.count("<main") == text.count("</main>") == 1
     assert not re.search(r"<th[^>]*></th>", text)
 
@@ -189,7 +265,7 @@ def test_a_screen_reader_finds_the_content_and_a_name_for_each_column(
 def test_an_episode_without_steps_or_result_has_a_page(
     with_map: bool, room: OccupancyGrid, tmp_path: Path
 ) -> None:
-    page = read(write_page(tmp_path, {}, [], room if with_map else None))
+    page = read(write_page(tmp_path, {}, [], {1: room} if with_map else {}))
     assert "–" in page.visible
     assert len(page.with_tag("img")) == int(with_map)
     assert page.with_tag("video") == []
@@ -198,7 +274,9 @@ def test_an_episode_without_steps_or_result_has_a_page(
 def test_an_empty_map_and_one_step_have_a_page(make_step: MakeStep, tmp_path: Path) -> None:
     nothing = OccupancyGrid(np.zeros((1, 1), dtype=np.uint8), 0.05, (0.0, 0.0))
     step = make_step(0, destination=None, path=[], seconds={}, reason="")
-    page = read(write_page(tmp_path, {"outcome": "interrupted", "goal": "椅子"}, [step], nothing))
+    page = read(
+        write_page(tmp_path, {"outcome": "interrupted", "goal": "椅子"}, [step], {1: nothing})
+    )
     assert "椅子" in page.texts["h1"]
     assert player(page)["destinations"] == [None]
 
@@ -208,7 +286,7 @@ def test_infinite_lengths_and_odd_results_have_a_page(
 ) -> None:
     result |= {"shortest_path_m": float("inf"), "distance_to_goal_m": None, "seconds": None}
     result |= {"success": False, "outcome": "unreachable", "detector": None, "config": None}
-    page = read(write_page(tmp_path, result, steps, room))
+    page = read(write_page(tmp_path, result, steps, {1: room}))
     assert "No path to “bed”" in page.texts["h1"]
     assert "∞" in page.visible
     assert "None" not in page.visible
@@ -220,15 +298,15 @@ def test_long_answers_are_cut_and_told_in_full_below(
     answer = "because of the kitchen " * 40
     asked = make_step(2)
     exchange = asked.exchanges[1].model_copy(update={"answer": answer})
-    page = read(write_page(tmp_path, result, [make_step(2, exchanges=[exchange])], room))
+    page = read(write_page(tmp_path, result, [make_step(2, exchanges=[exchange])], {1: room}))
     assert page.texts["blockquote"].count("because of the kitchen") == 40
 
 
 def test_the_same_episode_gives_the_same_page(
     steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
 ) -> None:
-    first = write_page(tmp_path / "a", result, steps, room).read_bytes()
-    assert first == write_page(tmp_path / "b", result, steps, room).read_bytes()
+    first = write_page(tmp_path / "a", result, steps, {1: room}).read_bytes()
+    assert first == write_page(tmp_path / "b", result, steps, {1: room}).read_bytes()
 
 
 def test_other_pages_can_stand_on_the_same_style_sheet() -> None:

@@ -16,7 +16,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.trace import Ending, StepTrace
+from hypernav.core.trace import Ending, StepTrace, floor_of
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.robot.motion.config import DriveConfig
 from hypernav.robot.motion.obstacles import MapObstacles
@@ -109,7 +109,7 @@ class Decisions:
         self._told = reply.action
         return StepRecord(reply=reply, trace=trace), grid.cropped().copy()
 
-    def repeat(self, journal: Journal, is_wanted: Callable[[], bool]) -> OccupancyGrid | None:
+    def repeat(self, journal: Journal, is_wanted: Callable[[], bool]) -> dict[int, OccupancyGrid]:
         """After a restart, give the agent all decided observations again.
 
         Args:
@@ -117,12 +117,12 @@ class Decisions:
             is_wanted: Function that says whether to go on.
 
         Returns:
-            The map after the last decision; None before the first.
+            The last map of every floor, by its number; empty before the first decision.
 
         Raises:
             HyPerNavError: The agent cannot repeat it.
         """
-        grid = None
+        maps = dict[int, OccupancyGrid]()
         for number in range(journal.step_count):
             if not is_wanted():
                 break
@@ -131,6 +131,8 @@ class Decisions:
                 continue
             packed = unpack_observation(journal.observation(number))
             again, grid = self.decide(packed, self._decoded(packed))
+            if again.trace is not None and grid is not None:
+                maps[floor_of(again.trace)] = grid
             self._told = recorded.reply.action
             if again.reply.action != self._told:
                 _LOG.warning(
@@ -140,7 +142,7 @@ class Decisions:
                     self._told,
                     again.reply.action,
                 )
-        return grid
+        return maps
 
     def close(self, end: EndRecord | None) -> None:
         """Release what the agent holds, and save the memory if the search is over.

@@ -6,7 +6,7 @@ it to disk, decides, writes the decision to disk, and answers.
 
 import logging
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, closing, contextmanager
 from dataclasses import replace
 from time import monotonic
@@ -21,6 +21,7 @@ from hypernav.core.errors import (
     WireError,
 )
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.trace import floor_of
 from hypernav.robot.server.decisions import Decisions
 from hypernav.robot.server.limits import Pace
 from hypernav.robot.server.standing import Standing, Turn, end_reply
@@ -93,6 +94,16 @@ class Search:
         """
         grid = self._now.grid
         return self._journal.read_map() if grid is None and self._is_end_kept else grid
+
+    @property
+    def maps(self) -> Mapping[int, OccupancyGrid]:
+        """Last map of every floor, by its number; empty before the first decision.
+
+        Raises:
+            HyPerNavError: One is damaged on the disk.
+        """
+        now = self._now
+        return now.maps or (self._journal.read_maps(now.floor) if self._is_end_kept else {})
 
     @property
     def colour(self) -> tuple[str, bytes] | None:
@@ -206,7 +217,7 @@ class Search:
         now = self._now
         if now.end is None:
             return
-        self._journal.write_end(now.end, now.grid)
+        self._journal.write_end(now.end, now.maps, now.floor)
         self._is_end_kept = True
         with self._lock:
             self._now = self._now.kept_on(self._journal)
@@ -258,9 +269,10 @@ class Search:
         if not self._is_wanted():
             return
         self._journal.add_step(step)
+        maps = {} if grid is None or step.trace is None else {floor_of(step.trace): grid}
         with self._lock:
             if self._now.end is None:
-                turn.reply, self._now = step.reply, self._now.showing(step.trace, grid)
+                turn.reply, self._now = step.reply, self._now.showing(step.trace, maps)
             if step.reply.ending is None:  # else the end follows at once
                 self._tell(self._now)
         if step.reply.ending is not None:
@@ -269,9 +281,9 @@ class Search:
     def _resume(self, last: Turn) -> None:
         """Give the agent the journal's observations again; runs in the worker."""
         with self._ending_at_errors():
-            grid = self._decisions.repeat(self._journal, self._is_wanted)
+            maps = self._decisions.repeat(self._journal, self._is_wanted)
             with self._lock:
-                now = self._now if self.is_over else self._now.showing(None, grid)
+                now = self._now if self.is_over else self._now.showing(None, maps)
                 self._tell(replace(now, is_resuming=False))
             if last.reply is not None and last.reply.ending is not None:
                 self._finish(last.reply.ending, last.reply.reason)

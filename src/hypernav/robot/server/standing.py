@@ -1,11 +1,12 @@
 """Where one search stands: what has come, what was answered, how it ended, what people see."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 from hypernav.core.actions import Action
 from hypernav.core.errors import RequestRefusedError, RunFolderError, WireError
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.trace import StepTrace
+from hypernav.core.trace import StepTrace, floor_of
 from hypernav.robot.server.state.journal import EndRecord, Journal, SearchRecord
 from hypernav.robot.wire.frames import PackedObservation
 from hypernav.robot.wire.replies import MapExtent, Reply, SearchState, Status
@@ -46,7 +47,7 @@ class Turn:
 class Standing:
     """A value that is replaced at every change.
 
-    After the end of a search its map and image are on the disk and no longer in here, because a
+    After the end of a search its maps and image are on the disk and no longer in here, because a
     server keeps many searches.
 
     Attributes:
@@ -57,8 +58,10 @@ class Standing:
         is_resuming: Whether the agent is given again what came before a restart.
         end: End of the search; None as long as it goes on.
         pose: Last pose of the robot ``(x, y, yaw)``, ``map`` frame; None before the first decision.
-        extent: Where the map lies; None before the first decision.
-        grid: Map after the last decision; None before the first, and after the end.
+        floor: Number of the floor that it is on.
+        extent: Where the map of that floor lies; None before the first decision.
+        maps: Last map of every floor, by its number; empty before the first decision, and after
+            the end.
         colour: Format and bytes of the last colour image; None before the first, and after the end.
     """
 
@@ -69,8 +72,9 @@ class Standing:
     is_resuming: bool = False
     end: EndRecord | None = None
     pose: tuple[float, float, float] | None = None
+    floor: int = 1
     extent: MapExtent | None = None
-    grid: OccupancyGrid | None = None
+    maps: Mapping[int, OccupancyGrid] = field(default_factory=dict)
     colour: tuple[str, bytes] | None = None
 
     @staticmethod
@@ -91,8 +95,14 @@ class Standing:
                 last.reply = end_reply(last.sequence, end)
         now = Standing(last=last, next_sequence=count, end=end)
         if end is None:
-            return replace(now, colour=journal.image_of(count - 1)).showing(trace, None)
-        return now.showing(trace, journal.read_map()).kept_on(journal)
+            return replace(now, colour=journal.image_of(count - 1)).showing(trace, {})
+        floor = 1 if trace is None else floor_of(trace)
+        return now.showing(trace, journal.read_maps(floor)).kept_on(journal)
+
+    @property
+    def grid(self) -> OccupancyGrid | None:
+        """Map after the last decision; None before the first, and after the end."""
+        return self.maps.get(self.floor)
 
     @property
     def pending(self) -> Turn | None:
@@ -167,14 +177,16 @@ class Standing:
             return now
         return replace(now, colour=(packed.header.colour.format, packed.colour))
 
-    def showing(self, trace: StepTrace | None, grid: OccupancyGrid | None) -> "Standing":
-        """With pose and map after a decision; None leaves what there is."""
-        now = self if trace is None else replace(self, pose=trace.pose)
-        return now if grid is None else replace(now, grid=grid, extent=MapExtent.of(grid))
+    def showing(self, trace: StepTrace | None, maps: Mapping[int, OccupancyGrid]) -> "Standing":
+        """With pose and maps after a decision; no trace, or no map of a floor, leaves the old."""
+        now = replace(self, maps={**self.maps, **maps})
+        if trace is not None:
+            now = replace(now, pose=trace.pose, floor=floor_of(trace))
+        return now if now.grid is None else replace(now, extent=MapExtent.of(now.grid))
 
     def kept_on(self, journal: Journal) -> "Standing":
-        """Without image and map, once the journal has them."""
-        return replace(self, colour=None, grid=None if journal.has_map else self.grid)
+        """Without image and maps, once the journal has them."""
+        return replace(self, colour=None, maps={} if journal.has_map else self.maps)
 
     def status(self, record: SearchRecord, silent_s: float) -> Status:
         """What people are told.

@@ -10,7 +10,8 @@ from PIL import Image
 from hypernav.core.exploring.insight import ThingGraph, ValueImage
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.trace import StepTrace, on_last_floor
+from hypernav.core.trace import StepTrace, floor_of, on_floor, on_last_floor
+from hypernav.show.climbs import StairsMark, climbs, stairs_on
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.insight_overlays import draw_graph, draw_values
 from hypernav.show.drawing.legend import Layer, draw_legend
@@ -38,6 +39,8 @@ def draw_map(
     block_opacity: float = 1.0,
     values: ValueImage | None = None,
     graph: ThingGraph | None = None,
+    stairs: Sequence[StairsMark] = (),
+    title: str = "",
 ) -> UInt8[np.ndarray, "_ _ 3"]:
     """Draw a map with everything that is known about it; y points up. All in metres.
 
@@ -57,6 +60,8 @@ def draw_map(
         block_opacity: Opacity of the blocks, 0 to 1.
         values: Values of the floor, drawn below everything but the map itself.
         graph: Things that are remembered.
+        stairs: Ends of stairs that the robot took or tried.
+        title: Words in the upper left corner.
 
     Returns:
         RGB.
@@ -69,6 +74,7 @@ def draw_map(
     painter.trajectory(trajectory)
     if start is not None:
         painter.start(*start)
+    painter.stairs(stairs)
     painter.path(path)
     painter.numbers(
         blocks,
@@ -83,37 +89,61 @@ def draw_map(
     if destination is not None:
         painter.destination(*destination)
     painter.scale_bar()
+    painter.title(title)
     if robot is not None:
         painter.robot(robot)
     return painter.image
 
 
-def final_view(grid: OccupancyGrid, steps: Sequence[StepTrace], size: int) -> MapView:
-    """The window that shows the explored area and the trajectory on the last floor."""
-    return MapView.fit(grid, size, points=[step.pose[:2] for step in on_last_floor(steps)])
+def final_view(
+    grid: OccupancyGrid, steps: Sequence[StepTrace], size: int, floor: int | None = None
+) -> MapView:
+    """The window that shows the explored area and the trajectory on a floor, by default the last.
+
+    Args:
+        grid: The last map of the floor.
+        steps: The whole trace; may be empty.
+        size: Side of the image, pixels.
+        floor: Number of the floor.
+    """
+    return MapView.fit(grid, size, points=_trajectory(steps, floor))
 
 
 def draw_result(
-    grid: OccupancyGrid, steps: Sequence[StepTrace], *, size: int = _MAP_SIZE, robot: bool = True
+    grid: OccupancyGrid,
+    steps: Sequence[StepTrace],
+    *,
+    size: int = _MAP_SIZE,
+    robot: bool = True,
+    floor: int | None = None,
 ) -> UInt8[np.ndarray, "_ _ 3"]:
-    """Draw the map at the end of an episode, with the trajectory on its floor.
+    """Draw the map of a floor at the end of an episode, with the trajectory there.
 
     Args:
-        grid: The last map.
+        grid: The last map of the floor.
         steps: The whole trace; may be empty.
         size: Side of the image, pixels.
         robot: Whether to draw the robot where it stopped.
+        floor: Number of the floor; by default that of the end.
     """
-    last = steps[-1] if steps else None
-    trajectory = [step.pose[:2] for step in on_last_floor(steps)]
+    number = floor or (floor_of(steps[-1]) if steps else 1)
+    last = steps[-1] if steps and floor_of(steps[-1]) == number else None
+    trajectory = _trajectory(steps, floor)
     return draw_map(
         grid,
-        view=final_view(grid, steps, size),
+        view=final_view(grid, steps, size, floor),
         robot=Pose2(*last.pose) if last and robot else None,
         trajectory=trajectory,
         start=trajectory[0] if trajectory else None,
         goal_area=last.goal_area if last else (),
+        stairs=stairs_on(number, climbs(steps)),
+        title=f"Floor {number}" if any(step.floor is not None for step in steps) else "",
     )
+
+
+def _trajectory(steps: Sequence[StepTrace], floor: int | None) -> list[XY]:
+    walk = on_last_floor(steps) if floor is None else on_floor(steps, floor)
+    return [step.pose[:2] for step in walk]
 
 
 def write_map_png(

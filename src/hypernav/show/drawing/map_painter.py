@@ -11,6 +11,7 @@ from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import BlockRecord
+from hypernav.show.climbs import StairsMark
 from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.hidden_weight import HiddenWeight
 from hypernav.show.drawing.label_placement import Label, placed_labels
@@ -210,6 +211,28 @@ class MapPainter:
         shapes.disc(self.image, at, radius, palette.TRAJECTORY_NEW)
         shapes.disc(self.image, at, 0.45 * radius, palette.FREE)
 
+    def stairs(self, marks: Sequence[StairsMark]) -> None:
+        """Mark the ends of stairs, each with where they lead beside it."""
+        size, half = max(round(20 * self._unit), 12), max(12.0 * self._unit, 8.0)
+        for mark in marks:
+            u, v = self.view.pixel_of(*mark.position)
+            for tread in range(3):
+                low = (u - half + 0.67 * half * tread, v + half * (0.33 - 0.67 * tread))
+                shapes.rectangle(self.image, low, (u + half, low[1] + 0.67 * half), palette.STAIRS)
+            width = text_width(mark.words, size, bold=True)
+            left = u + half + 5.0 if u + half + 5.0 + width <= self.view.size else u - half - 5.0
+            draw_text(
+                self.image,
+                mark.words,
+                (left, v),
+                size,
+                bold=True,
+                align=0.0 if left > u else 1.0,
+                color=palette.STAIRS,
+                halo=palette.FREE,
+                halo_px=max(round(3 * self._unit), 2),
+            )
+
     def path(self, points: Sequence[XY]) -> None:
         """Draw the planned path, dashed."""
         line = self._pixels(points)
@@ -238,6 +261,11 @@ class MapPainter:
         """Draw the robot as an arrow that points where it looks."""
         disc = self._arrow_disc(pose)
         draw_arrow(self.image, (disc.u, disc.v), pose.yaw, disc.radius)
+
+    def title(self, words: str) -> None:
+        """Write words into the upper left corner."""
+        size = max(round(24 * self._unit), 13)
+        draw_text(self.image, words, (0.8 * size, 1.1 * size), size, bold=True, halo=palette.FREE)
 
     def scale_bar(self) -> None:
         """Draw a bar of a round length into the lower left corner."""

@@ -25,6 +25,7 @@ ROBOT: Rgb = (213, 94, 0)
 PATH: Rgb = (125, 60, 152)
 GOAL: Rgb = (0, 128, 92)
 CHOSEN: Rgb = (230, 159, 0)
+STAIRS: Rgb = (130, 90, 60)
 BLOCK: Rgb = (116, 128, 144)
 EXCLUDED: Rgb = (150, 158, 168)
 
@@ -42,7 +43,7 @@ MODES: dict[Mode, Rgb] = {
     Mode.EXPLORE: (0, 96, 160),
     Mode.APPROACH: (230, 159, 0),
     Mode.VERIFY: (160, 84, 134),
-    Mode.CLIMB: (130, 90, 60),
+    Mode.CLIMB: STAIRS,
     Mode.STOP: (0, 128, 92),
 }
 

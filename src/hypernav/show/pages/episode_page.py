@@ -11,8 +11,9 @@ from urllib.parse import quote
 import yaml
 
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.trace import StepTrace, on_last_floor
+from hypernav.core.trace import Mode, StepTrace, floor_of
 from hypernav.show import captions
+from hypernav.show.climbs import climb_words, climbs, floor_words
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.map_images import draw_result, final_view
 from hypernav.show.pages import episode_summary
@@ -36,8 +37,9 @@ def write_page(
     folder: Path,
     result: Mapping[str, Any],
     steps: Sequence[StepTrace],
-    grid: OccupancyGrid | None,
+    maps: Mapping[int, OccupancyGrid],
     *,
+    heights_m: Mapping[int, float] | None = None,
     video: Path | None = None,
     frame_counts: Sequence[int] | None = None,
     embed_limit_bytes: int = EMBED_LIMIT_BYTES,
@@ -48,7 +50,8 @@ def write_page(
         folder: Folder of the page; created if missing.
         result: Content of ``result.json``; missing entries show as a dash.
         steps: Trace of the episode; may be empty.
-        grid: Last map; None if there is none.
+        maps: Last map of every floor, by its number; empty if there is none.
+        heights_m: Heights of the floors, metres, as far as they are known.
         video: Video of the episode; by default ``episode.mp4`` in the folder, if it exists.
         frame_counts: Number of video frames of each step; by default that of a video of all steps.
         embed_limit_bytes: Largest video that is embedded; the page links to a larger one.
@@ -66,7 +69,9 @@ def write_page(
         facts=_facts(result),
         told_truth=captions.is_ground_truth(str(result.get("detector"))),
         video=_video_source(folder, video, embed_limit_bytes) if video is not None else "",
-        map=_map(grid, steps) if grid is not None else None,
+        maps=[_map(floor, maps[floor], steps, heights_m or {}) for floor in sorted(maps)],
+        map_size=_MAP_SIZE,
+        floors=_floors(steps, heights_m or {}),
         figures=_metrics(result, steps),
         phases=[_band(phase, len(steps)) for phase in episode_summary.phases(steps)],
         shares=episode_summary.mode_shares(steps),
@@ -77,7 +82,7 @@ def write_page(
         modules=episode_summary.module_times(result, steps),
         total_seconds=episode_summary.total_seconds(result),
         steps=steps,
-        player=_player_data(steps, grid, frame_counts) | {"decisive": result.get("decisive_step")},
+        player=_player_data(steps, maps, frame_counts) | {"decisive": result.get("decisive_step")},
         configuration=_yaml(result.get("config")),
         captions=captions,
         mode_name=mode_name,
@@ -95,34 +100,60 @@ def _video_source(folder: Path, video: Path, embed_limit_bytes: int) -> str:
     return data_uri(video.read_bytes(), "video/mp4")
 
 
-def _map(grid: OccupancyGrid, steps: Sequence[StepTrace]) -> dict[str, Any]:
+def _map(
+    floor: int, grid: OccupancyGrid, steps: Sequence[StepTrace], heights_m: Mapping[int, float]
+) -> dict[str, Any]:
     # The robot is drawn by the page itself, so that it can follow the video.
-    image = draw_result(grid, steps, size=_MAP_SIZE, robot=False)
-    return {"uri": image_uri(image), "size": _MAP_SIZE, "floor": steps[-1].floor if steps else None}
+    image = draw_result(grid, steps, size=_MAP_SIZE, robot=False, floor=floor)
+    words = floor_words(floor, heights_m)
+    return {"floor": floor, "uri": image_uri(image), "words": words}
 
 
-def _band(phase: episode_summary.Phase, total: int) -> dict[str, Any]:
+def _floors(steps: Sequence[StepTrace], heights_m: Mapping[int, float]) -> dict[str, Any]:
+    """The stays on floors as a band below the timeline, and the climbs between them as a list."""
+    made = climbs(steps)
+    words = [climb_words(one, heights_m) for one in made]
+    if made and steps[-1].mode is Mode.CLIMB:
+        words[-1] += "; the search ended on them"
     return {
-        "mode": phase.mode,
-        "first": phase.first,
-        "count": phase.count,
-        "left": 100.0 * phase.first / total,
-        "width": 100.0 * phase.count / total,
+        "stays": [
+            {
+                "floor": stay.floor,
+                "words": f"Floor {stay.floor}: steps {stay.first + 1} to {stay.first + stay.count}",
+            }
+            | _extent(stay.first, stay.count, len(steps))
+            for stay in episode_summary.stays(steps)
+        ],
+        "climbs": [
+            {"first": one.first, "words": told} for one, told in zip(made, words, strict=True)
+        ],
     }
 
 
+def _band(phase: episode_summary.Phase, total: int) -> dict[str, Any]:
+    extent = _extent(phase.first, phase.count, total)
+    return {"mode": phase.mode, "first": phase.first, "count": phase.count} | extent
+
+
+def _extent(first: int, count: int, total: int) -> dict[str, float]:
+    """Where steps lie on the timeline, percent."""
+    return {"left": 100.0 * first / total, "width": 100.0 * count / total}
+
+
 def _player_data(
-    steps: Sequence[StepTrace], grid: OccupancyGrid | None, frame_counts: Sequence[int] | None
+    steps: Sequence[StepTrace],
+    maps: Mapping[int, OccupancyGrid],
+    frame_counts: Sequence[int] | None,
 ) -> dict[str, Any]:
     """Data with which the page's script keeps video, timeline and map together."""
     if frame_counts is None:
         frame_counts = [frame_timing.frame_count(step) for step in steps]
     robots, destinations = [], []
-    if grid is not None:
-        view = final_view(grid, steps, _MAP_SIZE)
-        shown = {step.step for step in on_last_floor(steps)}
+    views = {k: final_view(grid, steps, _MAP_SIZE, k) for k, grid in maps.items()}
+    if maps:
         for step in steps:
-            if step.step not in shown:  # on a floor whose map is not on the page
+            view = views.get(floor_of(step))
+            if view is None:  # on a floor without a map
                 robots.append(None)
                 destinations.append(None)
                 continue
@@ -135,6 +166,7 @@ def _player_data(
         "steps": [step.step + 1 for step in steps],
         "modes": [captions.MODES[step.mode] for step in steps],
         "reasons": [captions.sentence(captions.floor_prefix(step) + step.reason) for step in steps],
+        "floors": [floor_of(step) for step in steps],
         "robots": robots,
         "destinations": destinations,
     }
@@ -188,8 +220,9 @@ def _metrics(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[_Met
         _Metric("Model calls", number(value("model_calls")), "questions put to neural networks"),
     ]
     if steps and steps[-1].floor is not None:
-        floors = {one.floor or 1 for one in steps}
-        words = ", ".join(episode_summary.floors_in_turn(steps))
+        floors = set(map(floor_of, steps))
+        turns = episode_summary.stays(steps)
+        words = ", ".join(f"floor {one.floor} from step {one.first + 1}" for one in turns)
         figures.append(_Metric("Floors", str(len(floors)), words))
     if seconds is not None:
         figures.append(_Metric("Time", captions.duration(seconds), "that the run took in all"))

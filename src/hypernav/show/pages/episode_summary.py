@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
-from hypernav.core.trace import Exchange, Mode, StepTrace
+from hypernav.core.trace import Exchange, Mode, StepTrace, floor_of
 from hypernav.show import captions
 from hypernav.show.video.frame_timing import EVERY_STEP
 
@@ -37,6 +37,31 @@ def phases(steps: Sequence[StepTrace]) -> list[Phase]:
     for mode, group in groupby(steps, key=lambda step: step.mode):
         count = sum(1 for _ in group)
         found.append(Phase(mode, first, count))
+        first += count
+    return found
+
+
+@dataclass(frozen=True)
+class Stay:
+    """A run of consecutive steps on one floor; the stairs belong to the floor before them.
+
+    Attributes:
+        floor: Number of the floor.
+        first: Index of the first step in the trace.
+        count: Number of steps.
+    """
+
+    floor: int
+    first: int
+    count: int
+
+
+def stays(steps: Sequence[StepTrace]) -> list[Stay]:
+    """The floors in the order in which the robot was on them."""
+    found, first = [], 0
+    for floor, group in groupby(steps, key=floor_of):
+        count = sum(1 for _ in group)
+        found.append(Stay(floor, first, count))
         first += count
     return found
 
@@ -253,9 +278,3 @@ def _number(value: object) -> float | None:
 def _typical(name: str, steps: Sequence[StepTrace]) -> float | None:
     ran = [step.seconds[name] for step in steps if step.seconds.get(name)]
     return statistics.median(ran) if ran else None
-
-
-def floors_in_turn(steps: Sequence[StepTrace]) -> list[str]:
-    """The floors in the order in which the robot was on them, each with its first step."""
-    turns = groupby(steps, key=lambda one: one.floor or 1)
-    return [f"floor {floor} from step {next(walk).step + 1}" for floor, walk in turns]

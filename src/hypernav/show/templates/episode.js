@@ -7,7 +7,24 @@
   const robot = document.getElementById("robot");
   const destination = document.getElementById("destination");
   const rows = [...document.querySelectorAll(".moment")];
+  const floors = [...document.querySelectorAll("figure[data-floor]")];
+  const tabs = [...document.querySelectorAll("button[data-floor]")];
   if (!slider) return;
+
+  // A chosen floor stays until the robot goes to another.
+  let floorOfRobot = null;
+  const showFloor = (floor) => {
+    for (const one of floors) one.hidden = Number(one.dataset.floor) !== floor;
+    for (const tab of tabs) tab.setAttribute("aria-pressed", String(Number(tab.dataset.floor) === floor));
+  };
+  const followTo = (floor) => {
+    if (floor === floorOfRobot) return;
+    floorOfRobot = floor;
+    showFloor(floor);
+    const map = floors.find((one) => Number(one.dataset.floor) === floor)?.querySelector("svg");
+    if (map && robot) map.append(destination, robot);
+  };
+  for (const tab of tabs) tab.addEventListener("click", () => showFloor(Number(tab.dataset.floor)));
 
   // A blob can be sought everywhere; some browsers cannot seek in a data address.
   if (video && video.src.startsWith("data:")) {
@@ -32,6 +49,7 @@
       `Step ${player.steps[place]} · ${player.modes[place]}` + (reason ? ` · ${reason}` : "");
     slider.value = place;
     slider.setAttribute("aria-valuetext", now.textContent);
+    followTo(player.floors[place]);
     if (robot && player.robots.length) {
       const here = player.robots[place];
       robot.setAttribute("visibility", here ? "visible" : "hidden");
@@ -89,6 +107,7 @@
       video.requestVideoFrameCallback(each);
     }
   }
+  followTo(player.floors.at(-1));
   now.textContent = "Drag along the band, or choose a step below, to move through the episode.";
 
   // A report links to the step that decided a failure.

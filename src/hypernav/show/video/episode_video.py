@@ -10,7 +10,8 @@ from jaxtyping import UInt8
 from hypernav.core.exploring.insight import ThingGraph, ValueImage
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.trace import StepTrace, on_last_floor
+from hypernav.core.trace import StepTrace, floor_of, on_last_floor
+from hypernav.show.climbs import climbs, stairs_on
 from hypernav.show.drawing.map_images import draw_map, draw_result
 from hypernav.show.drawing.map_view import SteadyView
 from hypernav.show.video.end_card import draw_end_card
@@ -243,4 +244,6 @@ class EpisodeVideo:
             block_opacity=1.0 - 0.8 * age / _BLOCKS_STAY_STEPS,
             values=self._values,
             graph=self._graph,
+            stairs=stairs_on(floor_of(step), climbs(self._steps)),
+            title="" if step.floor is None else f"Floor {step.floor}",
         )

@@ -33,6 +33,7 @@ from hypernav.robot.server.watching.page_view import PageView
 from hypernav.robot.simulation.base import SimulatedBase
 from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
+from hypernav.show.climbs import climbs, stairs_on
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
@@ -352,3 +353,66 @@ def test_the_map_is_that_of_the_shown_steps_floor_and_says_so(page, driver):
         page.slider.send_keys(Keys.ARROW_LEFT)
         page.until(lambda: page.map_title.text == "Map of floor 2")
         assert page.map_size_m == (5.0, 2.0)
+
+
+def floor_steps(*floors: int | None) -> list[StepTrace]:
+    """Steps of 1 m along x; the robot climbs at every step before it comes to another floor."""
+    after = (*floors[1:], floors[-1])
+    return [
+        StepTrace(
+            step=number,
+            pose=(float(number), 0.0, 0.0),
+            action=Action.MOVE_FORWARD,
+            mode=Mode.CLIMB if (after[number] or 1) != (floor or 1) else Mode.EXPLORE,
+            reason="on its way",
+            floor=floor,
+        )
+        for number, floor in enumerate(floors)
+    ]
+
+
+def test_a_page_opened_late_has_the_maps_of_all_floors(page, driver):
+    info = EpisodeInfo("bed", "hypernav", detector="ground truth", reasoner="geometric")
+    with closing(PageView(info, lambda: None)) as view:
+        for trace, columns in zip(
+            floor_steps(None, None, 2, 3, 3), (60, 60, 100, 80, 90), strict=True
+        ):
+            cells = np.full((40, columns), Cell.FREE, dtype=np.uint8)
+            view.add(trace, OccupancyGrid(cells, 0.05, (0.0, 0.0)), None)
+        driver.get(view.address.partition(" ")[0])
+        page.until(lambda: page.map_title.text == "Map of floor 3")
+        for floor, columns in ((1, 60), (2, 100), (3, 90)):
+            driver.find_element(By.CSS_SELECTOR, f"button[data-floor='{floor}']").click()
+            assert page.map_title.text == f"Map of floor {floor}"
+            assert page.map.get_attribute("aria-label").startswith(f"Map: {columns * 0.05:.1f} by")
+            where = "The robot is here." if floor == 3 else "The robot is on floor 3."
+            assert page.floor_words.text.endswith(where)
+        driver.find_element(By.CSS_SELECTOR, "button[data-floor='1']").click()
+        page.slider.send_keys(Keys.HOME)
+        page.slider.send_keys(Keys.END)
+        page.until(lambda: page.map_title.text == "Map of floor 3")
+
+
+def test_both_pages_tell_the_same_of_stairs(page, driver):
+    """The script of the operator's page tells stairs from steps as `show.climbs` does."""
+    steps = floor_steps(None, None, 2, 2, 3, 3, 2, 2)
+    vain = [
+        steps[7].model_copy(update={"step": 8, "mode": Mode.CLIMB, "pose": (20.0, 0.0, 0.0)}),
+        steps[7].model_copy(update={"step": 9, "events": ["stairs given up"]}),
+    ]
+    steps += vain
+    assert "no way" in [one.words for one in stairs_on(2, climbs(steps))]
+    info = EpisodeInfo("bed", "hypernav", detector="ground truth", reasoner="geometric")
+    with closing(PageView(info, lambda: None)) as view:
+        driver.get(view.address.partition(" ")[0])
+        for floor in (1, 2, 3):
+            told = driver.execute_async_script(
+                """const [floor, steps, done] = arguments;
+                import("./page/climbs.js").then((one) => done(one.stairsOn(floor, steps)));""",
+                floor,
+                [one.model_dump(mode="json") for one in steps],
+            )
+            marks = [(tuple(one["at"][:2]), one["words"]) for one in told]
+            expected = [(one.position, one.words) for one in stairs_on(floor, climbs(steps))]
+            assert marks == expected
+            assert marks

@@ -11,14 +11,15 @@ The folder of a search holds:
 - ``observations.bin``: the observations as they were received (`RecordFile`).
 - ``steps.bin``: one `StepRecord` as JSON for every decision.
 - ``model.jsonl``: the exchanges with the model (`hypernav.models.chat.recording`).
-- ``end.json``: how the search ended, with ``map.pgm`` and ``map.yaml``. Until then a hidden file
+- ``end.json``: how the search ended, with ``map.pgm`` and ``map.yaml`` of the floor where it did,
+  and those of other floors in ``floor_N``. Until then a hidden file
   reserves its disk space, so that a stop can be written on a full disk, too.
 """
 
 import json
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import TypeVar
@@ -42,6 +43,7 @@ from hypernav.robot.wire.values import Message, SearchId
 MODEL_FILE = "model.jsonl"
 _MAP_FILE = "map.yaml"
 _END_FILE = "end.json"
+_FLOOR = "floor_"
 _MOST_BYTES = 20_000_000
 _ROOM_FOR_END = 4096
 
@@ -202,20 +204,37 @@ class Journal:
         self._observations.sync()
         self._steps.append(step.model_dump_json().encode(), sync=True)
 
-    def write_end(self, end: EndRecord, grid: OccupancyGrid | None) -> None:
-        """Write the end of the search, and its map.
+    def write_end(self, end: EndRecord, maps: Mapping[int, OccupancyGrid], last_floor: int) -> None:
+        """Write the end of the search, and its maps.
+
+        Args:
+            end: How the search ended.
+            maps: Last map of every floor, by its number.
+            last_floor: Number of the floor where it ended.
 
         Raises:
             RunFolderError: It cannot be written.
         """
         with self._ending:
             _write_whole(self.folder / _END_FILE, end)
-            if grid is not None:
-                with suppress(OSError):  # a missing map does not matter
-                    save_ros_map(grid, self.folder)
+            with suppress(OSError):  # a missing map does not matter
+                for floor, grid in maps.items():
+                    folder = self.folder / f"{_FLOOR}{floor}"
+                    save_ros_map(grid, self.folder if floor == last_floor else folder)
+
+    def read_maps(self, last_floor: int) -> dict[int, OccupancyGrid]:
+        """The last map of every floor of a search that has ended, by its number.
+
+        Args:
+            last_floor: Number of the floor where it ended.
+        """
+        files = self.folder.glob(f"{_FLOOR}*/{_MAP_FILE}")
+        maps = {int(one.parent.name.removeprefix(_FLOOR)): load_ros_map(one) for one in files}
+        last = self.read_map()
+        return maps if last is None else maps | {last_floor: last}
 
     def read_map(self) -> OccupancyGrid | None:
-        """The map of a search that has ended; None if there is none."""
+        """The map of the floor where a search ended; None if there is none."""
         return load_ros_map(self.folder / _MAP_FILE) if self.has_map else None
 
     @property

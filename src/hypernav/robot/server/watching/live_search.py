@@ -10,7 +10,7 @@ from typing import Any
 from hypernav.core.episodes.episode import Outcome
 from hypernav.core.errors import RequestRefusedError
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.trace import StepTrace
+from hypernav.core.trace import StepTrace, floor_of
 from hypernav.robot.server.threads import Bell
 from hypernav.robot.wire.replies import MapExtent, SearchEnding, SearchState, Status
 from hypernav.show import captions
@@ -32,6 +32,7 @@ class LiveSearch:
     Attributes:
         bell: Bell that rings at every change of the status.
         grid: Map after the last step; None before the first.
+        maps: Last map of every floor, by its number.
         colour: Format and bytes of the last colour image; None before the first.
     """
 
@@ -44,6 +45,7 @@ class LiveSearch:
         """
         self.bell = Bell()
         self.grid: OccupancyGrid | None = None
+        self.maps: dict[int, OccupancyGrid] = {}
         self.colour: tuple[str, bytes] | None = None
         self._name, self._opened_s = secrets.token_hex(16), time.time()
         self._info = info
@@ -70,6 +72,7 @@ class LiveSearch:
                 self._images[step.step] = image
             if grid is not None:
                 self.grid = grid.cropped().copy()
+                self.maps = {**self.maps, floor_of(step): self.grid}
         self._note_change()
 
     def finish(self, result: Mapping[str, Any]) -> None:

@@ -1,6 +1,6 @@
 """The HTTP paths to watch searches and to stop them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from importlib.metadata import version
 from typing import Annotated, Protocol, runtime_checkable
@@ -14,7 +14,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.robot.server.access import API
 from hypernav.robot.server.threads import Bell
 from hypernav.robot.server.watching.maps import map_png, map_server_file, occupancy_grid
-from hypernav.robot.wire.replies import Health, Status
+from hypernav.robot.wire.replies import Health, MapExtent, Status
 from hypernav.robot.wire.requests import StopRequest
 from hypernav.robot.wire.values import LONGEST_WAIT_S, SEARCHES
 
@@ -52,6 +52,11 @@ class ShownSearch(Protocol):
     @property
     def grid(self) -> OccupancyGrid | None:
         """Map after the last decision; None before the first."""
+        ...
+
+    @property
+    def maps(self) -> Mapping[int, OccupancyGrid]:
+        """Last map of every floor, by its number; empty before the first decision."""
         ...
 
     @property
@@ -172,10 +177,25 @@ def watching_routes(searches: ShownSearches) -> APIRouter:
             raise _nothing_yet("image")
         return Response(colour[1], media_type=f"image/{colour[0]}", headers=_LIVE)
 
+    @routes.get(f"{SEARCHES}/{{name}}/floors")
+    def floors(name: Name) -> dict[int, MapExtent]:
+        """Where the map of every floor lies, by the number that a step's ``floor`` has."""
+        maps = searches.find(name).maps
+        return {floor: MapExtent.of(maps[floor]) for floor in sorted(maps)}
+
     @routes.get(f"{SEARCHES}/{{name}}/map.png", response_class=Response)
-    def png(name: Name) -> Response:
-        """The map, one pixel a cell, y up; the status says where it lies."""
-        return Response(map_png(_grid(searches.find(name))), media_type="image/png", headers=_LIVE)
+    def png(
+        name: Name,
+        floor: Annotated[
+            int | None, Query(ge=1, le=1000, description="Floor; that of the robot if none.")
+        ] = None,
+    ) -> Response:
+        """The map, one pixel a cell, y up; the status, or ``floors``, says where it lies."""
+        search = searches.find(name)
+        grid = search.grid if floor is None else search.maps.get(floor)
+        if grid is None:
+            raise _nothing_yet("map" if floor is None else f"map of floor {floor}")
+        return Response(map_png(grid), media_type="image/png", headers=_LIVE)
 
     @routes.get(f"{SEARCHES}/{{name}}/map.json")
     def occupancy(name: Name) -> JSONResponse:

@@ -55,6 +55,7 @@ export class Follower {
       const lines = await (await this.request(`/trace?since=${this.steps.length}`)).text();
       for (const line of lines.split("\n")) if (line) this.steps.push(parse(line));
       if (status.map) await this.updateMap(status.map);
+      await this.fetchOtherFloors();
     }
     this.status = { ...status, receivedMs: performance.now() };
     this.onChange(this);
@@ -64,6 +65,18 @@ export class Follower {
     const image = await createImageBitmap(await (await this.request("/map.png")).blob());
     // The map may have grown since; then the next round has both.
     if (image.width === extent.columns && image.height === extent.rows) this.maps.set(floorOf(this.steps.at(-1)), { image, extent });
+  }
+
+  /** The maps of floors that the robot left before this page was opened. */
+  async fetchOtherFloors() {
+    const isMissing = (floor) => !this.maps.has(floor);
+    const here = floorOf(this.steps.at(-1));
+    if (!this.steps.some((step) => floorOf(step) !== here && isMissing(floorOf(step)))) return;
+    const extents = await this.get("/floors");
+    for (const floor of Object.keys(extents).map(Number).filter((one) => one !== here && isMissing(one))) {
+      const image = await createImageBitmap(await (await this.request(`/map.png?floor=${floor}`)).blob());
+      this.maps.set(floor, { image, extent: extents[floor] });
+    }
   }
 
   /** Image of an observation. */

@@ -25,6 +25,7 @@ const LEGEND = [
   ["destination", COLORS.path, "M7 0h2v7h7v2H9v7H7V9H0V7h7z"],
   ["chosen block", COLORS.chosen],
   ["goal area", COLORS.goal],
+  ["stairs taken or tried", COLORS.stairs],
   ["obstacle", COLORS.occupied],
   ["unknown", COLORS.unknown],
 ];
@@ -32,11 +33,14 @@ const LEGEND = [
 const byId = (id) => document.getElementById(id);
 const timeline = new Timeline(show);
 let follower = null;
+let floorOfRobot = null;
+let floorChosen = null; // by hand, until the robot goes to another floor
 let isChosen = false; // by hand, so that a new search doesn't take the page away
 
 function follow(id) {
   follower?.close();
   timeline.reset();
+  floorChosen = null;
   imageShown = null;
   follower = new Follower(id, show);
 }
@@ -56,11 +60,14 @@ function show() {
   byId("action").textContent = next(status, step);
   document.body.dataset.silent = String(isSilent(status));
   byId("words").textContent = status.words.replace("detector ", "").replace(", reasoner ", " · ");
-  const map = step && maps.get(floorOf(step));
-  drawMap(byId("map"), map, steps, timeline.shown);
-  showFloor(steps, step);
+  if (step && floorOf(step) !== floorOfRobot) floorChosen = null;
+  floorOfRobot = step ? floorOf(step) : null;
+  const floor = floorChosen ?? floorOfRobot;
+  const map = step && maps.get(floor);
+  drawMap(byId("map"), map, steps, timeline.shown, floor);
+  showFloor(steps, step, floor);
   if (step) {
-    byId("map").setAttribute("aria-label", mapWords(map, step));
+    byId("map").setAttribute("aria-label", mapWords(map, step, floor));
     showCamera(follower, step);
   }
   showQuestion(steps.slice(0, timeline.shown + 1));
@@ -98,22 +105,33 @@ function reason(status, step) {
 
 const sentence = (words) => (/^\S+:\/\//.test(words) ? words : words.charAt(0).toUpperCase() + words.slice(1)) + (/[.!?]$/.test(words) ? "" : ".");
 
-/** Names the floor of the map, once there is more than one. */
-function showFloor(steps, step) {
+/** Names the floor of the map and offers the others, once there is more than one. */
+function showFloor(steps, step, floor) {
   const floors = Math.max(1, ...steps.map(floorOf));
   const isNamed = step && floors > 1;
-  byId("map-title").textContent = isNamed ? `Map of floor ${floorOf(step)}` : "Map";
-  byId("floor-words").hidden = !isNamed;
+  byId("map-title").textContent = isNamed ? `Map of floor ${floor}` : "Map";
+  byId("floor-words").hidden = byId("floors").hidden = !isNamed;
   if (!isNamed) return;
-  const starts = floorOf(step) === 1 ? "where the search began" : "numbered in the order in which the robot came to them";
-  byId("floor-words").textContent = `Floor ${floorOf(step)} of ${floors} so far, ${starts}. The timeline leads to the others.`;
+  const buttons = byId("floors").children;
+  while (buttons.length < floors) byId("floors").append(floorButton(buttons.length + 1));
+  while (buttons.length > floors) buttons[floors].remove();
+  for (const button of buttons) button.setAttribute("aria-pressed", String(Number(button.dataset.floor) === floor));
+  const starts = floor === 1 ? "where the search began" : "numbered in the order in which the robot came to them";
+  const where = floorOf(step) === floor ? "The robot is here." : `The robot is on floor ${floorOf(step)}.`;
+  byId("floor-words").textContent = `Floor ${floor} of ${floors} so far, ${starts}. ${where}`;
 }
 
-function mapWords(map, step) {
+function floorButton(floor) {
+  const button = element("button", { type: "button", "data-floor": String(floor) }, `Floor ${floor}`);
+  button.addEventListener("click", () => { floorChosen = floor; show(); });
+  return button;
+}
+
+function mapWords(map, step, floor) {
   const size = map ? `${(map.extent.columns * map.extent.resolution_m).toFixed(1)} by ${(map.extent.rows * map.extent.resolution_m).toFixed(1)} metres` : "none yet";
   const at = `robot at ${step.pose[0].toFixed(1)}, ${step.pose[1].toFixed(1)}`;
   const to = step.destination ? `, going to ${step.destination[0].toFixed(1)}, ${step.destination[1].toFixed(1)}` : "";
-  return `Map: ${size}, ${at}${to}`;
+  return floorOf(step) === floor ? `Map: ${size}, ${at}${to}` : `Map: ${size}, without the robot`;
 }
 
 function driven(steps, last) {

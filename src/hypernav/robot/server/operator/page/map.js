@@ -1,13 +1,14 @@
 // The map from above, with the robot and its plan.
 
+import { stairsOn } from "./climbs.js";
 import { floorOf } from "./follower.js";
 import { COLORS } from "./vocabulary.js";
 
 const MARGIN_M = 0.6;
 const LEAST_M = 4;
 
-/** Draws the map of the shown step's floor and everything on it, sharp on any screen. */
-export function drawMap(canvas, map, steps, shown) {
+/** Draws the map of a floor and everything on it at the shown step, sharp on any screen. */
+export function drawMap(canvas, map, steps, shown, floor) {
   const ratio = window.devicePixelRatio || 1;
   canvas.width = Math.round(canvas.clientWidth * ratio);
   canvas.height = Math.round(canvas.clientHeight * ratio);
@@ -18,13 +19,18 @@ export function drawMap(canvas, map, steps, shown) {
   const view = fit(canvas, map.extent);
   const draw = new Painter(context, view, ratio);
   const step = steps[shown];
+  const walked = steps.slice(0, shown + 1);
+  const isHere = floorOf(step) === floor;
   draw.cells(map);
-  draw.area(step.goal_area);
-  draw.blocks(steps, shown);
-  for (const walk of walksOn(floorOf(step), steps.slice(0, shown + 1))) draw.line(walk, COLORS.trajectory_new, 2);
-  draw.line(step.path, COLORS.path, 2.5, [6, 4]);
-  if (step.destination) draw.destination(step.destination);
-  draw.robot(step.pose);
+  if (isHere) draw.area(step.goal_area);
+  if (isHere) draw.blocks(steps, shown);
+  for (const walk of walksOn(floor, walked)) draw.line(walk, COLORS.trajectory_new, 2);
+  for (const mark of stairsOn(floor, walked)) draw.stairs(mark);
+  if (isHere) {
+    draw.line(step.path, COLORS.path, 2.5, [6, 4]);
+    if (step.destination) draw.destination(step.destination);
+    draw.robot(step.pose);
+  }
   draw.scale();
 }
 
@@ -122,6 +128,17 @@ class Painter {
     context.setLineDash(dash.map((length) => length * ratio));
     context.stroke();
     context.setLineDash([]);
+  }
+
+  stairs({ at: [x, y], words }) {
+    const [u, v] = this.view.at(x, y);
+    const { context, ratio } = this;
+    const half = 7 * ratio;
+    context.fillStyle = COLORS.stairs;
+    for (const tread of [0, 1, 2]) context.fillRect(u - half + 0.67 * half * tread, v + half * (0.33 - 0.67 * tread), half * (2 - 0.67 * tread), 0.67 * half);
+    context.font = `600 ${12 * ratio}px system-ui, sans-serif`;
+    context.textAlign = "left";
+    this.text(words, u + half + 4 * ratio, v + half);
   }
 
   destination([x, y]) {

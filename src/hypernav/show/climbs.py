@@ -1,0 +1,119 @@
+"""The floors of a search and the stairs between them, told from its trace."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+from hypernav.core.trace import Mode, StepTrace, floor_of
+
+_SAME_STAIRS_M = 1.0
+"""Distance between two ends of stairs on a floor, metres, that count as the same."""
+_SAME_HEIGHT_M = 0.5
+"""Difference between the heights of two floors, metres, below which none is the upper one."""
+_IN_VAIN = "stairs given up"
+"""Event of a step at which the robot gave up stairs."""
+
+
+@dataclass(frozen=True)
+class Climb:
+    """One attempt to get to another floor over stairs.
+
+    Attributes:
+        first: Index in the trace of its first step.
+        floor: Number of the floor that the robot came from.
+        other_floor: Number of the floor that it came to; None if it did not get to one.
+        in_vain: Whether it gave the stairs up.
+        ends: Positions ``(x, y)`` at which it began and ended, ``map`` frame, metres.
+    """
+
+    first: int
+    floor: int
+    other_floor: int | None
+    in_vain: bool
+    ends: tuple[tuple[float, float], tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class StairsMark:
+    """An end of stairs on the map of a floor.
+
+    Attributes:
+        position: Position ``(x, y)``, ``map`` frame, metres.
+        words: Where they lead, in a few words.
+    """
+
+    position: tuple[float, float]
+    words: str
+
+
+def climbs(steps: Sequence[StepTrace]) -> list[Climb]:
+    """All attempts to use stairs, in order; the last one may be under way."""
+    found, first = list[Climb](), 0
+    for (mode, floor), group in groupby(steps, key=lambda one: (one.mode, floor_of(one))):
+        walk = list(group)
+        after = steps[first + len(walk) : first + len(walk) + 1]
+        if mode is Mode.CLIMB:
+            other = floor_of(after[0]) if after and floor_of(after[0]) != floor else None
+            events = [event for one in (*walk, *after) for event in one.events]
+            ends = walk[0].pose[:2], walk[-1].pose[:2]
+            found.append(Climb(first, floor, other, other is None and _IN_VAIN in events, ends))
+        first += len(walk)
+    return found
+
+
+def stairs_on(floor: int, made: Iterable[Climb]) -> list[StairsMark]:
+    """The ends of the stairs on a floor that were taken or tried.
+
+    Stairs that were taken once lead there, whatever became of later attempts.
+    """
+    marks = list[StairsMark]()
+    for one in sorted(made, key=lambda climb: climb.other_floor is not None):
+        if one.floor == floor:
+            words = "no way" if one.in_vain else "stairs"
+            if one.other_floor is not None:
+                words = f"to floor {one.other_floor}"
+            mark = StairsMark(one.ends[0], words)
+        elif one.other_floor == floor:
+            mark = StairsMark(one.ends[1], f"to floor {one.floor}")
+        else:
+            continue
+        apart = [m for m in marks if math.dist(m.position, mark.position) > _SAME_STAIRS_M]
+        marks = [*apart, mark]
+    return marks
+
+
+def floor_words(floor: int, heights_m: Mapping[int, float]) -> str:
+    """A floor for people, with its height beside that of the first one.
+
+    Args:
+        floor: Number of the floor.
+        heights_m: Heights of the floors, metres; some or all may be missing.
+    """
+    name = f"Floor {floor}"
+    if floor == 1:
+        return f"{name}, where the search began"
+    if not {1, floor} <= heights_m.keys():
+        return name
+    above = heights_m[floor] - heights_m[1]
+    if abs(above) < _SAME_HEIGHT_M:
+        return name
+    return f"{name}, {abs(above):.1f} m {'above' if above > 0.0 else 'below'} floor 1"
+
+
+def climb_words(climb: Climb, heights_m: Mapping[int, float]) -> str:
+    """A climb for people.
+
+    Args:
+        climb: The climb.
+        heights_m: Heights of the floors, metres; some or all may be missing.
+    """
+    if climb.in_vain:
+        return "Stairs tried in vain: no way to another floor was found there"
+    if climb.other_floor is None:
+        return "Onto stairs"
+    way = ""
+    if {climb.floor, climb.other_floor} <= heights_m.keys():
+        rise = heights_m[climb.other_floor] - heights_m[climb.floor]
+        way = "" if abs(rise) < _SAME_HEIGHT_M else " up" if rise > 0.0 else " down"
+    return f"Over stairs{way} to floor {climb.other_floor}"

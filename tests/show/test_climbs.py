@@ -1,0 +1,71 @@
+"""What a trace tells of stairs and floors."""
+
+from collections.abc import Callable
+
+import pytest
+
+from hypernav.core.trace import Mode, StepTrace
+from hypernav.show.climbs import Climb, StairsMark, climb_words, climbs, floor_words, stairs_on
+
+MakeStep = Callable[..., StepTrace]
+
+
+def walk(make_step: MakeStep, *stretches: tuple[Mode, int | None, int]) -> list[StepTrace]:
+    """Steps of 1 m each along x, in stretches of one mode on one floor."""
+    modes = [(mode, floor) for mode, floor, count in stretches for _ in range(count)]
+    return [
+        make_step(k, mode=mode, floor=floor, pose=(float(k), 0.0, 0.0))
+        for k, (mode, floor) in enumerate(modes)
+    ]
+
+
+def test_stairs_lead_from_where_the_climb_began_to_where_it_ended(make_step: MakeStep) -> None:
+    steps = walk(make_step, (Mode.EXPLORE, None, 3), (Mode.CLIMB, None, 4), (Mode.EXPLORE, 2, 2))
+    made = climbs(steps)
+    assert made == [Climb(3, 1, 2, in_vain=False, ends=((3.0, 0.0), (6.0, 0.0)))]
+    assert stairs_on(1, made) == [StairsMark((3.0, 0.0), "to floor 2")]
+    assert stairs_on(2, made) == [StairsMark((6.0, 0.0), "to floor 1")]
+    assert stairs_on(3, made) == []
+
+
+def test_stairs_that_were_given_up_are_no_way(make_step: MakeStep) -> None:
+    steps = walk(make_step, (Mode.CLIMB, 2, 3), (Mode.EXPLORE, 2, 1))
+    given_up = steps[3].model_copy(update={"events": ["stairs given up"]})
+    made = climbs([*steps[:3], given_up])
+    assert [one.in_vain for one in made] == [True]
+    assert stairs_on(2, made) == [StairsMark((0.0, 0.0), "no way")]
+    assert climb_words(made[0], {}).startswith("Stairs tried in vain")
+
+
+def test_stairs_on_which_the_robot_is_are_not_given_up(make_step: MakeStep) -> None:
+    made = climbs(walk(make_step, (Mode.EXPLORE, 2, 1), (Mode.CLIMB, 2, 3)))
+    assert stairs_on(2, made) == [StairsMark((1.0, 0.0), "stairs")]
+
+
+def test_stairs_that_were_taken_once_lead_there() -> None:
+    begun = Climb(3, 1, None, in_vain=True, ends=((0.0, 0.0), (1.0, 0.0)))
+    taken = Climb(9, 1, 2, in_vain=False, ends=((0.5, 0.0), (3.0, 0.0)))
+    mark = StairsMark((0.5, 0.0), "to floor 2")
+    assert stairs_on(1, [begun, taken]) == [mark] == stairs_on(1, [taken, begun])
+
+
+@pytest.mark.parametrize(
+    ("heights_m", "words"),
+    [
+        ({}, "Floor 2"),
+        ({1: 0.9, 2: 3.9}, "Floor 2, 3.0 m above floor 1"),
+        ({1: 0.9, 2: -1.7}, "Floor 2, 2.6 m below floor 1"),
+        ({1: 0.9, 2: 1.0}, "Floor 2"),
+        ({2: 3.9}, "Floor 2"),
+    ],
+)
+def test_a_floor_is_above_or_below_the_first(heights_m: dict[int, float], words: str) -> None:
+    assert floor_words(2, heights_m) == words
+
+
+@pytest.mark.parametrize(
+    ("heights_m", "way"), [({1: 0.0, 2: 3.0}, " up"), ({1: 3.0, 2: 0.0}, " down"), ({}, "")]
+)
+def test_a_climb_goes_up_or_down(heights_m: dict[int, float], way: str) -> None:
+    climb = Climb(0, 1, 2, in_vain=False, ends=((0.0, 0.0), (1.0, 0.0)))
+    assert climb_words(climb, heights_m) == f"Over stairs{way} to floor 2"
