@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import STAIR_CLIMB_M, BodyConfig, Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.robot.client.robot import Executed, Sensed
 from hypernav.robot.driving.base import DepthView
@@ -25,13 +25,19 @@ def seen(
     *,
     stamp_s: float = 0.0,
     missing: float = 0.0,
+    edge_x: float = math.inf,
 ) -> DepthView:
-    """An endless floor with a pole of 20 cm radius, as the robot's camera measures it."""
+    """An endless floor with a pole of 20 cm radius, as the robot's camera measures it.
+
+    Beyond an edge it lies 0.5 m lower.
+    """
     robot = robot or Pose2(0.0, 0.0, 0.0)
     to_base = ROBOT.camera.camera_to_base
     rays = CAMERA.rays() @ to_base.rotation.T
     down = rays[..., 2] < 0.0
     depth = np.where(down, -to_base.translation[2] / np.where(down, rays[..., 2], -1.0), np.inf)
+    far = robot.x + math.cos(robot.yaw) * depth * rays[..., 0] if edge_x < math.inf else 0.0
+    depth = np.where(far > edge_x, depth * (1.0 + 0.5 / to_base.translation[2]), depth)
     if pole is not None:
         x, y = robot.to_transform().inverse().apply(np.array([[*pole, 0.0]]))[0, :2]
         a = (rays[..., :2] ** 2).sum(axis=-1)
@@ -48,8 +54,14 @@ def seen(
 class FloorBase:
     """Wheels that do what they are told, on a floor with a pole that can be taken away."""
 
-    def __init__(self, pole: tuple[float, float] | None = None, *, stuck: bool = False) -> None:
-        self.embodiment = ROBOT
+    def __init__(
+        self,
+        pole: tuple[float, float] | None = None,
+        *,
+        stuck: bool = False,
+        edge_x: float = math.inf,
+    ) -> None:
+        self.embodiment, self.edge_x = ROBOT, edge_x
         self.pose, self.pole, self.stuck = Pose2(0.0, 0.0, 0.0), pole, stuck
         self.moving, self.ticks = threading.Event(), 0
         self.pole_stays = 10**9
@@ -63,7 +75,8 @@ class FloorBase:
 
     def depth_view(self) -> DepthView:
         pole = self.pole if self.ticks < self.pole_stays else None
-        return seen(pole, self.pose, stamp_s=min(self.ticks, self.camera_hangs_at) / 10.0)
+        stamp_s = min(self.ticks, self.camera_hangs_at) / 10.0
+        return seen(pole, self.pose, stamp_s=stamp_s, edge_x=self.edge_x)
 
     def drive(self, velocity: Velocity, seconds: float) -> None:
         self.ticks += 1
@@ -197,3 +210,28 @@ def test_what_came_too_near_to_be_measured_is_remembered():
     assert before < 0.05
     assert after < 0.05
     assert fresh > 0.05
+
+
+def test_it_stops_before_the_head_of_stairs_although_the_edge_leaves_the_image():
+    base = FloorBase(edge_x=2.2)
+    robot = DrivenRobot(base, patience_s=20.0)  # longer than what is in its way is remembered
+    done = [robot.execute(Action.MOVE_FORWARD) for _ in range(6)]
+    assert done[0] is Executed.DONE
+    assert done[-1] is Executed.BLOCKED
+    gap_m = base.edge_x - base.pose.x
+    assert ROBOT.body.radius_m < gap_m < 1.0, "it sees no floor nearer than 1.4 m"
+
+
+def test_a_drop_is_forgotten_where_floor_is_seen_and_where_the_robot_has_left_it():
+    safety, edge = DepthSafety(ROBOT), np.array([[2.0, 0.0]])
+    start = Pose2(0.0, 0.0, 0.0)
+    assert safety.look(seen(robot=start, edge_x=1.9)).obstacles.distances(edge)[0] < 0.2
+    assert safety.look(seen(robot=start)).obstacles.distances(edge)[0] > 1.0
+    safety.look(seen(robot=start, edge_x=1.9))
+    assert safety.look(seen(robot=Pose2(-3.0, 0.0, math.pi))).obstacles.distances(edge)[0] > 1.0
+
+
+def test_a_robot_that_climbs_takes_stairs_for_no_drop():
+    climber = ROBOT.model_copy(update={"body": BodyConfig(max_step_m=STAIR_CLIMB_M)})
+    ahead = DepthSafety(climber).look(seen(edge_x=1.9))
+    assert ahead.obstacles.distances(np.array([[2.0, 0.0]]))[0] > 1.0

@@ -21,6 +21,8 @@ _NEAR_M = 1.2
 """Distance from the robot up to which points are remembered."""
 _REMEMBERED_VIEWS = 60
 """Number of views for which a point is remembered after it left the camera's view."""
+_UNEVEN_M = 0.05
+"""Depth below a step of the robot's, metres, from which missing floor is a drop."""
 _APART_M = 0.02
 """Distance between remembered points."""
 _BLIND_SHARE = 0.25
@@ -35,7 +37,7 @@ class Ahead:
     """What depth images show in front of the robot.
 
     Attributes:
-        obstacles: Points of obstacles, in the frame of the odometry.
+        obstacles: Points of obstacles, and of floor that is missing, in the frame of the odometry.
         is_blind: Whether the camera is frozen, or the floor in front of the robot has no return,
             because something is too near to be measured, or covers the camera.
     """
@@ -45,7 +47,12 @@ class Ahead:
 
 
 class DepthSafety:
-    """Finds obstacles in depth images; remembers for a while those now too near to be seen."""
+    """Finds obstacles in depth images; remembers for a while those now too near to be seen.
+
+    Where the camera sees below the floor, the floor is missing: the head of stairs is an obstacle
+    for a robot that can't climb. It is below the image before the robot is there, so it is
+    remembered until it is seen again or left behind.
+    """
 
     def __init__(self, embodiment: Embodiment) -> None:
         """Create it with an empty memory.
@@ -58,6 +65,7 @@ class DepthSafety:
         self._nearest_m = embodiment.camera.min_depth_m
         self._remembered = np.zeros((0, 2))
         self._ages = np.zeros(0, dtype=np.int64)
+        self._drops = np.zeros((0, 2))
         self._stamp_s = math.nan
         self._repeated = 0
 
@@ -69,7 +77,8 @@ class DepthSafety:
         rays = view.camera.rays() @ view.camera_to_base.rotation.T
         now = robot.to_transform().apply(self._hindering(view, rays))[:, :2]
         self._forget_seen(view)
-        obstacles = PointObstacles(np.vstack([now, self._remembered]))
+        self._drops = self._drops_around(view, rays)
+        obstacles = PointObstacles(np.vstack([now, self._remembered, self._drops]))
         near = np.hypot(now[:, 0] - robot.x, now[:, 1] - robot.y) < _NEAR_M
         kept = np.unique(np.round(now[near] / _APART_M), axis=0) * _APART_M
         self._remembered = np.vstack([self._remembered, kept])
@@ -87,6 +96,26 @@ class DepthSafety:
         height = points[:, 2]
         return points[(height > self._body.max_step_m) & (height < self._body.height_m)]
 
+    def _drops_around(
+        self, view: DepthView, rays: Float64[np.ndarray, "height width 3"]
+    ) -> Float64[np.ndarray, "n 2"]:
+        """Where floor is missing: in this image, or near the robot and out of the image."""
+        if self._body.climbs_stairs:
+            return self._drops
+        eye, floor = view.camera_to_base.translation, _floor_depth(view, rays)
+        z = eye[2] + rays[..., 2] * np.where(is_measured(view.depth), view.depth, 0.0)
+        missing = (z < -self._body.max_step_m - _UNEVEN_M) & (floor < _REACH_M)
+        points = rays[missing] * floor[missing][:, None] + eye
+        now = view.robot.to_transform().apply(points)[:, :2]
+        known = self._drops
+        on_floor = np.column_stack([known, np.zeros(len(known))])
+        in_base = view.robot.to_transform().inverse().apply(on_floor)
+        in_camera = view.camera_to_base.inverse().apply(in_base)
+        is_seen = view.camera.contains(view.camera.project(in_camera))
+        is_near = np.hypot(in_base[:, 0], in_base[:, 1]) < _REACH_M
+        kept = np.vstack([known[~is_seen & is_near], now])
+        return np.unique(np.round(kept / _APART_M), axis=0) * _APART_M
+
     def _forget_seen(self, view: DepthView) -> None:
         """Keep only points outside the image or too near to be measured, and drop the old ones."""
         points = self._remembered
@@ -101,10 +130,19 @@ class DepthSafety:
     def _sees_no_floor(self, view: DepthView, rays: Float64[np.ndarray, "height width 3"]) -> bool:
         """Whether too little of the floor in the robot's way has a return."""
         eye = view.camera_to_base.translation
-        down = rays[..., 2] < 0.0
-        depth = np.where(down, -eye[2] / np.where(down, rays[..., 2], -1.0), np.inf)
+        depth = _floor_depth(view, rays)
+        down = np.isfinite(depth)
         beside = np.where(down, rays[..., 1] * np.where(down, depth, 0.0) + eye[1], np.inf)
         floor = (depth < _REACH_M) & (np.abs(beside) < self._body.radius_m)
         if np.count_nonzero(floor) < _LEAST_FLOOR_PIXELS:
             return False
         return bool(np.mean(~is_measured(view.depth[floor])) > _BLIND_SHARE)
+
+
+def _floor_depth(
+    view: DepthView, rays: Float64[np.ndarray, "height width 3"]
+) -> Float64[np.ndarray, "height width"]:
+    """Depth at which the rays of an image meet the floor, metres; infinite above the horizon."""
+    down = rays[..., 2] < 0.0
+    eye_z = view.camera_to_base.translation[2]
+    return np.where(down, -eye_z / np.where(down, rays[..., 2], -1.0), np.inf)
