@@ -78,12 +78,14 @@ class SearchAgent:
         number_before, use = memory.number, self.components
         clock, events = ModuleClock(), list[str]()
         floor = memory.follow(observation)
-        plan = self._plan
+        plan, then = self._plan, None
         if plan is not None and plan.climbing is not None and memory.number != number_before:
+            if memory.connectors[plan.climbing.connector].other_floor == memory.number:
+                then = plan.climbing.then
             memory.crossed(plan.climbing.connector)
             events.append("another floor reached")
         if plan is None or memory.number != number_before:
-            plan = Plan.at_start(use.paced, turns=self._first_turns(floor))
+            plan = Plan.at_start(use.paced, turns=self._first_turns(floor), then=then)
         plan = plan.explore(offered=(), insight=None)
         if memory.on_stairs and plan.climbing is None and _stands(observation.robot, plan):
             memory.settle(observation.robot)
