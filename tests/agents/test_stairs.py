@@ -197,6 +197,24 @@ def test_a_model_sends_the_robot_upstairs_and_to_what_is_unseen_there():
     assert step.reason.startswith("block ")
 
 
+def test_a_robot_that_gets_onto_stairs_on_its_way_takes_them():
+    world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
+    agent.reset(Goal("umbrella"))
+    start = Pose2(START_X, sum(SIDES_Y) / 2.0, 0.0)
+    agent.act(world.reset(Episode("x", "0", Goal("umbrella"), start, start_z=0.0)))
+    for action in (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.TURN_RIGHT):
+        agent.act(world.step(action))  # sees the stairs twice
+    trace: list[StepTrace] = []
+    while world.pose.x < FIRST_X + 3.5 * TREAD_M:
+        agent.act(world.step(Action.MOVE_FORWARD))
+        trace.append(agent.last_step)
+    assert "on stairs by the way" in [event for one in trace for event in one.events]
+    assert trace[-1].mode is Mode.CLIMB
+    for _ in range(3):
+        agent.act(world.step(Action.TURN_LEFT))
+    assert agent.memory.ground_z == 0.0
+
+
 def test_the_paper_stays_on_one_floor():
     assert not preset("paper").search.use_stairs
     assert preset("default").search.use_stairs

@@ -6,6 +6,9 @@ from hypernav.core.exploring.floors import KnownFloor, WayOut
 from hypernav.mapping.memory.connectors import Connector
 from hypernav.mapping.memory.memory import Memory
 
+_UNDERFOOT_M = 1.5
+"""Greatest distance of a robot on the first steps of stairs from where they seem to end, metres."""
+
 
 def ways_out(memory: Memory, *, new: bool = False) -> list[WayOut]:
     """The stairs here that nobody knows or, unless `new`, that lead to floors left early."""
@@ -27,6 +30,22 @@ def known_floors(memory: Memory) -> list[KnownFloor]:
                 routes[other] = (*routes[floor], number)
                 queue.append(other)
     return [_known_floor(memory, floor, routes[floor]) for floor in queue[1:]]
+
+
+def stairs_underfoot(memory: Memory, position: tuple[float, float]) -> int | None:
+    """Number of the stairs that a robot off its floor must be on; None if it knows of none there.
+
+    Args:
+        memory: What it knows, its height included.
+        position: Where it is ``(x, y)``, metres.
+    """
+    here = [
+        (math.dist(memory.connectors[k].end, position), k)
+        for k in _open_from(memory, memory.number)
+        if memory.connectors[k].goes_up == (memory.z > memory.ground_z)
+    ]
+    away_m, number = min(here, default=(math.inf, None))
+    return number if away_m <= _UNDERFOOT_M else None
 
 
 def _known_floor(memory: Memory, number: int, route: tuple[int, ...]) -> KnownFloor:
