@@ -6,16 +6,21 @@ from functools import cache
 import pytest
 
 from box_scenes import Box, scene_of
+from chat_models import Parrot
 from hypernav.build.agents import build_search
 from hypernav.build.presets import preset, with_changes
 from hypernav.core.actions import Action
+from hypernav.core.chat import Question
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.trace import Mode, StepTrace
+from hypernav.core.trace import ExchangeLog, Mode, StepTrace
 from hypernav.mapping.memory.connectors import Passage
 from hypernav.mapping.memory.memory import Memory
+from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
+from hypernav.perception.explorers.map_question import VlmReasonerConfig
+from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
 from stair_views import FIRST_X, RISE_M, SIDES_Y, STEPS, TREAD_M
@@ -150,6 +155,64 @@ def test_a_search_that_begins_on_stairs_is_not_blind():
     before = len(memory.floor.trajectory)
     agent.act(world.step(Action.TURN_LEFT))
     assert len(memory.floor.trajectory) == before + 1
+
+
+def takes_stairs(question: Question) -> str:
+    """The answer of a model that wants to change floor."""
+    options = [one for one in question.text.splitlines() if one.startswith("- block")]
+    away = [one for one in options if "another floor" in one or "on floor" in one]
+    return (away or options)[0].removeprefix("- block ").partition(":")[0]
+
+
+@pytest.mark.slow
+def test_a_model_sends_the_robot_upstairs_and_to_what_is_unseen_there():
+    log, model = ExchangeLog(), Parrot(takes_stairs)
+    asks = VlmReasonerConfig(skip_only_block=False)
+    reasoner = VlmReasoner(model, log, GeometricReasoner(log), asks)
+    world = split_level()
+    agent = build_search(CONFIG, GroundTruthDetector(), log, reasoner=reasoner)
+    start = Episode("x", "0", Goal("umbrella"), Pose2(START_X, 1.0, 0.0), start_z=0.0)
+
+    def searched_until_upstairs(memory: Memory | None) -> StepTrace:
+        """The first step of exploration on the upper floor."""
+        agent.reset(Goal("umbrella"), memory)
+        observation = world.reset(start)
+        agent.memory.begin_at(observation)
+        for _ in range(120):
+            action = agent.act(observation)
+            if (agent.last_step.mode, agent.memory.number) == (Mode.EXPLORE, 1):
+                break
+            assert action is not None
+            observation = world.step(action)
+        return agent.last_step
+
+    searched_until_upstairs(agent.new_memory())
+    assert "stairs up to another floor" in model.asked[0].text
+    model.asked.clear()
+    step = searched_until_upstairs(agent.memory)
+    assert agent.memory.number == 1
+    (question,) = model.asked
+    assert "on floor 2, 1.8 m higher" in question.text
+    assert step.destination is not None
+    assert step.reason.startswith("block ")
+
+
+def test_a_robot_that_gets_onto_stairs_on_its_way_takes_them():
+    world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
+    agent.reset(Goal("umbrella"))
+    start = Pose2(START_X, sum(SIDES_Y) / 2.0, 0.0)
+    agent.act(world.reset(Episode("x", "0", Goal("umbrella"), start, start_z=0.0)))
+    for action in (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.TURN_RIGHT):
+        agent.act(world.step(action))  # sees the stairs twice
+    trace: list[StepTrace] = []
+    while world.pose.x < FIRST_X + 3.5 * TREAD_M:
+        agent.act(world.step(Action.MOVE_FORWARD))
+        trace.append(agent.last_step)
+    assert "on stairs by the way" in [event for one in trace for event in one.events]
+    assert trace[-1].mode is Mode.CLIMB
+    for _ in range(3):
+        agent.act(world.step(Action.TURN_LEFT))
+    assert agent.memory.ground_z == 0.0
 
 
 def test_the_paper_stays_on_one_floor():

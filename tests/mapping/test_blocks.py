@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from drawn_grids import divide_into_blocks, drawn
-from hypernav.core.exploring.exploration import WayOut
+from hypernav.core.exploring.floors import WayOut
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.blocks import stairs_blocks

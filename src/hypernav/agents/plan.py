@@ -218,6 +218,7 @@ class Climbing:
         turned: Number of turns since stairs were last seen ahead.
         touching: Whether the robot has bumped into something and has not got away from it yet.
         flight: The flight of stairs that it is on or goes to; None if it knows of none.
+        then: Where the robot goes on the floor that it leads to; None leaves it to the explorer.
     """
 
     connector: int
@@ -226,6 +227,7 @@ class Climbing:
     turned: int = 0
     touching: bool = False
     flight: Connector | None = None
+    then: Destination | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,17 +255,19 @@ class Plan:
     ordered: tuple[Pose2, Action] | None = None
 
     @staticmethod
-    def at_start(config: SearchConfig, *, turns: int) -> "Plan":
+    def at_start(config: SearchConfig, *, turns: int, then: Destination | None = None) -> "Plan":
         """The first plan on a floor.
 
         Args:
             config: Conditions of the search.
             turns: Number of turns of the look around at the start.
+            then: Destination on this floor for which the robot came; None if it came for none.
         """
         patience = patience_of(config)
         approaching = Approaching(patience, as_near_as_possible=config.local_first)
         full_turn = config.looks != "always"
-        return Plan(Exploring(patience), approaching, turns_left=turns, full_turn=full_turn)
+        exploring = Exploring(patience, destination=then)
+        return Plan(exploring, approaching, turns_left=turns, full_turn=full_turn)
 
     @property
     def destination(self) -> Destination | None:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from hypernav.agents.decide import decide
-from hypernav.agents.plan import Plan
+from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, SearchComponents, Step
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
@@ -17,6 +17,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import BlockRecord, DetectionRecord, Mode, StepTrace
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.ways import stairs_underfoot
 from hypernav.planning.bump_sensor import bumped_points
 
 _STANDS_M = 0.05
@@ -78,15 +79,17 @@ class SearchAgent:
         number_before, use = memory.number, self.components
         clock, events = ModuleClock(), list[str]()
         floor = memory.follow(observation)
-        plan = self._plan
+        plan, then = self._plan, None
         if plan is not None and plan.climbing is not None and memory.number != number_before:
+            if memory.connectors[plan.climbing.connector].other_floor == memory.number:
+                then = plan.climbing.then
             memory.crossed(plan.climbing.connector)
             events.append("another floor reached")
         if plan is None or memory.number != number_before:
-            plan = Plan.at_start(use.paced, turns=self._first_turns(floor))
+            plan = Plan.at_start(use.paced, turns=self._first_turns(floor), then=then)
         plan = plan.explore(offered=(), insight=None)
-        if memory.on_stairs and plan.climbing is None and _stands(observation.robot, plan):
-            memory.settle(observation.robot)
+        if memory.on_stairs and plan.climbing is None:
+            plan = _off_the_floor(observation.robot, memory, plan, events)
         seen = memory.seen_from_ground(observation)
         with clock("map"):
             if not memory.on_stairs:  # stairs belong to no floor
@@ -178,6 +181,26 @@ class SearchAgent:
             ending=decision.ending,
             seconds=step.clock.seconds,
         )
+
+
+def _off_the_floor(robot: Pose2, memory: Memory, plan: Plan, events: list[str]) -> Plan:
+    """The plan of a robot that is on stairs unplanned: they are known, or its ground from now on.
+
+    The head of stairs is not always where it seemed to be.
+    """
+    if _stands(robot, plan):
+        memory.settle(robot)
+        return plan
+    number = stairs_underfoot(memory, robot.xy)
+    if number is None:
+        return plan
+    events.append("on stairs by the way")
+    destination, then = plan.destination, None
+    if destination is not None and destination.connector == number:
+        then = destination.then
+    flight = replace(memory.connectors[number], end=robot.xy, axis=robot.yaw)
+    climbing = Climbing(number, flight=flight, then=then)
+    return replace(plan.explore(destination=None), climbing=climbing)
 
 
 def _stands(robot: Pose2, plan: Plan) -> bool:

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Int64, UInt8
 
-from hypernav.core.exploring.exploration import WayOut
+from hypernav.core.exploring.floors import WayOut
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.mapping.config import MappingConfig
@@ -21,7 +21,7 @@ _BESIDE_CELLS = 10
 """Rows and columns around the position before stairs in which a reachable cell is looked for."""
 
 
-def blocks_of(reach: ReachableArea, config: MappingConfig) -> tuple[Block, ...]:
+def blocks_of(reach: ReachableArea, config: MappingConfig, first: int = 1) -> tuple[Block, ...]:
     """The blocks of a reachable area.
 
     The squares are aligned to the ``map`` frame and stay where they are as the map grows. Numbers
@@ -30,6 +30,7 @@ def blocks_of(reach: ReachableArea, config: MappingConfig) -> tuple[Block, ...]:
     Args:
         reach: The map and what the robot can reach on it.
         config: Size of the squares, and the reachable floor that a block needs.
+        first: Number of the first block.
     """
     row_squares, rows = _squares(reach.grid, config.block_size_m, axis=0)
     column_squares, columns = _squares(reach.grid, config.block_size_m, axis=1)
@@ -51,7 +52,7 @@ def blocks_of(reach: ReachableArea, config: MappingConfig) -> tuple[Block, ...]:
             destination = _nearest(reach.reachable, window, middle)
         blocks.append(
             Block(
-                number=len(blocks) + 1,
+                number=first + len(blocks),
                 x_min=x_min,
                 y_min=y_min,
                 size_m=config.block_size_m,

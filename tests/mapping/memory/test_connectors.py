@@ -12,6 +12,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.connectors import Connector, Passage, reliable, with_sightings
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.ways import ways_out
 from stair_views import FIRST_X, SIDES_Y, stairs_down, stairs_up
 
 CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
@@ -50,7 +51,7 @@ def test_stairs_ahead_are_seen_with_their_end_and_axis(
 def test_one_image_is_not_enough_to_rely_on_stairs():
     memory = memory_after([FLOOR, *stairs_up()], *before_stairs(2.5))
     assert memory.connectors
-    assert not memory.ways_out()
+    assert not ways_out(memory)
 
 
 FURNITURE: dict[str, SolidBox] = {
@@ -105,11 +106,11 @@ def test_a_robot_that_cannot_climb_looks_for_no_stairs():
 
 def test_stairs_that_were_refuted_are_no_way_out_however_often_they_are_seen():
     memory = memory_after([FLOOR, *stairs_up()], *before_stairs(3.0, 2.5))
-    assert len(memory.ways_out()) == 1
+    assert len(ways_out(memory)) == 1
     memory.give_up(0)
     for pose in before_stairs(2.5, 2.4):
         memory.follow(view_of([FLOOR, *stairs_up()], pose, camera=CAMERA))
-    assert not memory.ways_out()
+    assert not ways_out(memory)
 
 
 def test_used_stairs_are_known_from_both_ends_and_lead_on_until_all_is_explored():
@@ -119,10 +120,10 @@ def test_used_stairs_are_known_from_both_ends_and_lead_on_until_all_is_explored(
     there, back = memory.connectors
     assert (there.floor, there.other_floor, there.goes_up) == (0, 1, True)
     assert (back.floor, back.other_floor, back.goes_up) == (1, 0, False)
-    assert [one.connector for one in memory.ways_out()] == [1]
-    assert not memory.ways_out(new=True)
+    assert [one.connector for one in ways_out(memory)] == [1]
+    assert not ways_out(memory, new=True)
     memory.floors[0].search.is_explored = True
-    assert not memory.ways_out()
+    assert not ways_out(memory)
 
 
 def test_stairs_that_were_taken_stay_a_way_though_a_search_fails_on_them():
@@ -130,9 +131,9 @@ def test_stairs_that_were_taken_stay_a_way_though_a_search_fails_on_them():
     memory.number = memory.add_floor(1.8)
     memory.crossed(0)
     memory.give_up(1)
-    assert not memory.ways_out()
+    assert not ways_out(memory)
     memory.begin_search(sees_stairs=True)
-    assert [one.connector for one in memory.ways_out()] == [1]
+    assert [one.connector for one in ways_out(memory)] == [1]
     assert {one.passage for one in memory.connectors} == {Passage.USED}
 
 
@@ -140,7 +141,7 @@ def test_stairs_to_another_level_of_the_floor_are_stairs_and_no_way_out():
     memory = memory_after([FLOOR, *stairs_up()], *before_stairs(3.0, 2.5))
     memory.reached_level(0)
     assert memory.connectors[0].passage is Passage.USED
-    assert not memory.ways_out()
+    assert not ways_out(memory)
 
 
 def edge(axis: float, *, x: float = 0.0) -> Connector:

@@ -16,6 +16,7 @@ from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Mode
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.ways import ways_out
 
 _CHOICES_PER_STEP = 4
 _AROUND_M = 0.75
@@ -113,7 +114,7 @@ def _explored(step: Step, memory: Memory) -> Destination | None:
 
 def _way_out(step: Step, memory: Memory) -> Destination | None:
     """The nearest stairs towards what is unseen, where the explorer has nothing left to offer."""
-    known = memory.ways_out() if step.config.use_stairs else []
+    known = ways_out(memory) if step.config.use_stairs else []
     nearest = min(known, key=lambda one: step.robot.distance_to(*one.xy), default=None)
     if nearest is None:
         return None
@@ -239,7 +240,8 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
 
 
 def _onto_stairs(destination: Destination, plan: Plan) -> tuple[Phase, Plan]:
-    climbing = None if destination.connector is None else Climbing(destination.connector)
+    number, then = destination.connector, destination.then
+    climbing = None if number is None else Climbing(number, then=then)
     return Phase.CLIMB, replace(plan.explore(destination=None), climbing=climbing)
 
 

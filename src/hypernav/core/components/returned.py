@@ -151,6 +151,8 @@ def _destination(value: Any, *_: Any) -> Destination | None:
 def _block(value: Any, overview: Overview, _goal: Any, excluded: frozenset[int]) -> BlockChoice:
     _expect(isinstance(value, BlockChoice), value, "a BlockChoice")
     free = [block.number for block in overview.blocks if block.number not in excluded]
+    if value.number is not None and value.number not in free:
+        free = [block.number for block in overview.everywhere if block.number not in excluded]
     fits = value.number is None or value.number in free
     _expect(fits, value.number, f"None or one of {free}", "a BlockChoice of the number ")
     _expect_text(value.reason, "a BlockChoice for the reason ")

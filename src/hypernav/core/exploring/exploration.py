@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from hypernav.core.exploring.floors import KnownFloor, WayOut
 from hypernav.core.exploring.insight import Insight
 from hypernav.core.exploring.overview import Block
 from hypernav.core.exploring.sightings import SeenThing
@@ -11,28 +12,6 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-
-
-@dataclass(frozen=True)
-class WayOut:
-    """Stairs or a ramp from the robot's floor towards floors where something may be unseen.
-
-    Attributes:
-        connector: Number of the connector in the memory.
-        x: Position before it along the x axis, ``map`` frame, metres.
-        y: Position before it along the y axis, ``map`` frame, metres.
-        words: Name for models and people, such as "stairs up".
-    """
-
-    connector: int
-    x: float
-    y: float
-    words: str
-
-    @property
-    def xy(self) -> tuple[float, float]:
-        """The position, metres."""
-        return (self.x, self.y)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +33,7 @@ class ExplorationView:
             values, arrays or generators that can be copied, and no component.
         ways_out: Stairs that the robot has not taken yet. Those to floors that it left before all
             was seen are taken where the explorer has nothing left to offer.
+        elsewhere: Other floors that the robot knows, those with the fewest stairs on the way first.
         may_be_here: Whether a component has just said that the goal is where the robot is.
     """
 
@@ -66,6 +46,7 @@ class ExplorationView:
     floor: int = 0
     notes: dict[str, Any] = field(default_factory=dict)
     ways_out: Sequence[WayOut] = ()
+    elsewhere: Sequence[KnownFloor] = ()
     may_be_here: bool = False
 
     @property
@@ -85,6 +66,7 @@ class Destination:
         blocks: Blocks that were offered, for the trace; empty for explorers without blocks.
         insight: What the explorer looked at when it chose, for videos and pages.
         connector: Number of the connector that the robot takes there; None if it takes none.
+        then: Destination on the floor that the connector leads to; None if there is none yet.
         is_sighting: Whether the goal is in sight in this direction; then no explorer chose it.
         holds: Whether it stays valid whatever the map shows on the way: a move chosen from an
             image is made to its end.
@@ -102,6 +84,7 @@ class Destination:
     blocks: tuple[Block, ...] = ()
     insight: Insight | None = None
     connector: int | None = None
+    then: "Destination | None" = None
     is_sighting: bool = False
     holds: bool = False
     arrival_m: float | None = None

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float64, UInt8
 
+from hypernav.core.exploring.floors import KnownFloor
 from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.transforms import Pose2
 
@@ -83,13 +84,30 @@ def _destinations(blocks: Sequence[Block]) -> Float64[np.ndarray, "blocks 2"]:
 
 
 @dataclass(frozen=True, eq=False)
+class FloorBlocks:
+    """The blocks of another floor.
+
+    Attributes:
+        known: The floor.
+        blocks: Its blocks; their paths begin at the robot, and stairs on the way are in them.
+    """
+
+    known: KnownFloor
+    blocks: tuple[Block, ...]
+
+
+def _nowhere() -> Sequence[FloorBlocks]:
+    return ()
+
+
+@dataclass(frozen=True, eq=False)
 class Overview:
     """Everything that a reasoner may know when it chooses a block.
 
     Attributes:
         draw: Function that draws the blocks with the first numbers and hatches those with the
             second; not every reasoner calls it.
-        blocks: Blocks in the order of their numbers.
+        blocks: Blocks of the robot's floor in the order of their numbers.
         robot: Pose of the robot, ``map`` frame.
         legend: Sentences that say what the colours and marks of the image mean.
         trajectory: Positions of the robot so far, ``map`` frame, metres.
@@ -97,6 +115,8 @@ class Overview:
         camera_image: Camera image of the robot, RGB; None if it is not kept.
         prospects: Function that computes what given blocks would show; not every reasoner calls it.
         legs_m: Function that computes the lengths of the paths between given blocks, metres.
+        find_elsewhere: Function that finds the blocks of other floors, whose numbers follow those
+            of `blocks`; not every reasoner calls it.
     """
 
     draw: Callable[[Collection[int], Collection[int]], UInt8[np.ndarray, "height width 3"]]
@@ -108,15 +128,35 @@ class Overview:
     camera_image: UInt8[np.ndarray, "height width 3"] | None = None
     prospects: Callable[[Sequence[Block]], Prospects] = prospects_of_boundaries
     legs_m: Callable[[Sequence[Block]], Float64[np.ndarray, "blocks blocks"]] = straight_legs_m
+    find_elsewhere: Callable[[], Sequence[FloorBlocks]] = _nowhere
+
+    @cached_property
+    def elsewhere(self) -> Sequence[FloorBlocks]:
+        """The blocks of other floors."""
+        return self.find_elsewhere()
+
+    @property
+    def everywhere(self) -> tuple[Block, ...]:
+        """The blocks of all floors in the order of their numbers."""
+        return self.blocks + tuple(one for floor in self.elsewhere for one in floor.blocks)
+
+    def floor_of(self, number: int) -> FloorBlocks | None:
+        """The other floor that this block is on; None for the robot's floor."""
+        if any(block.number == number for block in self.blocks):
+            return None
+        return next(
+            floor for floor in self.elsewhere if number in (one.number for one in floor.blocks)
+        )
 
     @cached_property
     def image(self) -> UInt8[np.ndarray, "height width 3"]:
         """Map, all blocks, robot arrow and trajectory, drawn for a model and for people."""
-        return self.draw([block.number for block in self.blocks], ())
+        return self.draw([block.number for block in self.everywhere], ())
 
     def block(self, number: int) -> Block:
         """The block with this number."""
-        return next(block for block in self.blocks if block.number == number)
+        here = next((block for block in self.blocks if block.number == number), None)
+        return here or next(block for block in self.everywhere if block.number == number)
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,6 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploring.exploration import WayOut
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
@@ -292,31 +291,6 @@ class Memory:
         self.connectors = with_crossing(
             self.connectors, number, self.number, here.xy, here.yaw + math.pi
         )
-
-    def ways_out(self, *, new: bool = False) -> list[WayOut]:
-        """The stairs here that nobody knows or, unless `new`, that lead to floors left early."""
-        return [
-            WayOut(k, *one.approach, words=one.words)
-            for k, one in enumerate(self.connectors)
-            if one.floor == self.number
-            and one.is_usable
-            and k not in self.search.given_up
-            and (one.is_new if new else self._leads_on(one))
-        ]
-
-    def _leads_on(self, connector: Connector) -> bool:
-        known = {self.number}
-        queue = [connector]
-        for one in queue:
-            if one.is_new:
-                return True
-            if one.other_floor is None or one.other_floor in known:
-                continue
-            if not self.floors[one.other_floor].search.is_explored:
-                return True
-            known.add(one.other_floor)
-            queue += [c for c in self.connectors if c.floor == one.other_floor and c.is_usable]
-        return False
 
     def _may_be_floor(self, position: tuple[float, float]) -> bool:
         """Whether there is enough ground at the robot's height for a floor."""

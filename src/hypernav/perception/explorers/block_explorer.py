@@ -1,7 +1,7 @@
 """Global perception: draw the map and ask which unvisited block to go to."""
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal
@@ -18,9 +18,17 @@ from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.overview import Block, Overview, Prospects
 from hypernav.mapping.blocks import CLIMB_M, blocks_of, stairs_blocks
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.frontiers import fresh_frontiers, frontiers_of
+from hypernav.mapping.frontiers import fresh_frontiers
 from hypernav.mapping.prospects import find_legs_m, find_prospects
 from hypernav.mapping.reachable_area import ReachableArea
+from hypernav.perception.explorers.floor_panels import LEGEND, draw_floors
+from hypernav.perception.explorers.other_floors import (
+    OtherFloor,
+    boundary_of,
+    by_way_of,
+    floor_panels,
+    other_floors,
+)
 from hypernav.show.drawing.question_map import QuestionStyle, draw_question_map
 
 UNSEEN_FLOOR_M2 = 20.0
@@ -137,14 +145,19 @@ class BlockExplorer:
             if _squares(blocks) == _squares(offered):
                 break
             offered = blocks
-            draw = partial(_drawn, view, blocks, self.config, reach)
+            elsewhere = partial(
+                other_floors, view, reach, self.mapping, clearance_m, first=len(blocks) + 1
+            )
+            draw = partial(_drawn, view, blocks, self.config, reach, elsewhere)
+            legend = self.config.style.legend
             overview = Overview(
                 draw,
                 blocks,
                 view.robot,
                 prospects=partial(_prospects, reach, self.embodiment.camera.max_depth_m),
                 legs_m=partial(_legs_m, reach),
-                legend=self.config.style.legend,
+                find_elsewhere=elsewhere,
+                legend=legend + LEGEND if view.ways_out or view.elsewhere else legend,
                 trajectory=view.trajectory,
                 things=view.things,
                 camera_image=view.observation.rgb,
@@ -176,21 +189,24 @@ class BlockExplorer:
     def _ask(self, overview: Overview, view: ExplorationView) -> Destination | None:
         blocks, radius_m = overview.blocks, self.config.visited_radius_m
         excluded: frozenset[int] = frozenset()
-        visits = self._visits(view)
+        visits_here = self._visits(view)
         for _ in range(self.config.max_questions or len(blocks)):
             choice = self.reasoner.choose(overview, view.goal, excluded)
             if choice.number is None:
                 return None
             block = overview.block(choice.number)
+            floor = overview.floor_of(block.number)
+            visits = visits_here if floor is None else floor.known.visits
             if block.connector is not None or all(
                 math.dist(block.destination, visit) >= radius_m for visit in visits
             ):
-                return Destination(
+                there = Destination(
                     *block.destination,
                     reason=choice.reason,
-                    blocks=blocks,
+                    blocks=blocks if floor is None else (),
                     connector=block.connector,
                 )
+                return there if floor is None else by_way_of(floor.known.way, there, blocks)
             excluded |= {choice.number}
         return None
 
@@ -212,22 +228,27 @@ def _drawn(
     blocks: tuple[Block, ...],
     config: OverviewConfig,
     reach: ReachableArea,
+    elsewhere: Callable[[], list[OtherFloor]],
     shown: Collection[int],
     excluded: Collection[int],
 ) -> UInt8[np.ndarray, "_ _ 3"]:
     """The image of the map with some of the blocks; the excluded ones are hatched."""
-    found = frontiers_of(reach)
-    return draw_question_map(
-        view.grid,
-        [one for one in blocks if one.number in shown or one.number in excluded],
-        view.robot,
-        view.trajectory,
-        config.style,
-        size=config.image_px,
-        excluded=excluded,
-        frontier=np.concatenate([np.empty((0, 2)), *(one.points for one in found)]),
-        things=view.things,
-    )
+    drawn = {*shown, *excluded}
+    here = [one for one in blocks if one.number in drawn]
+    if not (view.ways_out or view.elsewhere):
+        return draw_question_map(
+            view.grid,
+            here,
+            view.robot,
+            view.trajectory,
+            config.style,
+            size=config.image_px,
+            excluded=excluded,
+            frontier=boundary_of(reach),
+            things=view.things,
+        )
+    panels = floor_panels(view, here, reach, elsewhere(), drawn)
+    return draw_floors(panels, config.style, size=config.image_px, excluded=excluded)
 
 
 def _prospects(reach: ReachableArea, range_m: float, of: Sequence[Block]) -> Prospects:

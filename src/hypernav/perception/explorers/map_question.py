@@ -127,15 +127,29 @@ class VlmReasonerConfig(RoomConfig):
 
 
 def offered_blocks(
-    config: VlmReasonerConfig, overview: Overview, excluded: frozenset[int]
+    config: VlmReasonerConfig,
+    overview: Overview,
+    excluded: frozenset[int],
+    *,
+    elsewhere: bool = False,
 ) -> list[Block]:
-    """The blocks that may be answered, in the order of their numbers."""
+    """The blocks that may be answered, in the order of their numbers.
+
+    Args:
+        config: What is offered.
+        overview: Map and blocks.
+        excluded: Numbers of the blocks that must not be answered.
+        elsewhere: Whether blocks of other floors are offered, too.
+    """
     offered = [
         block
-        for block in overview.blocks
+        for block in (overview.everywhere if elsewhere else overview.blocks)
         if block.number not in excluded and block.frontier_cells >= config.min_frontier_cells
     ]
-    longest = sorted(offered, key=lambda block: (-block.frontier_cells, block.travel_m))
+    longest = sorted(
+        offered,
+        key=lambda block: (block.connector is None, -block.frontier_cells, block.travel_m),
+    )
     return sorted(longest[: config.max_blocks], key=lambda block: block.number)
 
 
@@ -156,7 +170,7 @@ def map_question(
         excluded: Numbers of the blocks that must not be answered.
         hint: Additional text about an answer that could not be used.
     """
-    offered = offered_blocks(config, overview, excluded)
+    offered = offered_blocks(config, overview, excluded, elsewhere=True)
     numbers = [block.number for block in offered]
     shown, hatched = frozenset(numbers), excluded
     avoid = ""
@@ -193,18 +207,24 @@ def _text(
 
 def _facts(blocks: list[Block], overview: Overview) -> str:
     """What is known of each block, a line for each."""
-    boundary = max(sum(block.frontier_cells for block in overview.blocks), 1)
+    boundary = max(sum(b.frontier_cells for b in overview.everywhere if b.connector is None), 1)
     lines = []
     for block in blocks:
-        where = _whereabouts(block, overview.robot)
+        there = overview.floor_of(block.number)
+        if there is None:
+            trajectory, seen_things = overview.trajectory, overview.things
+            where = _whereabouts(block, overview.robot)
+        else:
+            trajectory, seen_things = there.known.trajectory, there.known.things
+            where = f"on {there.known.words}, {_far(block)}"
         if block.connector is not None:
             lines.append(f"- block {block.number}: {block.words} to another floor; {where}")
             continue
         share = block.frontier_cells / boundary
         borders = f"{share:.0%} of the boundary to the unexplored" if share else "nothing new"
-        was_there = any(map(block.holds, overview.trajectory))
+        was_there = any(map(block.holds, trajectory))
         visited = "the robot was there" if was_there else "not visited yet"
-        seen = sorted({one.label for one in overview.things if block.holds(one.position)})
+        seen = sorted({one.label for one in seen_things if block.holds(one.position)})
         things = f"; seen there: {', '.join(seen)}" if seen else ""
         lines.append(f"- block {block.number}: {where}; {borders}; {visited}{things}")
     return "\n".join(lines)
@@ -212,11 +232,14 @@ def _facts(blocks: list[Block], overview: Overview) -> str:
 
 def _whereabouts(block: Block, robot: Pose2) -> str:
     """Distance and direction of a block, for example "3.2 m away, ahead on the left"."""
-    far = f"{block.travel_m:.1f} m away" if math.isfinite(block.travel_m) else "out of reach"
     bearing = robot.bearing_to(*block.destination)
     eighth = round(abs(bearing) / (math.pi / 4.0))
     words = _DIRECTIONS[eighth] if eighth < len(_DIRECTIONS) else "behind"
-    return f"{far}, {words if bearing > 0 else words.replace('left', 'right')}"
+    return f"{_far(block)}, {words if bearing > 0 else words.replace('left', 'right')}"
+
+
+def _far(block: Block) -> str:
+    return f"{block.travel_m:.1f} m away" if math.isfinite(block.travel_m) else "out of reach"
 
 
 def chosen_number(question: Question, answer: Answer, numbers: list[int]) -> int | None:

@@ -45,7 +45,8 @@ class VlmReasoner:
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.
         """
-        numbers = [block.number for block in offered_blocks(self.config, overview, excluded)]
+        offered = offered_blocks(self.config, overview, excluded, elsewhere=True)
+        numbers = [block.number for block in offered]
         if not numbers:
             return BlockChoice(None, "every block is excluded or holds nothing new")
         if len(numbers) == 1 and self.config.skip_only_block:

@@ -1,0 +1,66 @@
+"""Stairs, and the floors that they lead to, as explorers are told of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from hypernav.core.exploring.sightings import SeenThing
+from hypernav.core.geometry.grid import OccupancyGrid
+
+
+@dataclass(frozen=True)
+class WayOut:
+    """Stairs or a ramp from the robot's floor towards floors where something may be unseen.
+
+    Attributes:
+        connector: Number of the connector in the memory.
+        x: Position before it along the x axis, ``map`` frame, metres.
+        y: Position before it along the y axis, ``map`` frame, metres.
+        words: Name for models and people, such as "stairs up".
+        axis: Direction in which they lead away from there, ``map`` frame, radians.
+        to: Number of the floor that they lead to; None if nobody knows.
+    """
+
+    connector: int
+    x: float
+    y: float
+    words: str
+    axis: float = 0.0
+    to: int | None = None
+
+    @property
+    def xy(self) -> tuple[float, float]:
+        """The position, metres."""
+        return (self.x, self.y)
+
+
+@dataclass(frozen=True, eq=False)
+class KnownFloor:
+    """Another floor that the robot knows, and knows a way to.
+
+    Attributes:
+        number: Its number, in the order in which the robot came to know floors.
+        above_m: Its height above the floor that the robot is on, metres; below it less than 0.
+        grid: Map of it.
+        trajectory: Positions ``(x, y)`` of the robot on it, ``map`` frame, metres.
+        visits: Destinations on it that were reached or given up, as in `ExplorationView`.
+        things: Things that were seen on it, other than the goal.
+        stairs: Stairs on it that the robot may take.
+        way: Stairs that lead to it, in the order in which the robot takes them, one a floor.
+        arrival: Position ``(x, y)`` on it where the way ends, ``map`` frame, metres.
+    """
+
+    number: int
+    above_m: float
+    grid: OccupancyGrid
+    trajectory: Sequence[tuple[float, float]]
+    visits: Sequence[tuple[float, float]]
+    things: Sequence[SeenThing]
+    stairs: Sequence[WayOut]
+    way: tuple[WayOut, ...]
+    arrival: tuple[float, float]
+
+    @property
+    def words(self) -> str:
+        """Name for models and people, such as "floor 2, 3.0 m higher"."""
+        away = f"{abs(self.above_m):.1f} m {'higher' if self.above_m > 0.0 else 'lower'}"
+        return f"floor {self.number + 1}, {away}"

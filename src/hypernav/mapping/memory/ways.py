@@ -1,0 +1,99 @@
+"""Ways over stairs from floor to floor, as far as a memory knows them."""
+
+import math
+
+from hypernav.core.exploring.floors import KnownFloor, WayOut
+from hypernav.mapping.memory.connectors import Connector
+from hypernav.mapping.memory.memory import Memory
+
+_UNDERFOOT_M = 1.5
+"""Greatest distance of a robot on the first steps of stairs from where they seem to end, metres."""
+
+
+def ways_out(memory: Memory, *, new: bool = False) -> list[WayOut]:
+    """The stairs here that nobody knows or, unless `new`, that lead to floors left early."""
+    return [
+        _way_over(memory, number)
+        for number in _open_from(memory, memory.number)
+        if (memory.connectors[number].is_new if new else _leads_on(memory, number))
+    ]
+
+
+def known_floors(memory: Memory) -> list[KnownFloor]:
+    """The other floors that stairs which the robot has taken lead to, the fewest stairs first."""
+    routes: dict[int, tuple[int, ...]] = {memory.number: ()}
+    queue = [memory.number]
+    for floor in queue:
+        for number in _open_from(memory, floor):
+            other = memory.connectors[number].other_floor
+            if other is not None and other not in routes:
+                routes[other] = (*routes[floor], number)
+                queue.append(other)
+    return [_known_floor(memory, floor, routes[floor]) for floor in queue[1:]]
+
+
+def stairs_underfoot(memory: Memory, position: tuple[float, float]) -> int | None:
+    """Number of the stairs that a robot off its floor must be on; None if it knows of none there.
+
+    Args:
+        memory: What it knows, its height included.
+        position: Where it is ``(x, y)``, metres.
+    """
+    here = [
+        (math.dist(memory.connectors[k].end, position), k)
+        for k in _open_from(memory, memory.number)
+        if memory.connectors[k].goes_up == (memory.z > memory.ground_z)
+    ]
+    away_m, number = min(here, default=(math.inf, None))
+    return number if away_m <= _UNDERFOOT_M else None
+
+
+def _known_floor(memory: Memory, number: int, route: tuple[int, ...]) -> KnownFloor:
+    floor, last = memory.floors[number], memory.connectors[route[-1]]
+    back = [
+        one.approach
+        for one in memory.connectors
+        if (one.floor, one.other_floor) == (number, last.floor)
+    ]
+    return KnownFloor(
+        number,
+        floor.z - memory.floor.z,
+        floor.map.grid,
+        floor.trajectory,
+        floor.search.visits,
+        floor.sightings.things,
+        stairs=[_way_over(memory, k) for k in _open_from(memory, number)],
+        way=tuple(_way_over(memory, k) for k in route),
+        arrival=min(back, key=lambda one: math.dist(one, last.beyond), default=last.beyond),
+    )
+
+
+def _open_from(memory: Memory, floor: int) -> list[int]:
+    """Numbers of the connectors of a floor that the robot may take."""
+    given_up = memory.floors[floor].search.given_up
+    return [
+        number
+        for number, one in enumerate(memory.connectors)
+        if one.floor == floor and one.is_usable and number not in given_up
+    ]
+
+
+def _way_over(memory: Memory, number: int) -> WayOut:
+    one = memory.connectors[number]
+    return WayOut(number, *one.approach, words=one.words, axis=one.axis, to=one.other_floor)
+
+
+def _leads_on(memory: Memory, number: int) -> bool:
+    """Whether a connector leads, at last, to something that may be unseen."""
+    known = {memory.number}
+    queue: list[Connector] = [memory.connectors[number]]
+    for one in queue:
+        if one.is_new:
+            return True
+        if one.other_floor is None or one.other_floor in known:
+            continue
+        if not memory.floors[one.other_floor].search.is_explored:
+            return True
+        known.add(one.other_floor)
+        queue += [c for c in memory.connectors if c.floor == one.other_floor and c.is_usable]
+    return False
