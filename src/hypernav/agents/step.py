@@ -19,6 +19,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Memory
+from hypernav.perception.image_recall import ImageRecall
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.navigator import Navigator
@@ -35,6 +36,7 @@ class SearchComponents:
         planning: Configuration of planning and path following.
         embodiment: Body, camera, step and turn of the robot.
         presence: Presence check before STOP; None trusts the goal area.
+        image_recall: Question about remembered images; None where there is no chat model.
         log: Log of the questions to detectors and reasoners, for the trace.
         config: Configuration of the search, for steps of 0.5 m and turns of 30 degrees.
     """
@@ -45,6 +47,7 @@ class SearchComponents:
     planning: PlanningConfig
     embodiment: Embodiment
     presence: PresenceCheck | None
+    image_recall: ImageRecall | None
     log: ExchangeLog
     config: SearchConfig
 

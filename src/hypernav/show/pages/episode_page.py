@@ -217,6 +217,8 @@ def _fallbacks(result: Mapping[str, Any]) -> str:
         told.append(f"{counts['unsure_stop_checks']} answers whether to stop neither yes nor no")
     if counts.get("unread_arrow_answers"):
         told.append(f"{counts['unread_arrow_answers']} answers that named no arrow")
+    if counts.get("unread_image_answers"):
+        told.append(f"{counts['unread_image_answers']} answers that named no remembered image")
     return "; ".join(told)
 
 
