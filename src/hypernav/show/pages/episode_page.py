@@ -164,13 +164,22 @@ def _facts(result: Mapping[str, Any]) -> list[tuple[str, str]]:
         return str(result.get(name) or "–")
 
     preset = f", {told('preset')} settings" if result.get("preset") else ""
+    found = result.get("found_start")
+    where = [] if found is None else [("Start in the memory", _start_in_memory(found))]
     return [
         ("Agent", told("agent") + preset),
         ("Sees with", captions.component_caption(told("detector"))),
         ("Segments with", told("segmenter")),
         ("Decides with", captions.component_caption(told("reasoner"))),
         ("Scene", told("scene")),
+        *where,
     ]
+
+
+def _start_in_memory(found: Mapping[str, Any]) -> str:
+    if found["sure"]:
+        return f"found on floor {found['floor']} by one turn"
+    return f"not found: {found['doubt']}; the search began anew"
 
 
 def _metrics(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[_Metric]:
