@@ -3,11 +3,13 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from box_scenes import room_glb
 from hypernav.cli.main import main
 from hypernav.core.files.folder_lock import folder_lock
+from hypernav.core.geometry.transforms import Pose2
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
 
@@ -51,6 +53,48 @@ def test_a_second_search_goes_on_from_the_first(searched, home, tmp_path):
     assert status == 0
     history = json.loads((home / "memory.json").read_text())["history"]
     assert [one["outcome"] for one in history] == ["found", "found"]
+
+
+def test_a_robot_that_cannot_tell_its_start_says_so_and_begins_anew(searched, tmp_path, capsys):
+    home, scene = tmp_path / "home", searched / "room.glb"
+    hypernav(
+        "find", "bed", "--scene", scene, "--out", tmp_path / "corner", "--memory", home,
+        "--start", 0.8, 3.2, 150, "--max-steps", 1, *SMALL,
+    )  # fmt: skip
+    before = (home / "memory.json").read_bytes()
+    capsys.readouterr()
+    status = hypernav(
+        "find", "bed", "--scene", scene, "--out", tmp_path / "out", "--memory", home,
+        "--start", 2.5, 2.5, 30, "--relocalize", *SMALL,
+    )  # fmt: skip
+    assert status == 0
+    found = json.loads((tmp_path / "out" / "result.json").read_text())["found_start"]
+    assert not found["sure"]
+    assert f"isn't clear: {found['doubt']}" in " ".join(capsys.readouterr().err.split())
+    assert found["doubt"] in (tmp_path / "out" / "index.html").read_text()
+    assert (home / "memory.json").read_bytes() == before
+
+
+def test_a_robot_that_finds_its_start_says_where_it_is(searched, home, tmp_path, capsys):
+    status = hypernav(
+        "find", "bed", "--scene", searched / "room.glb", "--out", tmp_path / "out",
+        "--memory", home, "--start", 2.5, 2.5, 30, "--relocalize", *SMALL,
+    )  # fmt: skip
+    assert status == 0
+    found = json.loads((tmp_path / "out" / "result.json").read_text())["found_start"]
+    assert found["sure"]
+    index = json.loads((home / "memory.json").read_text())
+    frame = Pose2(*index["place"]["start"]).to_transform().inverse()
+    x, y, _ = frame.apply(np.array([[2.5, 2.5, 0.0]]))[0]
+    assert f"the robot is at ({x:.1f}, {y:.1f}) on floor 1 of" in capsys.readouterr().err
+    assert "found on floor 1 by one turn" in (tmp_path / "out" / "index.html").read_text()
+    assert [one["outcome"] for one in index["history"]] == ["found", "found"]
+
+
+def test_relocalizing_needs_a_memory(searched, tmp_path, capsys):
+    scene = searched / "room.glb"
+    assert hypernav("find", "bed", "--scene", scene, "--out", tmp_path, "--relocalize") == 2
+    assert "add --memory FOLDER" in capsys.readouterr().err
 
 
 def test_the_page_shows_things_images_and_searches(home, capsys):

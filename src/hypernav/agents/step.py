@@ -20,6 +20,7 @@ from hypernav.core.trace import Ending, ExchangeLog, Mode
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.ways import known_floors, ways_out
+from hypernav.perception.image_recall import ImageRecall
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.navigator import Navigator
@@ -36,6 +37,7 @@ class SearchComponents:
         planning: Configuration of planning and path following.
         embodiment: Body, camera, step and turn of the robot.
         presence: Presence check before STOP; None trusts the goal area.
+        image_recall: Question about remembered images; None where there is no chat model.
         log: Log of the questions to detectors and reasoners, for the trace.
         config: Configuration of the search, for steps of 0.5 m and turns of 30 degrees.
     """
@@ -46,6 +48,7 @@ class SearchComponents:
     planning: PlanningConfig
     embodiment: Embodiment
     presence: PresenceCheck | None
+    image_recall: ImageRecall | None
     log: ExchangeLog
     config: SearchConfig
 

@@ -30,6 +30,7 @@ from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.ledger import Ledger
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
+from hypernav.perception.image_recall import ImageRecall
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.perception.local.presence import VlmPresenceCheck
@@ -77,6 +78,7 @@ def build_agent(
     if chosen.vlm is not None and is_named(chosen.vlm) and isinstance(detector, ChecksModel):
         detector.check_model()  # refuse it now, not at the first step
     presence = VlmPresenceCheck(chat, log, config.presence) if chat and chosen.presence else None
+    image_recall = ImageRecall(chat, log, config.image_recall) if chat else None
     if not chosen.is_whole_agent:
         agent = _search(
             config,
@@ -85,9 +87,11 @@ def build_agent(
             explorer=agent,
             segmenter=built.get("segmenter"),
             presence=presence,
+            image_recall=image_recall,
         )
     model = "" if chat is None or chosen.vlm is None else model_words(chosen.vlm, chat.identify)
     detector_words = chosen.detector.words(model=model) if chosen.detector else ITS_OWN
+    parts = (*built.values(), presence, image_recall, recording)
     published = config.local.published_segmenter
     return BuiltAgent(
         agent=agent,
@@ -95,7 +99,7 @@ def build_agent(
         detector_words=detector_words,
         reasoner_words=(chosen.reasoner or chosen.agent).words(model=model),
         segmenter=segmenter_words(chosen, published, detector_words=detector_words, model=model),
-        components=tuple(one for one in (*built.values(), presence, recording) if one is not None),
+        components=tuple(one for one in parts if one is not None),
         files=given_files(chosen, config),
         ledger=ledger,
         price=config.price,
@@ -113,6 +117,7 @@ def build_search(
     segmenter: Segmenter | None = None,
     reasoner: object | None = None,
     presence: PresenceCheck | None = None,
+    image_recall: ImageRecall | None = None,
 ) -> SearchAgent:
     """Build an agent around existing components, for example a detector of your own.
 
@@ -124,6 +129,7 @@ def build_search(
         segmenter: Segmenter of the pixels in a box; by default the cut by depth.
         reasoner: Reasoner that the explorer asks; by default the one that needs no model.
         presence: Presence check before STOP; None makes no check.
+        image_recall: Question about the images of a memory; None asks none.
     """
     log = log or ExchangeLog()
     return _search(
@@ -133,6 +139,7 @@ def build_search(
         explorer=build_explorer(config, log, agent, reasoner=reasoner),
         segmenter=None if segmenter is None else through_door(segmenter, Segmenter),
         presence=None if presence is None else through_door(presence, PresenceCheck),
+        image_recall=image_recall,
     )
 
 
@@ -171,6 +178,7 @@ def _search(
     explorer: Explorer,
     segmenter: Segmenter | None,
     presence: PresenceCheck | None,
+    image_recall: ImageRecall | None,
 ) -> SearchAgent:
     """The search of this package around an explorer."""
     components = SearchComponents(
@@ -187,6 +195,7 @@ def _search(
         planning=config.planning,
         embodiment=config.embodiment,
         presence=presence,
+        image_recall=image_recall,
         log=log,
         config=config.search,
     )

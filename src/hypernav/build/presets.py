@@ -22,6 +22,7 @@ from hypernav.models.vision.zero_shot import ZeroShotConfig
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.geometric_reasoner import GeometricConfig
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
+from hypernav.perception.image_recall import ImageRecallConfig
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.depth_cut import DepthCutConfig
 from hypernav.perception.local.noisy_detector import DetectorQuality
@@ -81,6 +82,7 @@ class HyPerNavConfig(RoomConfig):
         grounding: Question to a chat model for boxes.
         block_choice: Map question to a chat model.
         presence: Question to a chat model whether the goal is really there.
+        image_recall: Question to a chat model in which remembered images it sees the goal.
         price: Prices of tokens, for the cost in the results.
         depth_cut: Segmentation of a box without a model.
         yolox: Use of a YOLOX export.
@@ -112,6 +114,7 @@ class HyPerNavConfig(RoomConfig):
     grounding: VlmDetectorConfig = VlmDetectorConfig()
     block_choice: VlmReasonerConfig = VlmReasonerConfig()
     presence: PresenceConfig = PresenceConfig()
+    image_recall: ImageRecallConfig = ImageRecallConfig()
     price: PriceConfig = PriceConfig()
     depth_cut: DepthCutConfig = DepthCutConfig()
     yolox: YoloxConfig = YoloxConfig()
@@ -276,6 +279,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
         ),
         grounding=VlmDetectorConfig(right_articles=False, score_crops=0, min_score=0.0),
         presence=PresenceConfig(right_articles=False, unsure="yes"),
+        image_recall=ImageRecallConfig(max_questions=0),
         yolox=YoloxConfig(score_threshold=0.3, look_closer_below=0.0),
         block_choice=VlmReasonerConfig(
             mode="paper",

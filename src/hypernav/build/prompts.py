@@ -16,6 +16,7 @@ def prompt_hashes(config: HyPerNavConfig) -> dict[str, str]:
         "summarise": config.block_choice.summary_prompt,
         "verify": config.presence.prompt,
         "score view": config.chat_scorer.prompt,
+        "choose images": config.image_recall.prompt,
         "choose arrow": ARROW_WORDS,
         "choose direction": DIRECTION_WORDS,
     }

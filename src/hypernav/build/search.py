@@ -31,6 +31,7 @@ def find(
     seed: int = 0,
     max_steps: int = MAX_STEPS,
     memory: MemoryFolder | Memory | None = None,
+    relocalize: bool = False,
 ) -> EpisodeRun:
     """Begin a search, like ``hypernav find``; iterating over it runs the steps.
 
@@ -47,6 +48,8 @@ def find(
         memory: What is known of the building and gets what the search learns: a folder from
             `open_memory`, or, where the robot has not been moved, the ``memory`` that an agent left
             behind.
+        relocalize: Whether the robot doesn't know where it stands in the folder's memory, and finds
+            out by a turn on the spot; `EpisodeRun.found_start` says what it found.
 
     Returns:
         The search, placed at its start.
@@ -84,4 +87,6 @@ def find(
     rng = np.random.default_rng(seed)
     start = start or random_start(world.walkable, rng, world.regions.of(goal))
     episode = Episode(name, "", goal, start, max_steps=max_steps)
-    return EpisodeRun(agent, world, episode, rng=rng, told=truth, memory=memory)
+    return EpisodeRun(
+        agent, world, episode, rng=rng, told=truth, memory=memory, relocalize=relocalize
+    )

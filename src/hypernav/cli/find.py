@@ -44,6 +44,7 @@ from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.datasets.benchmarks import robot_in
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
+from hypernav.episodes.unknown_start import FoundStart
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.warmup.background import warm_up_in_background
@@ -79,6 +80,8 @@ def run(options: Options) -> int:
     """
     check_steps_and_seed(options.max_steps, options.seed)
     check_start(options.start)
+    if options.relocalize and options.memory is None:
+        raise ConfigError("--relocalize finds the start in a memory; add --memory FOLDER")
     goal = Goal(options.goal)
     folder = options.out or _new_folder(goal)
     check_folder(folder, OUTPUT_FILES)
@@ -115,7 +118,17 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         memory = None
         if options.memory is not None:
             memory = opened.enter_context(opened_memory(options, config, console))
-        search = EpisodeRun(parts.agent, world, episode, rng=rng, told=parts.truth, memory=memory)
+        search = EpisodeRun(
+            parts.agent,
+            world,
+            episode,
+            rng=rng,
+            told=parts.truth,
+            memory=memory,
+            relocalize=options.relocalize,
+        )
+        if search.found_start is not None:
+            console.print(found_start_line(search.found_start, options.memory), soft_wrap=True)
         if not search.trial.holds_goal:
             labels = [one.label for one in world.instances if one.label is not None]
             console.print(no_such_object_line(goal, labels), soft_wrap=True)
@@ -144,6 +157,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
                     **options.who.describe(parts),
                     "seed": options.seed,
                     "start": [start.x, start.y, float(np.degrees(start.yaw))],
+                    **_found_start(search),
                     **_numbers(outcome),
                     **parts.take_report(),
                     "config": config.model_dump(mode="json"),
@@ -172,6 +186,20 @@ def opened_memory(options: Options, config: HyPerNavConfig, console: Console) ->
     for line in memory.left_out:
         console.print(f"[yellow]{escape(line)}[/]", soft_wrap=True)
     return memory
+
+
+def found_start_line(found: FoundStart, memory: Path | None) -> str:
+    """Where the robot is in the memory, in a line for the terminal."""
+    if found.doubt or found.place is None:
+        return (
+            f"[yellow]where the robot is in {escape(str(memory))} isn't clear: {found.doubt}; the "
+            "search begins anew, and that memory stays as it is[/]"
+        )
+    x, y = found.place.own.xy
+    return (
+        f"the robot is at ({x:.1f}, {y:.1f}) on floor {found.place.floor + 1} of "
+        f"{escape(str(memory))}, by one turn"
+    )
 
 
 def check_start(start: tuple[float, ...] | None) -> None:
@@ -265,6 +293,10 @@ def _numbers(result: EpisodeResult) -> dict[str, Any]:
         **result.measures(),
         "seconds": {module: round(value, 3) for module, value in result.seconds.items()},
     }
+
+
+def _found_start(search: EpisodeRun) -> dict[str, Any]:
+    return {} if search.found_start is None else {"found_start": search.found_start.as_dict()}
 
 
 def _new_folder(goal: Goal) -> Path:

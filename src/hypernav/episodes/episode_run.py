@@ -24,6 +24,7 @@ from hypernav.core.world import KeepsMapFrame, World
 from hypernav.episodes.goal_sight import GoalSight, PathParts
 from hypernav.episodes.trial import Trial
 from hypernav.episodes.true_paths import true_paths
+from hypernav.episodes.unknown_start import FoundStart, find_start
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 
@@ -83,6 +84,8 @@ class EpisodeRun:
 
     Attributes:
         trial: The state of the episode.
+        found_start: Where the robot took itself to be in a memory; None if it knew that. If that is
+            not sure, the search begins anew, and the folder stays as it was.
 
     Examples:
         >>> run = EpisodeRun(agent, world, episode)  # doctest: +SKIP
@@ -102,6 +105,7 @@ class EpisodeRun:
         told: EpisodeTruth | None = None,
         goes_on: bool = False,
         memory: Memory | MemoryFolder | None = None,
+        relocalize: bool = False,
     ) -> None:
         """Place the robot and give the agent its goal.
 
@@ -117,6 +121,8 @@ class EpisodeRun:
             memory: What is known of the building, which the agent changes: a memory in the world's
                 ``map`` frame, or an open folder, in whose frame the world then gives observations,
                 and to which the search is saved.
+            relocalize: Whether the robot doesn't know where it stands in the folder's memory, and
+                finds out by a turn on the spot; for a simulated world.
 
         Raises:
             ConfigError: The agent was built for another robot, or keeps no memory.
@@ -132,7 +138,13 @@ class EpisodeRun:
             check_remembers(agent)
         self._began = time.perf_counter()
         self._clock = ModuleClock()
-        with self._clock("world"), _map_frame_of(self._folder, world, episode):
+        self.found_start: FoundStart | None = None
+        if relocalize and self._folder is not None and self._folder.place is not None:
+            self._folder.check_building(_building(episode))
+            self.found_start = find_start(self._folder.memory, world, episode, rng)
+            if self.found_start.doubt:
+                self._folder = memory = None
+        with self._clock("world"), _map_frame_of(self._folder, world, episode, self.found_start):
             self.trial: Trial = Trial(world, episode, rng, goes_on=goes_on)
         referee = self.trial.referee
         self._sight = None if referee is None else GoalSight(referee)
@@ -261,8 +273,10 @@ def _building(episode: Episode) -> str:
 
 
 @contextmanager
-def _map_frame_of(folder: MemoryFolder | None, world: World, episode: Episode) -> Iterator[None]:
-    """Let a world that is reset in the block begin in a memory's ``map`` frame."""
+def _map_frame_of(
+    folder: MemoryFolder | None, world: World, episode: Episode, found: FoundStart | None
+) -> Iterator[None]:
+    """Let a world that is reset in the block begin in a memory's ``map`` frame, as far as known."""
     if folder is None or folder.place is None:
         yield
         return
@@ -272,7 +286,8 @@ def _map_frame_of(folder: MemoryFolder | None, world: World, episode: Episode) -
             f"{type(world).__name__} begins a map frame at every start; a memory needs a world "
             "with keep_map_frame, such as SimulatedWorld"
         )
-    world.keep_map_frame(folder.place.map_to_scene)
+    frame = folder.place.map_to_scene if found is None else found.map_to_scene
+    world.keep_map_frame(frame)
     try:
         yield
     finally:

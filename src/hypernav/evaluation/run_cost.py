@@ -14,6 +14,7 @@ SWITCHES = {
     "crop": "--set grounding.score_crops=0",
     "choose block": "--reasoner geometric",
     "verify": "--set presence.enabled=false",
+    "choose images": "--set image_recall.max_questions=0",
 }
 """Switches that leave a kind of question out."""
 _KINDS = {

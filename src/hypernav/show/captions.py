@@ -38,6 +38,7 @@ QUESTIONS: dict[str, str] = {
     "summarise": "Which number was meant?",
     "choose arrow": "Which arrow to follow?",
     "choose direction": "Which way leads there?",
+    "choose images": "Which remembered image shows it?",
     "score view": "Does it look as if it were near?",
     "stop": "Is the robot there?",
 }

@@ -66,6 +66,7 @@ class Exploration:
             planning=PlanningConfig(),
             embodiment=embodiment,
             presence=None,
+            image_recall=None,
             log=ExchangeLog(),
             config=SearchConfig(**{"least_unseen_m2": None, **options}),
         )

@@ -97,6 +97,7 @@ class Exploration:
             planning=PlanningConfig(),
             embodiment=Embodiment(),
             presence=None,
+            image_recall=None,
             log=ExchangeLog(),
             config=SearchConfig(**{"least_unseen_m2": None, **options}),
         )

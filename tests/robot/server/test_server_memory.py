@@ -186,3 +186,16 @@ def test_an_operator_sends_a_robot_to_one_of_the_remembered_things(tmp_path, pla
 def test_without_a_memory_there_are_no_things(tmp_path):
     with robot_server(tmp_path / "state", scripted_plan) as link:
         assert link.call("GET", "/v1/things").json == []
+
+
+def test_without_a_memory_nobody_is_sent_to_a_thing_of_it(tmp_path):
+    thing = {"floor": 1, "number": 0}
+    with robot_server(tmp_path / "state", scripted_plan) as link:
+        request = {"goal": "door", "labels": True, "embodiment": BoxRoom().embodiment.model_dump()}
+        link.call("POST", "/v1/robots/anna/wait")
+        given = link.call("POST", "/v1/robots/anna/goal", {"goal": "door", "thing": thing})
+        for refused in (given, link.call("POST", "/v1/searches", request | {"thing": thing})):
+            assert refused.status == 409
+            assert refused.json["error"] == "memory"
+            assert "start it with --memory" in refused.json["message"]
+        assert link.call("POST", "/v1/searches", request).status == 201

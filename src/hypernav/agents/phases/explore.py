@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.agents.phases.recall import LIKELY, is_refuted, recalled
+from hypernav.agents.phases.recall import LIKELY, is_refuted, recalled, seen_in_image
 from hypernav.agents.plan import Climbing, Plan, patience_of
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
@@ -62,8 +62,12 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
             if config.looks == "at-destinations" and not _has_looked(step, plan):
                 turns = step.motion.turns_of_a_circle
                 return Phase.LOOK_AROUND, replace(plan, turns_left=turns, full_turn=True)
-            destination = recalled(step, memory, LIKELY) or _explored(step, memory)
-            destination = destination or recalled(step, memory, 0.0)
+            destination = (
+                recalled(step, memory, LIKELY)
+                or seen_in_image(step, memory)
+                or _explored(step, memory)
+                or recalled(step, memory, 0.0)
+            )
             if destination is None:
                 memory.search.is_explored = True
                 destination = _way_out(step, memory)
@@ -198,7 +202,7 @@ def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
         or config.looks == "at-destinations"
         or destination is None
         or destination.is_sighting
-        or destination.thing is not None
+        or destination.is_remembered
         or not answers_at_once(explorer)
     ):
         return plan
@@ -234,6 +238,9 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
     elif destination.thing is not None:
         search.gone_to.add(destination.thing)
         search.looks_again = True  # it may have been moved, and not far
+    elif destination.image is not None:
+        left = (one for one in search.images_to_visit if one != destination.image)
+        search.images_to_visit = tuple(left)
     elif destination.face is None:
         search.visits.append(destination.xy)
     return plan.explore(destination=None, age=0)

@@ -1,4 +1,4 @@
-"""Recall: the way to a remembered thing that may be the goal, before anything is explored."""
+"""Recall: the way to what is remembered and may be the goal, before anything is explored."""
 
 import math
 
@@ -13,6 +13,7 @@ from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.mapping.sight_lines import lines_are_clear
+from hypernav.perception.image_recall import IMAGES_PER_QUESTION
 
 LIKELY = 0.25
 """Chance to be the goal from which a remembered thing is gone to before anything is explored."""
@@ -56,6 +57,46 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
         holds=True,
         face=math.atan2(y - position[1], x - position[0]),
         thing=thing.number,
+    )
+
+
+def seen_in_image(step: Step, memory: Memory) -> Destination | None:
+    """The nearest position where a key image was taken in which a chat model sees the goal.
+
+    The model is asked about the images of earlier searches, a few at a time, until it sees it in
+    one. A position from which it is not seen now is not gone to again.
+
+    Returns:
+        None if no such image is left, or there is no model or memory.
+    """
+    search, images, recall = memory.search, memory.images, step.use.image_recall
+    if not step.config.recall or recall is None or images is None or not search.lasts:
+        return None
+    if search.images_to_ask is None:
+        search.images_to_ask = images.most_telling(
+            memory.number,
+            before=search.number,
+            most=recall.config.max_questions * IMAGES_PER_QUESTION,
+        )
+    while not search.images_to_visit and search.images_to_ask:
+        asked, search.images_to_ask = (
+            search.images_to_ask[:IMAGES_PER_QUESTION],
+            search.images_to_ask[IMAGES_PER_QUESTION:],
+        )
+        shown = [one for number in asked if (one := images.find(number)) is not None]
+        with step.clock("global"):
+            seen = recall.shown_in([one.rgb for one in shown], step.goal) if shown else ()
+        search.images_to_visit = tuple(shown[k].number for k in seen)
+    known = [one for number in search.images_to_visit if (one := images.find(number)) is not None]
+    if not known:
+        return None
+    nearest = min(known, key=lambda one: step.robot.distance_to(*one.robot.xy))
+    return Destination(
+        *nearest.robot.xy,
+        reason=f"the {step.goal.thing} is in an image that was taken there before",
+        holds=True,
+        face=nearest.robot.yaw,
+        image=nearest.number,
     )
 
 

@@ -31,6 +31,9 @@ class Options:
     """Folder with what earlier searches learned of the building; this one adds to it."""
     memory_mb: float = 50.0
     """Size of that folder, MB, beyond which the images that tell least are forgotten."""
+    relocalize: bool = False
+    """Start without knowing where in the memory, and find out by turning once around; where that
+    fails, search without the memory."""
     out: Path | None = None
     """Folder of the results; runs/<time>-<goal> by default."""
     views: FlatViewOptions = field(default_factory=ViewOptions)

@@ -74,8 +74,8 @@ class Destination:
         face: Heading to turn to on arrival, ``map`` frame, radians; None keeps the heading.
         most_steps: Number of steps after which the explorer is asked again; None sets no limit.
             The same answer again is the same destination.
-        thing: Number of the remembered thing that it leads to; then no explorer chose it. None for
-            all others.
+        thing: Number of the remembered thing that it leads to; None for all others.
+        image: Number of the key image that was taken there; None if none is why it is chosen.
     """
 
     x: float
@@ -91,6 +91,12 @@ class Destination:
     face: float | None = None
     most_steps: int | None = None
     thing: int | None = None
+    image: int | None = None
+
+    @property
+    def is_remembered(self) -> bool:
+        """Whether a memory of earlier searches leads there; then no explorer chose it."""
+        return self.thing is not None or self.image is not None
 
     @property
     def xy(self) -> tuple[float, float]:

@@ -52,6 +52,9 @@ class SearchMemory:
         remembered: Numbers of the things that were known before it began.
         gone_to: Numbers of those that it has gone to, or given up.
         given_up: Numbers of the connectors of this floor that it has tried to take in vain.
+        images_to_ask: Numbers of the key images that a chat model is to be asked about, in the
+            order in which it is; None before the first question.
+        images_to_visit: Numbers of those in which it sees the goal, and that are left to go to.
         meant: The one that is gone to before all others, as it was known; None if any will do.
         looked_over: What it has looked at of the floor; None if the floor was not known before.
         looks_again: Whether it explores what it has not looked at itself, known or not.
@@ -70,6 +73,8 @@ class SearchMemory:
     remembered: frozenset[int] = frozenset()
     gone_to: set[int] = field(default_factory=set)
     given_up: set[int] = field(default_factory=set)
+    images_to_ask: tuple[int, ...] | None = None
+    images_to_visit: tuple[int, ...] = ()
     meant: Thing | None = None
     looked_over: LookedOver | None = None
     looks_again: bool = False

@@ -133,6 +133,33 @@ class KeyImages:
         self.add(image)
         return image
 
+    def find(self, number: int) -> KeyImage | None:
+        """The image of a number; None if it was forgotten."""
+        return next((one for one in self.kept if one.number == number), None)
+
+    def most_telling(self, floor: int, *, before: int, most: int) -> tuple[int, ...]:
+        """Numbers of images that together show as much of a floor as so many can.
+
+        Each shows the most surface that those before it don't show. Once they show all of it, the
+        next ones show it again.
+
+        Args:
+            floor: Number of the floor.
+            before: Number of the search before which they were taken.
+            most: Largest number of images.
+        """
+        left = [one for one in self.kept if one.floor == floor and one.search < before]
+        chosen, shown = list[int](), np.empty(0, np.int64)
+        while left and len(chosen) < most:
+            new = [len(one.patches) - int(np.isin(one.patches, shown).sum()) for one in left]
+            if max(new) == 0 and len(shown):
+                shown = shown[:0]
+                continue
+            one = left.pop(new.index(max(new)))
+            chosen.append(one.number)
+            shown = np.union1d(shown, one.patches)
+        return tuple(chosen)
+
     def add(self, image: KeyImage) -> None:
         """Add a key image."""
         self.kept.append(image)

@@ -148,6 +148,8 @@ class Searches:
     def _begun(self, name: str, folder: Path, request: OpenSearch) -> Search:
         plan, goal = self._plan(request), Goal(request.goal)
         self._check_memory_is_free(plan)
+        if request.thing is not None:
+            check_remembers_things(plan.memory)
         built = plan.build(goal, folder)
         with ExitStack() as failed:
             failed.callback(built.close)
@@ -259,6 +261,21 @@ def _same(search: Search, request: OpenSearch) -> Search:
         )
         raise RequestRefusedError(message, error="key", status=409)
     return search
+
+
+def check_remembers_things(memory: Path | None) -> None:
+    """Refuse to be sent to a remembered thing by a server that remembers none.
+
+    Raises:
+        RequestRefusedError: It has no memory.
+    """
+    if memory is None:
+        raise RequestRefusedError(
+            "this server has no memory, so there is no remembered thing to go to; leave out the "
+            "thing, or start it with --memory",
+            error="memory",
+            status=409,
+        )
 
 
 def _busy(message: str) -> RequestRefusedError:

@@ -196,13 +196,22 @@ def _facts(result: Mapping[str, Any]) -> list[tuple[str, str]]:
         return str(result.get(name) or "–")
 
     preset = f", {told('preset')} settings" if result.get("preset") else ""
+    found = result.get("found_start")
+    where = [] if found is None else [("Start in the memory", _start_in_memory(found))]
     return [
         ("Agent", told("agent") + preset),
         ("Sees with", captions.component_caption(told("detector"))),
         ("Segments with", told("segmenter")),
         ("Decides with", captions.component_caption(told("reasoner"))),
         ("Scene", told("scene")),
+        *where,
     ]
+
+
+def _start_in_memory(found: Mapping[str, Any]) -> str:
+    if found["sure"]:
+        return f"found on floor {found['floor']} by one turn"
+    return f"not found: {found['doubt']}; the search began anew"
 
 
 def _metrics(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[_Metric]:
@@ -250,6 +259,8 @@ def _fallbacks(result: Mapping[str, Any]) -> str:
         told.append(f"{counts['unsure_stop_checks']} answers whether to stop neither yes nor no")
     if counts.get("unread_arrow_answers"):
         told.append(f"{counts['unread_arrow_answers']} answers that named no arrow")
+    if counts.get("unread_image_answers"):
+        told.append(f"{counts['unread_image_answers']} answers that named no remembered image")
     return "; ".join(told)
 
 

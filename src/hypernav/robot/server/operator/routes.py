@@ -13,6 +13,7 @@ from hypernav.core.goal import Goal
 from hypernav.mapping.memory.reading import read_index
 from hypernav.robot.server.operator.files import page_files
 from hypernav.robot.server.operator.waiting import WaitingRobots
+from hypernav.robot.server.searches import check_remembers_things
 from hypernav.robot.server.watching.routes import STOP_BODY, ShownSearches
 from hypernav.robot.wire.replies import Status
 from hypernav.robot.wire.requests import StopRequest, ThingName
@@ -70,6 +71,8 @@ def operator_routes(
     @routes.post(f"{ROBOTS}/{{name}}/goal")
     async def give(name: _Name, request: GoalRequest) -> GivenGoal:
         """Give a goal to a robot that waits."""
+        if request.thing is not None:
+            check_remembers_things(memory)
         return waiting.give(name, Goal(request.goal), request.thing)
 
     @routes.get(THINGS)

@@ -1,0 +1,146 @@
+"""The question to a chat model in which of some remembered images it sees the goal."""
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import cv2
+import numpy as np
+from pydantic import Field
+
+from hypernav.core.chat import Image, Question
+from hypernav.core.components.protocols import ChatModel
+from hypernav.core.config import RoomConfig
+from hypernav.core.goal import Goal
+from hypernav.core.trace import ExchangeLog
+from hypernav.models.chat.answer_parsing import without_thinking
+from hypernav.perception.exchanges import exchange_of
+from hypernav.show.drawing import palette, shapes
+from hypernav.show.drawing.text import draw_text
+
+IMAGES_PER_QUESTION = 6
+"""Number of images in one question."""
+_PROMPT = (
+    "This sheet shows numbered images that a robot took in a building. In which of these images do "
+    "you see a {goal}? Look at small things and at the background, too. Answer with the numbers of "
+    "these images only, for example: 2, 5. If it is in none of them, answer: none"
+)
+_COLUMNS = 3
+_TILE_PX = 640
+"""Width of an image on the sheet, pixels."""
+_GAP_PX = 8
+_DISC_PX = 26
+_NUMBER = re.compile(r"(?<![\d.])\d{1,6}(?!\.?\d)")
+_NONE = re.compile(r"\b(?:none|no|not|neither|nothing)\b|n['’]t\b|^\W*\[\s*\]\W*$", re.IGNORECASE)
+_LAST_LINE = re.compile(r"^\W*(?:final )?answer\W+(.+)", re.IGNORECASE | re.MULTILINE)
+
+
+class ImageRecallConfig(RoomConfig):
+    """Configuration of the question about remembered images; the paper asks none.
+
+    Attributes:
+        prompt: Text of the question; ``{goal}`` is filled in, with its own article for
+            ``a {goal}``.
+        max_questions: Number of questions in one search about one floor, each about six images;
+            0 asks none.
+    """
+
+    prompt: str = _PROMPT
+    max_questions: int = Field(default=4, ge=0, le=100)
+
+
+@dataclass(eq=False)
+class ImageRecall:
+    """Shows remembered images and asks in which of them the goal is.
+
+    Attributes:
+        chat: Chat model to ask.
+        log: Log of all questions and answers, for the trace.
+        config: Configuration of the question.
+        unread: Number of answers that name no image, and don't say "none", since the last report.
+    """
+
+    chat: ChatModel
+    log: ExchangeLog
+    config: ImageRecallConfig = field(default_factory=ImageRecallConfig)
+    unread: int = field(default=0, init=False)
+
+    def shown_in(self, images: Sequence[Image], goal: Goal) -> tuple[int, ...]:
+        """Which of some images (RGB) show the goal, as the model says: their indices.
+
+        Raises:
+            ModelUnavailableError: The model did not answer within the configured patience.
+        """
+        question = images_question(self.config, images, goal)
+        answer = self.chat.ask(question)
+        numbers = None if answer.fault is not None else named_images(answer.text, len(images))
+        remarks = [] if numbers is not None else [answer.detail or "it names no image"]
+        self.log.record(exchange_of(question, answer, remarks=remarks))
+        self.unread += numbers is None
+        return tuple(number - 1 for number in numbers or ())
+
+    def take_report(self) -> dict[str, Any]:
+        """Number of answers since the last call that could not be read, if there were any."""
+        report = {"unread_image_answers": self.unread} if self.unread else {}
+        self.unread = 0
+        return report
+
+
+def images_question(config: ImageRecallConfig, images: Sequence[Image], goal: Goal) -> Question:
+    """Question to a model in which of some images (RGB) it sees the goal."""
+    return Question(
+        kind="choose images",
+        text=goal.named_in(config.prompt),
+        images=(_sheet(images),),
+        max_tokens=64,
+    )
+
+
+def named_images(text: str, count: int) -> tuple[int, ...] | None:
+    """The numbers of the images that an answer names, from 1, in rising order.
+
+    The last line "Answer: …" counts, else the first line, else the whole text; each only if it
+    names images or says that there is none, and not both.
+
+    Args:
+        text: The answer.
+        count: Number of images.
+
+    Returns:
+        None if it can't be read.
+    """
+    said = without_thinking(text)
+    parts = (*_LAST_LINE.findall(said)[-1:], said.partition("\n")[0], said)
+    read = (_named(part, count) for part in parts)
+    return next((one for one in read if one is not None), None)
+
+
+def _named(text: str, count: int) -> tuple[int, ...] | None:
+    numbers = {int(number) for number in _NUMBER.findall(text)}
+    possible = tuple(sorted(number for number in numbers if 1 <= number <= count))
+    says_none = _NONE.search(text) is not None or numbers == {0}
+    if possible:
+        return None if says_none else possible
+    return () if says_none and numbers <= {0} else None
+
+
+def _sheet(images: Sequence[Image]) -> Image:
+    """The images side by side, each with its number: some servers take one image a question."""
+    columns = min(_COLUMNS, len(images))
+    height = max(round(_TILE_PX * one.shape[0] / one.shape[1]) for one in images)
+    down, right = height + _GAP_PX, _TILE_PX + _GAP_PX
+    rows = math.ceil(len(images) / columns)
+    sheet = np.full((rows * down - _GAP_PX, columns * right - _GAP_PX, 3), 255, np.uint8)
+    for k, image in enumerate(images):
+        top, left = k // columns * down, k % columns * right
+        scale = _TILE_PX / image.shape[1]
+        size = (_TILE_PX, round(image.shape[0] * scale))
+        how = cv2.INTER_AREA if scale < 1.0 else cv2.INTER_LINEAR
+        tile = cv2.resize(np.ascontiguousarray(image), size, interpolation=how)
+        sheet[top : top + size[1], left : left + _TILE_PX] = tile
+        middle = (left + 1.5 * _DISC_PX, top + 1.5 * _DISC_PX)
+        shapes.disc(sheet, middle, _DISC_PX, palette.INK)
+        draw_text(sheet, str(k + 1), middle, _DISC_PX, bold=True, color=palette.FREE, align=0.5)
+    return sheet
