@@ -18,10 +18,10 @@ CAMERA = PinholeCamera.from_hfov(640, 480, 79.0)
 HEIGHT_M = 0.88
 
 
-def drive(poses, depths, scale: float, *, noise: float = 0.0) -> None:
+def drive(recorded, scale: float, *, noise: float = 0.0) -> None:
     """Show a drive whose odometry is wrong by a factor, and whose depth errs by a share."""
     rng, watched = np.random.default_rng(0), OdometryScale()
-    for number, ((x, y, yaw), depth) in enumerate(zip(poses, depths, strict=True)):
+    for number, ((x, y, yaw), depth) in enumerate(zip(*recorded, strict=True)):
         there = Pose2(scale * x, scale * y, yaw)
         seen = Observation(
             rgb=np.zeros((*depth.shape, 3), np.uint8),
@@ -48,18 +48,18 @@ def recorded(test_data):
 
 @pytest.mark.parametrize("noise", [0.0, 0.02])
 def test_odometry_in_metres_is_taken(recorded, noise):
-    drive(*recorded, 1.0, noise=noise)
+    drive(recorded, 1.0, noise=noise)
 
 
 @pytest.mark.parametrize("scale", [0.97, 1.03])
 def test_wheels_that_err_a_little_are_taken(recorded, scale):
-    drive(*recorded, scale)
+    drive(recorded, scale)
 
 
 @pytest.mark.parametrize("scale", [1.0 / 3.0, 0.3048, 0.5, 2.0, 3.0, 3.28])
 def test_odometry_in_other_units_is_named(recorded, scale):
     with pytest.raises(SensorError, match=r"odometry .* moved .* depth images show about .*metres"):
-        drive(*recorded, scale)
+        drive(recorded, scale)
 
 
 def test_along_walls_and_in_the_void_nothing_is_shown():
@@ -72,4 +72,4 @@ def test_along_walls_and_in_the_void_nothing_is_shown():
     depth[depth > Embodiment().camera.max_depth_m] = 0.0
     poses = [(0.25 * step, 0.0, 0.0) for step in range(9)]
     for shown in (depth, np.zeros_like(depth)):
-        drive(poses, [shown] * len(poses), 3.0)
+        drive((poses, [shown] * len(poses)), 3.0)
