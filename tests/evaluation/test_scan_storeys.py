@@ -1,4 +1,4 @@
-"""`hm3d:` on a scan with two storeys: robots that climb and that don't, and the levels they know."""
+"""`hm3d:` on a scan with two storeys: a robot that climbs, one that doesn't, and known levels."""
 
 from contextlib import closing
 from dataclasses import replace
