@@ -1,4 +1,4 @@
-"""`hm3d:` on a scan with two storeys: robots that climb and that don't, and the levels they know."""
+"""`hm3d:` on a scan with two storeys: a robot that climbs, one that doesn't, and known levels."""
 
 from contextlib import closing
 from dataclasses import replace
@@ -14,6 +14,7 @@ from hypernav.core.episodes.episode import Episode, Outcome
 from hypernav.core.trace import ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.simulation import SimulatedWorld
 from small_worlds import small_config
 
@@ -45,7 +46,9 @@ def search(episode: Episode, max_step_m: float) -> tuple[Outcome, list[float], l
         run = EpisodeRun(agent, world, episode)
         for _ in run:
             pass
-        known = sorted(floor.z + episode.start_z for floor in agent.memory.floors)
+        assert isinstance(world.walkable, NavmeshSurface)
+        start_z = episode.start_z or 0.0
+        known = sorted(floor.z + start_z for floor in agent.memory.floors)
         return run.result().outcome, known, levels_of(world.walkable.floor[:, 2])
 
 
