@@ -15,6 +15,7 @@ from hypernav.core.actions import Action
 from hypernav.core.errors import RunFolderError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.memory.index import GoalRecord, Index
+from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.mapping.memory.reading import read_index
 from hypernav.robot.server.agents import AgentPlan, PlanAgent
 from hypernav.robot.server.state.journal import Journal
@@ -97,6 +98,18 @@ def test_a_restarted_server_adds_a_search_to_the_memory_once(tmp_path, plan):
     with robot_server(tmp_path / "state", plan) as link:
         drive(link, search, room, first=3)
     assert without_times(known(tmp_path / "home")) == whole
+
+
+def test_a_server_that_ends_waits_until_the_memory_is_saved(tmp_path, plan, monkeypatch):
+    def slow(folder, outcome, *, steps):
+        time.sleep(0.5)
+        save(folder, outcome, steps=steps)
+
+    save = MemoryFolder.end
+    monkeypatch.setattr(MemoryFolder, "end", slow)
+    with robot_server(tmp_path / "state", plan) as link:
+        drive(link, link.open(), BoxRoom())
+    assert outcomes(tmp_path / "home") == [("door", "found")]
 
 
 def test_a_robot_that_stands_elsewhere_is_told_so(tmp_path, plan):

@@ -62,6 +62,7 @@ class Search:
         self._now = Standing.of(journal)
         self._heard_s = monotonic()
         self._worker: Worker | None = None
+        self._last_worker: Worker | None = None  # it may still save what the search learned
         self._is_end_kept = journal.end is not None
 
     @property
@@ -226,14 +227,16 @@ class Search:
         """Release everything; a search that is not over can be taken up again.
 
         Returns:
-            The worker, which ends after its present job; None if there is none.
+            The worker, which ends after its present job, if it has not ended; None if there never
+            was one.
         """
         with self._lock:
             worker, self._worker = self._worker, None
+            self._last_worker = worker or self._last_worker
         if worker is not None:
             worker.submit(self._release)
             worker.end()
-        return worker
+        return self._last_worker
 
     def _tell(self, now: Standing) -> None:
         """Replace where the search stands, with the lock held, and let people know."""
