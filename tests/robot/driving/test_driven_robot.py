@@ -2,12 +2,14 @@
 
 import math
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import STAIR_CLIMB_M, BodyConfig, Embodiment
+from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.robot.client.robot import Executed, Sensed
 from hypernav.robot.driving.base import DepthView
@@ -235,3 +237,22 @@ def test_a_robot_that_climbs_takes_stairs_for_no_drop():
     climber = ROBOT.model_copy(update={"body": BodyConfig(max_step_m=STAIR_CLIMB_M)})
     ahead = DepthSafety(climber).look(seen(edge_x=1.9))
     assert ahead.obstacles.distances(np.array([[2.0, 0.0]]))[0] > 1.0
+
+
+@pytest.mark.parametrize("instead", [0.0, 0.8], ids=["no return", "somebody before it"])
+def test_a_drop_is_remembered_where_an_image_does_not_show_floor(instead):
+    safety, lower = DepthSafety(ROBOT), seen(edge_x=1.9)
+    safety.look(lower)
+    depth = np.where(lower.depth == seen().depth, lower.depth, np.float32(instead))
+    ahead = safety.look(replace(lower, depth=depth))
+    assert ahead.obstacles.distances(np.array([[2.0, 0.0]]))[0] < 0.2
+
+
+@pytest.mark.parametrize("tilt_deg", [2.0, 4.0])
+def test_single_pixels_and_a_camera_that_points_higher_than_is_known_make_no_drop(tilt_deg):
+    view = seen()
+    depth = view.depth.copy()
+    depth[::6, ::6] = 5.0
+    tilted = optical_to_base(ROBOT.camera.height_m, ROBOT.camera.pitch_deg + tilt_deg)
+    ahead = DepthSafety(ROBOT).look(replace(view, depth=depth, camera_to_base=tilted))
+    assert ahead.obstacles.distances(np.array([[1.5, 0.0], [2.0, 0.5]])).min() > 0.5

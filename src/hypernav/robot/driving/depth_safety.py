@@ -7,8 +7,9 @@ images show no obstacle.
 import math
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.depth import is_measured
@@ -21,10 +22,15 @@ _NEAR_M = 1.2
 """Distance from the robot up to which points are remembered."""
 _REMEMBERED_VIEWS = 60
 """Number of views for which a point is remembered after it left the camera's view."""
-_UNEVEN_M = 0.05
-"""Depth below a step of the robot's, metres, from which missing floor is a drop."""
+_UNEVEN_M, _UNEVEN_SHARE = 0.05, 0.05
+"""How far floor may seem lower than a step of the robot's before it is a drop: in metres, and as a
+share of its depth, since a camera that points a little lower than is known lowers all floor."""
+_PATCH = np.ones((3, 3), np.uint8)
+"""Smallest part of an image, pixels, that shows a drop: single pixels err."""
 _APART_M = 0.02
 """Distance between remembered points."""
+_ACROSS = 1 << 32
+"""More cells of this size than any drive is long."""
 _BLIND_SHARE = 0.25
 """Share of the floor in front of the robot without a return above which the camera is blind."""
 _LEAST_FLOOR_PIXELS = 10
@@ -51,7 +57,7 @@ class DepthSafety:
 
     Where the camera sees below the floor, the floor is missing: the head of stairs is an obstacle
     for a robot that can't climb. It is below the image before the robot is there, so it is
-    remembered until it is seen again or left behind.
+    remembered until floor is seen there, or the robot has left it behind.
     """
 
     def __init__(self, embodiment: Embodiment) -> None:
@@ -77,13 +83,14 @@ class DepthSafety:
         rays = view.camera.rays() @ view.camera_to_base.rotation.T
         now = robot.to_transform().apply(self._hindering(view, rays))[:, :2]
         self._forget_seen(view)
-        self._drops = self._drops_around(view, rays)
+        floor = _floor_depth(view, rays)
+        self._drops = self._drops_around(view, rays, floor)
         obstacles = PointObstacles(np.vstack([now, self._remembered, self._drops]))
         near = np.hypot(now[:, 0] - robot.x, now[:, 1] - robot.y) < _NEAR_M
         kept = np.unique(np.round(now[near] / _APART_M), axis=0) * _APART_M
         self._remembered = np.vstack([self._remembered, kept])
         self._ages = np.concatenate([self._ages, np.zeros(len(kept), dtype=np.int64)])
-        is_blind = self._repeated > _MOST_REPEATED or self._sees_no_floor(view, rays)
+        is_blind = self._repeated > _MOST_REPEATED or self._sees_no_floor(view, rays, floor)
         return Ahead(obstacles, is_blind)
 
     def _hindering(
@@ -97,24 +104,42 @@ class DepthSafety:
         return points[(height > self._body.max_step_m) & (height < self._body.height_m)]
 
     def _drops_around(
-        self, view: DepthView, rays: Float64[np.ndarray, "height width 3"]
+        self,
+        view: DepthView,
+        rays: Float64[np.ndarray, "height width 3"],
+        floor: Float64[np.ndarray, "height width"],
     ) -> Float64[np.ndarray, "n 2"]:
-        """Where floor is missing: in this image, or near the robot and out of the image."""
+        """Where floor is missing: in this image, or near the robot and not seen to be there."""
         if self._body.climbs_stairs:
             return self._drops
-        eye, floor = view.camera_to_base.translation, _floor_depth(view, rays)
-        z = eye[2] + rays[..., 2] * np.where(is_measured(view.depth), view.depth, 0.0)
-        missing = (z < -self._body.max_step_m - _UNEVEN_M) & (floor < _REACH_M)
-        points = rays[missing] * floor[missing][:, None] + eye
+        eye, measured = view.camera_to_base.translation, is_measured(view.depth)
+        z = eye[2] + rays[..., 2] * np.where(measured, view.depth, np.nan)
+        uneven_m = self._body.max_step_m + _UNEVEN_M + _UNEVEN_SHARE * floor
+        is_lower = (z < -uneven_m) & (floor < _REACH_M)
+        is_drop = cv2.morphologyEx(is_lower.view(np.uint8), cv2.MORPH_OPEN, _PATCH) > 0
+        points = rays[is_drop] * floor[is_drop][:, None] + eye
         now = view.robot.to_transform().apply(points)[:, :2]
         known = self._drops
-        on_floor = np.column_stack([known, np.zeros(len(known))])
-        in_base = view.robot.to_transform().inverse().apply(on_floor)
-        in_camera = view.camera_to_base.inverse().apply(in_base)
-        is_seen = view.camera.contains(view.camera.project(in_camera))
-        is_near = np.hypot(in_base[:, 0], in_base[:, 1]) < _REACH_M
-        kept = np.vstack([known[~is_seen & is_near], now])
-        return np.unique(np.round(kept / _APART_M), axis=0) * _APART_M
+        is_left = np.hypot(known[:, 0] - view.robot.x, known[:, 1] - view.robot.y) >= _REACH_M
+        kept = known[~is_left & ~self._shows_floor(view, known, np.abs(z) <= uneven_m)]
+        cells = np.round(np.vstack([kept, now]) / _APART_M).astype(np.int64)
+        _, first = np.unique(cells[:, 0] * _ACROSS + cells[:, 1], return_index=True)
+        return cells[first] * _APART_M
+
+    def _shows_floor(
+        self,
+        view: DepthView,
+        points: Float64[np.ndarray, "n 2"],
+        is_floor: Bool[np.ndarray, "height width"],
+    ) -> Bool[np.ndarray, " n"]:
+        """Whether an image shows floor at positions on the floor plan."""
+        level = np.column_stack([points, np.zeros(len(points))])
+        in_base = view.robot.to_transform().inverse().apply(level)
+        pixels = view.camera.project(view.camera_to_base.inverse().apply(in_base))
+        shows = view.camera.contains(pixels)
+        u, v = pixels[shows].astype(np.intp).T
+        shows[shows] = is_floor[v, u]
+        return shows
 
     def _forget_seen(self, view: DepthView) -> None:
         """Keep only points outside the image or too near to be measured, and drop the old ones."""
@@ -127,16 +152,19 @@ class DepthSafety:
         kept = ~is_seen & (self._ages < _REMEMBERED_VIEWS)
         self._remembered, self._ages = points[kept], self._ages[kept] + 1
 
-    def _sees_no_floor(self, view: DepthView, rays: Float64[np.ndarray, "height width 3"]) -> bool:
+    def _sees_no_floor(
+        self,
+        view: DepthView,
+        rays: Float64[np.ndarray, "height width 3"],
+        floor: Float64[np.ndarray, "height width"],
+    ) -> bool:
         """Whether too little of the floor in the robot's way has a return."""
-        eye = view.camera_to_base.translation
-        depth = _floor_depth(view, rays)
-        down = np.isfinite(depth)
-        beside = np.where(down, rays[..., 1] * np.where(down, depth, 0.0) + eye[1], np.inf)
-        floor = (depth < _REACH_M) & (np.abs(beside) < self._body.radius_m)
-        if np.count_nonzero(floor) < _LEAST_FLOOR_PIXELS:
+        eye, down = view.camera_to_base.translation, np.isfinite(floor)
+        beside = np.where(down, rays[..., 1] * np.where(down, floor, 0.0) + eye[1], np.inf)
+        ahead = (floor < _REACH_M) & (np.abs(beside) < self._body.radius_m)
+        if np.count_nonzero(ahead) < _LEAST_FLOOR_PIXELS:
             return False
-        return bool(np.mean(~is_measured(view.depth[floor])) > _BLIND_SHARE)
+        return bool(np.mean(~is_measured(view.depth[ahead])) > _BLIND_SHARE)
 
 
 def _floor_depth(
