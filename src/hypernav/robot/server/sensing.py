@@ -14,7 +14,6 @@ from hypernav.core.errors import SensorError
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.core.observation import Observation
-from hypernav.robot.server.odometry_scale import OdometryScale
 from hypernav.robot.wire.frames import PackedObservation
 from hypernav.robot.wire.requests import ObservationFacts
 from hypernav.robot.wire.values import PlanarPose
@@ -79,7 +78,6 @@ class Sensing:
         self._last: ObservationFacts | None = None
         self._depth: Float32[np.ndarray, "height width"] | None = None
         self._images: dict[bytes, _Image] = {}
-        self._scale = OdometryScale()
         self._identical = 0
         self._blocked: Counter[bool] = Counter()  # failed in a row: turns, and steps
         self._wrong: Counter[bool] = Counter()  # others than ordered in a row: turns, and steps
@@ -101,7 +99,6 @@ class Sensing:
             _check_time(last, facts)
             self._check_motion(last, facts, told)
             self._check_direction(last, facts, told)
-        self._scale.check()
         self._check_images(packed, seen)
         if last is not None and self._depth is not None:
             self._check_change(last, facts, self._depth, seen.depth)
@@ -114,7 +111,6 @@ class Sensing:
             is_wrong = not facts.blocked and self._is_other(self._last, facts, told)
             self._wrong[turns] = self._wrong[turns] + 1 if is_wrong else 0
             self._blocked[turns] = self._blocked[turns] + 1 if facts.blocked else 0
-        self._scale.note(facts, seen)
         digests = _digests(packed)
         self._identical = self._identical + 1 if self._repeats(digests, facts) else 0
         for one in digests:
