@@ -15,6 +15,7 @@ from hypernav.core.geometry.boxes import Box
 from hypernav.core.observation import Observation
 from hypernav.exam.questions import ExamQuestion
 from hypernav.models.chat.vlm_families import family_named
+from hypernav.perception.image_recall import sheet_of
 from servers.scripted import Asked
 
 Spoiled = Literal[
@@ -27,6 +28,7 @@ _KINDS = {
     "choose arrow": "arrow",
     "choose direction": "direction",
     "score view": "near",
+    "choose images": "images",
 }
 
 
@@ -50,6 +52,9 @@ class Knower:
         if kind == "boxes":
             return json.dumps(self._boxes(question))
         right = min(question.right, key=lambda one: (len(one), one))
+        if kind == "images":
+            blind = "ignores absence" if right == "none" else "always block 1"
+            return "1" if self.spoiled == blind else ", ".join(sorted(question.right))
         match kind:
             case "block":
                 return f"It leads on.\nAnswer: {self._block(question, right)}"
@@ -97,6 +102,8 @@ def _image(question: ExamQuestion) -> np.ndarray:
             return question.subject.images[0]
         case Observation():
             return question.subject.rgb
+        case tuple():
+            return sheet_of([one.rgb for one in question.subject])
         case view:
             return view.image
 

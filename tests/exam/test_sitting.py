@@ -39,6 +39,8 @@ QUOTAS: dict[tuple[Kind, str], int] = {
     ("near", "near"): 15,
     ("arrow", "view"): 15,
     ("direction", "view"): 15,
+    ("images", "shown"): 45,
+    ("images", "none"): 45,
 }
 SHEETS = 5
 
@@ -47,8 +49,8 @@ NAMES: dict[Spoiled, set[str]] = {
     "swapped axes": {"coordinates"},
     "0 to 1000": {"coordinates"},
     "always yes": {"says yes"},
-    "always block 1": {"prefers block 1"},
-    "ignores absence": {"ignores absence"},
+    "always block 1": {"prefers block 1", "prefers image 1"},
+    "ignores absence": {"ignores absence", "names images without the goal"},
     "half": {"unusable answers"},
 }
 
@@ -134,7 +136,7 @@ def test_each_known_fault_is_named(exam: Exam, spoiled: Spoiled):
 
 def test_who_knows_everything_is_always_right(exam: Exam):
     marks = {one.kind: one for one in marks_of(exam.sit())}
-    assert set(marks) == {"block", "boxes", "presence", "near", "arrow", "direction"}
+    assert set(marks) == {"block", "boxes", "presence", "near", "arrow", "direction", "images"}
     scores = {kind: one.score.mean for kind, one in marks.items()}
     # Whole pixels of a small image are too coarse for the smallest boxes.
     assert scores.pop("boxes") > 0.9

@@ -22,6 +22,8 @@ QUOTAS = {
     ("near", "far"): 4,
     ("arrow", "view"): 4,
     ("direction", "view"): 4,
+    ("images", "shown"): 4,
+    ("images", "none"): 4,
 }
 
 
@@ -44,7 +46,7 @@ def examined(out: Path, *who: str) -> dict[str, dict]:
 
 def test_a_chat_model(tmp_path: Path, tiny: Callable[[str], Path]):
     marks = examined(tmp_path / "exam", "--vlm", f"local:{tiny('qwen25_vl')}")
-    assert set(marks) == {"block", "boxes", "presence", "near", "arrow", "direction"}
+    assert set(marks) == {"block", "boxes", "presence", "near", "arrow", "direction", "images"}
     for kind in ("block", "presence"):
         score = marks[kind]["score"]
         assert score["low"] <= marks[kind]["chance"] <= score["high"]

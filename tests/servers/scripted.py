@@ -61,6 +61,8 @@ class Asked:
             return "crop"
         if "is what its camera sees now. " in self.text and "red arrow" in self.text.lower():
             return "choose arrow"
+        if "In which of these images" in self.text:
+            return "choose images"
         if "should it explore more?" in self.text:
             return "choose direction"
         if "likely close by?" in self.text:

@@ -15,7 +15,7 @@ from hypernav.houses.episodes.splits import EXAM_BUILDINGS
 BankName = Literal["val", "train"]
 ExamSize = Literal["quick", "full"]
 
-BANK_VERSION = 2
+BANK_VERSION = 3
 """Increased whenever the same numbers give other questions."""
 
 _BUILDINGS = ("houses", "offices", "shops")
@@ -31,12 +31,14 @@ QUICK: dict[tuple[Kind, str], int] = {
     ("presence", "there"): 15,
     ("presence", "not there"): 8,
     ("presence", "look-alike"): 7,
-    ("near", "near"): 10,
-    ("near", "far"): 10,
-    ("arrow", "view"): 15,
-    ("direction", "view"): 10,
+    ("near", "near"): 8,
+    ("near", "far"): 8,
+    ("arrow", "view"): 8,
+    ("direction", "view"): 8,
+    ("images", "shown"): 8,
+    ("images", "none"): 8,
 }
-"""Questions of a quick exam by type and stratum, 200 in all; a full one has five times as many."""
+"""Questions of a quick exam by type and stratum, 203 in all; a full one has five times as many."""
 _FULL = 5
 VIEWS = 2
 """Number of questions about one goal that a sheet may give before those about another."""
@@ -65,7 +67,7 @@ class Bank:
 
     Attributes:
         name: "val", which nothing is tuned on, or "train", for work on prompts.
-        size: "quick", 200 questions, or "full", 1,000; masks are asked for besides.
+        size: "quick", 203 questions, or "full", 1,015; masks are asked for besides.
         kinds: Types that are asked.
         quotas: Number of questions of a quick exam by type and stratum; None takes `QUICK`.
     """

@@ -36,8 +36,12 @@ from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.exam.marking import Given, marked
-from hypernav.exam.questions import Answered, ExamQuestion, Kind
+from hypernav.exam.questions import NO_IMAGE, Answered, ExamQuestion, Kind
+from hypernav.perception.image_recall import ImageRecall
 from hypernav.perception.local.presence import VlmPresenceCheck
+
+_OF_CHAT: tuple[Kind, ...] = ("presence", "images")
+"""Types that the chat model alone is asked, whatever components are named."""
 
 
 class _NoBlock:
@@ -88,13 +92,13 @@ class Examinee:
     @property
     def kinds(self) -> tuple[Kind, ...]:
         """The types of questions that it is asked."""
-        return (*self._choices, *(("presence",) if self._chat else ()))
+        return (*self._choices, *(_OF_CHAT if self._chat else ()))
 
     @property
     def by_model(self) -> tuple[Kind, ...]:
         """Those that the chat model answers."""
         own = {kind for kind, (choice, _) in self._choices.items() if "chat" in asked_by(choice)}
-        return tuple(k for k in self.kinds if k in own or k == "presence")
+        return tuple(k for k in self.kinds if k in own or k in _OF_CHAT)
 
     def check(self) -> None:
         """Make every component once, so that errors are raised before the first question.
@@ -109,7 +113,7 @@ class Examinee:
 
     def words(self, kind: Kind) -> str:
         """Specification of the component that answers a type of question."""
-        return "vlm" if kind == "presence" else self._choices[kind][0].spec
+        return "vlm" if kind in _OF_CHAT else self._choices[kind][0].spec
 
     def ask(self, question: ExamQuestion) -> Answered:
         """Ask one question, and mark the answer.
@@ -148,11 +152,17 @@ class Examinee:
                 return Given("yes" if use.is_present(subject, goal) else "no")
             case "near":
                 return Given("yes" if use.score(subject, goal) >= 0.5 else "no")
+            case "images":
+                assert isinstance(subject, tuple)
+                named = use.shown_in([one.rgb for one in subject], goal)
+                return Given(", ".join(str(k + 1) for k in named) or NO_IMAGE)
 
     def _component(self, question: ExamQuestion, log: ExchangeLog) -> Any:
         """The component for a question: a new one, unless it uses neither log, model nor truth."""
-        if question.kind == "presence":
+        if question.kind in _OF_CHAT:
             assert self._chat is not None
+            if question.kind == "images":
+                return ImageRecall(self._chat, log, self._config.image_recall)
             return VlmPresenceCheck(self._chat, log, self._config.presence)
         return self._made(question.kind, log, truth_of(question))
 

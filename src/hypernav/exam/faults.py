@@ -13,8 +13,9 @@ from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.boxes import Box
 from hypernav.evaluation.checks.findings import Finding, State
 from hypernav.exam.marks import rate
-from hypernav.exam.questions import RIGHT_IOU, Answered, Kind
+from hypernav.exam.questions import NO_IMAGE, RIGHT_IOU, Answered, Kind
 from hypernav.models.chat.vlm_families import VlmFamily, family_named, family_of
+from hypernav.perception.image_recall import IMAGES_PER_QUESTION
 from hypernav.perception.local.grounding_format import read_grounding
 
 _LEAST = 8
@@ -43,6 +44,7 @@ def faults_of(answers: Sequence[Answered], model: str, family: str) -> list[Find
         *_absence(answers),
         *_first_option(answers),
         *_left_or_right(answers),
+        *_images(answers),
         *_certainty(answers),
     ]
 
@@ -230,6 +232,36 @@ def _left_or_right(answers: Sequence[Answered]) -> Iterator[Finding]:
                 f"of {len(usable)} directions {count} are “{side}”, which was right {right} times",
                 "another --agent than navvlm",
             )
+
+
+def _images(answers: Sequence[Answered]) -> Iterator[Finding]:
+    """Whether the model names an image where none shows the goal, or always the first."""
+    usable = [o for o in answers if o.kind == "images" and o.chosen is not None]
+    remedy = "--set image_recall.max_questions=0"
+    empty = [one for one in usable if NO_IMAGE in one.right]
+    share = rate(sum(one.chosen != NO_IMAGE for one in empty), len(empty))
+    if len(empty) >= _LEAST and share.low > 0.5:
+        yield Finding(
+            "names images without the goal",
+            State.FAULT,
+            f"it names an image in {share.mean:.0%} of {share.count} questions about six images of "
+            "which none shows the goal",
+            remedy,
+        )
+    shown = [one for one in usable if NO_IMAGE not in one.right]
+    first = sum(one.chosen == "1" for one in shown)
+    right = sum("1" in one.right for one in shown)
+    if len(shown) < _LEAST or right == len(shown):
+        return
+    expected = max(right / len(shown), 1.0 / IMAGES_PER_QUESTION)
+    if binomtest(first, len(shown), expected, alternative="greater").pvalue < _CLEAR:
+        yield Finding(
+            "prefers image 1",
+            State.FAULT,
+            f"it answers image 1 alone in {first} of {len(shown)} questions about six images; that "
+            f"shows the goal in {right}",
+            remedy,
+        )
 
 
 def _certainty(answers: Sequence[Answered]) -> Iterator[Finding]:

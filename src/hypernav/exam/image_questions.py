@@ -1,4 +1,4 @@
-"""Questions about single images: frames of a search, and views at which it may stop."""
+"""Questions about images: frames of a search, and views at which it may stop."""
 
 import math
 from collections.abc import Sequence
@@ -14,7 +14,8 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.world import Instance
 from hypernav.exam.bank import Sheet
-from hypernav.exam.questions import ExamQuestion, Kind
+from hypernav.exam.questions import NO_IMAGE, ExamQuestion, Kind
+from hypernav.perception.image_recall import IMAGES_PER_QUESTION
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
 from hypernav.perception.local.noisy_detector import distance_to, resembles
 from hypernav.worlds.simulation import SimulatedWorld
@@ -24,6 +25,10 @@ _CLEAR_SHARE = 0.002
 NEAR_M = 2.5  # median depth up to which a goal in a frame is near
 _CLOSE_BY_M, _FAR_AWAY_M = 4.0, 10.0
 """True paths, metres, up to which the goal is close by and from which it isn't; else not asked."""
+_MOST_SHOWING = 3
+"""Largest number of images that show the goal among those of one question."""
+_VIEWS = 12
+"""Number of things at which a view for these questions is added to those of the search."""
 
 
 def of_frame(
@@ -68,6 +73,56 @@ def close_by(
         sheet, step, "near", "near" if is_near else "far", goal, observation, is_near
     )
     return [replace(question, conditions=question.conditions | {"distance_m": away_m})]
+
+
+def of_images(
+    sheet: Sheet,
+    world: SimulatedWorld,
+    seen: Sequence[Observation],
+    goals: Sequence[str],
+    rng: np.random.Generator,
+) -> list[ExamQuestion]:
+    """Questions in which of six images of the building the goal is: in one to three, or in none.
+
+    Images that show the goal, but too small to be asked for, are left out.
+    """
+    things = [one for one in world.scene.instances if one.label is not None]
+    some = rng.permutation(len(things))[:_VIEWS].tolist()
+    views = [_stopped_at(world, things[k], rng) for k in some]
+    frames = [*seen, *(one for one in views if one is not None)]
+    truths = [true_labels(frame) for frame in frames]
+    clear = [[t.labels[n] for n in visible_objects(t, _CLEAR_SHARE)] for t in truths]
+    any_sign = [[t.labels[n] for n in visible_objects(t, 0.0)] for t in truths]
+    found = []
+    for text in goals:
+        goal = Goal(text)
+        numbers = range(len(frames))
+        shows = [k for k in numbers if any(label.satisfies(goal) for label in clear[k])]
+        lacks = [k for k in numbers if not any(label.satisfies(goal) for label in any_sign[k])]
+        for stratum in ("shown", "none"):
+            most = min(len(shows), _MOST_SHOWING) if stratum == "shown" else 0
+            count = int(rng.integers(1, most + 1)) if most else 0
+            others = IMAGES_PER_QUESTION - count
+            if (stratum == "shown") != bool(count) or len(lacks) < others:
+                continue
+            chosen = [*rng.permutation(shows)[:count], *rng.permutation(lacks)[:others]]
+            order = [int(k) for k in rng.permutation(chosen)]
+            subject = tuple(frames[k] for k in order)
+            right = {str(at) for at, k in enumerate(order, 1) if k in shows} or {NO_IMAGE}
+            light = float(np.mean([one.rgb.mean() for one in subject])) / 255.0
+            found.append(
+                ExamQuestion(
+                    sheet.question_id(0, "images", stratum, goal),
+                    "images",
+                    stratum,
+                    sheet.scene,
+                    goal,
+                    subject,
+                    right=frozenset(right),
+                    conditions={"light": light},
+                )
+            )
+    return found
 
 
 def of_stops(

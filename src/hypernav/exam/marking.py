@@ -11,7 +11,7 @@ from hypernav.core.exploring.overview import Overview
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Exchange
-from hypernav.exam.questions import RIGHT_IOU, Answered, ExamQuestion, Role, Shown
+from hypernav.exam.questions import NO_IMAGE, RIGHT_IOU, Answered, ExamQuestion, Role, Shown
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
 from hypernav.perception.local.noisy_detector import resembles
 from hypernav.perception.local.persistence import view_of
@@ -42,7 +42,7 @@ def marked(question: ExamQuestion, given: Given, exchanges: list[Exchange]) -> A
     unusable = _unusable(question, given, exchanges)
     chosen = None if unusable and question.kind != "boxes" else given.chosen
     costs = {key: cost for key, cost in question.costs.items() if np.isfinite(cost)}
-    options = list(question.costs) or (["yes", "no"] if question.right else [])
+    options = _options(question)
     overlap = _overlap(question, given)
     score = _score(question, chosen, given, overlap) if not unusable else 0.0
     image = getattr(question.subject, "rgb", None)
@@ -73,6 +73,13 @@ def marked(question: ExamQuestion, given: Given, exchanges: list[Exchange]) -> A
         unusable=unusable,
         exchanges=exchanges,
     )
+
+
+def _options(question: ExamQuestion) -> list[str]:
+    """The options; of images one or none, though an answer may name several."""
+    if isinstance(question.subject, tuple):
+        return [*(str(k + 1) for k in range(len(question.subject))), NO_IMAGE]
+    return list(question.costs) or (["yes", "no"] if question.right else [])
 
 
 def _travel(question: ExamQuestion) -> dict[str, float]:
@@ -120,6 +127,8 @@ def _score(
         return float(overlap is not None and overlap >= RIGHT_IOU)
     if question.kind == "boxes":
         return float(not given.found)
+    if question.kind == "images":  # one that shows the goal is enough to go there, none may lack it
+        return float(chosen is not None and question.right.issuperset(chosen.split(", ")))
     return float(chosen in question.right)
 
 
@@ -143,6 +152,8 @@ def _unusable(question: ExamQuestion, given: Given, exchanges: list[Exchange]) -
     reason = main.fault or next(iter(main.remarks), "")
     if question.kind == "boxes":
         return "" if given.found or not _is_unread(main) else reason
+    if question.kind == "images":
+        return reason
     if question.kind in ("block", "arrow"):
         return "" if given.chosen is not None else reason or "it names none of the options"
     return main.fault and (reason or main.fault)

@@ -11,6 +11,7 @@ from hypernav.core.exploring.guidance import GuideView
 from hypernav.core.exploring.overview import Overview
 from hypernav.core.observation import Observation
 from hypernav.exam.questions import Answered, ExamQuestion
+from hypernav.perception.image_recall import sheet_of
 from hypernav.show.drawing import palette
 
 _WIDTH = 420
@@ -37,6 +38,8 @@ def _drawn(question: ExamQuestion, answered: Answered) -> UInt8[np.ndarray, "_ _
         case GuideView() | Observation():
             frame = question.subject
             image = (frame if isinstance(frame, Observation) else frame.observation).rgb
+        case tuple():
+            image = sheet_of([frame.rgb for frame in question.subject])
         case view:
             image = view.image
     image = np.ascontiguousarray(image).copy()

@@ -15,7 +15,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Exchange
 
-Kind = Literal["block", "boxes", "mask", "presence", "near", "arrow", "direction"]
+Kind = Literal["block", "boxes", "mask", "presence", "near", "arrow", "direction", "images"]
 
 Role = Literal["goal", "alike", "other"]
 
@@ -27,6 +27,7 @@ KINDS: dict[Kind, str] = {
     "near": "Is it likely close by",
     "arrow": "Which arrow to follow",
     "direction": "Which direction to take",
+    "images": "In which of these images is it",
 }
 """The types of questions, in the words of the page."""
 
@@ -41,11 +42,16 @@ STRATA: dict[tuple[Kind, str], str] = {
     ("presence", "look-alike"): "something alike is there",
     ("near", "near"): "the goal is at most 4 m away",
     ("near", "far"): "the goal is 10 m away or more",
+    ("images", "shown"): "one or more of the images show the goal",
+    ("images", "none"): "none of the images shows the goal",
 }
 """Parts of the types that have some, in the words of the page."""
 
 EQUAL_M = 0.5
 """Difference in length up to which two paths are equally good, metres."""
+
+NO_IMAGE = "none"
+"""The option that none of the images shows the goal."""
 
 RIGHT_IOU = 0.5
 """Overlap (IoU) with a true box or mask from which an answer is right."""
@@ -61,9 +67,11 @@ class ExamQuestion:
         stratum: Part of the type, such as "absent" or "look-alike".
         scene: Name of the building; answers about one building are not independent.
         goal: Goal that is asked about.
-        subject: What the component of the search is given to decide on.
+        subject: What the component of the search is given to decide on; several frames where it
+            is asked in which of them the goal is.
         costs: For a choice, the true length of the path to the goal by way of each option, metres.
-        right: Options that are right; empty where boxes or a mask are asked for.
+        right: Options that are right; empty where boxes or a mask are asked for. Of images all that
+            show the goal, of which an answer may name some.
         rule: Answer of the geometric rule, for comparison; empty if there is none.
         boxes: True boxes of the goal, pixels, the largest first; none where it isn't in the image.
         mask: True pixels of the goal in the first box, where a mask is asked for.
@@ -76,7 +84,7 @@ class ExamQuestion:
     stratum: str
     scene: str
     goal: Goal
-    subject: Overview | ArrowView | GuideView | Observation
+    subject: Overview | ArrowView | GuideView | Observation | tuple[Observation, ...]
     costs: dict[str, float] = field(default_factory=dict)
     right: frozenset[str] = frozenset()
     rule: str = ""
@@ -126,7 +134,8 @@ class Answered(BaseModel):
         right: Options that are right.
         costs: True length of the path by way of each option, metres; absent if there is no path.
         travel: Length of the known path to each block, metres; empty for other questions.
-        chosen: The option that was answered; None if the answer can't be used.
+        chosen: The option that was answered, of images all with commas; None if the answer can't
+            be used.
         rule: Answer of the geometric rule; empty if there is none.
         true_boxes: True boxes ``(x_min, y_min, x_max, y_max)``, pixels.
         boxes: Boxes of the answer that were kept, in the same form, the best first.

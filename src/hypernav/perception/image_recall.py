@@ -93,7 +93,7 @@ def images_question(config: ImageRecallConfig, images: Sequence[Image], goal: Go
     return Question(
         kind="choose images",
         text=goal.named_in(config.prompt),
-        images=(_sheet(images),),
+        images=(sheet_of(images),),
         max_tokens=64,
     )
 
@@ -126,7 +126,7 @@ def _named(text: str, count: int) -> tuple[int, ...] | None:
     return () if says_none and numbers <= {0} else None
 
 
-def _sheet(images: Sequence[Image]) -> Image:
+def sheet_of(images: Sequence[Image]) -> Image:
     """The images side by side, each with its number: some servers take one image a question."""
     columns = min(_COLUMNS, len(images))
     height = max(round(_TILE_PX * one.shape[0] / one.shape[1]) for one in images)

@@ -22,7 +22,7 @@ class Options:
     reasoner: str | None = None
     """What chooses blocks, in the model's place, or alone: geometric, noisy:P, …"""
     size: Literal["quick", "full"] = "quick"
-    """quick: 200 questions; full: 1,000."""
+    """quick: 203 questions; full: 1,015."""
     bank: Literal["val", "train"] = "val"
     """val, which nothing is tuned on; train for work on prompts."""
     preset: PresetName = "default"
