@@ -16,8 +16,10 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.perception.explorers.block_explorer import BlockExplorer, OverviewConfig
+from hypernav.perception.explorers.floor_panels import FloorPanel, draw_floors
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
+from hypernav.show.drawing.question_map import QuestionStyle
 
 UP = WayOut(0, 3.0, 0.0, "stairs up", axis=0.0, to=1)
 DOWN = WayOut(1, 3.0, 0.0, "stairs down", axis=0.0, to=0)
@@ -85,6 +87,19 @@ def test_the_lowest_floor_is_on_the_left():
     below = answered(view(replace(ABOVE, above_m=-3.0)), "1")[1].asked[0].images[0]
     arrows = [np.all(one == (213, 94, 0), axis=2).nonzero()[1].mean() for one in (above, below)]
     assert arrows[0] < 756 < arrows[1]
+
+
+def test_stairs_with_the_same_words_are_named_each_at_its_place():
+    left = replace(DOWN, connector=4, x=-3.5)
+
+    def drawn(*stairs: WayOut) -> np.ndarray:
+        floor = replace(ABOVE, stairs=stairs)
+        return draw_floors([FloorPanel(floor, (), np.empty((0, 2)))], QuestionStyle(), size=756)
+
+    right = replace(left, connector=5, x=2.0)
+    both = drawn(left, right)
+    assert np.array_equal(both[:, :378], drawn(left)[:, :378])
+    assert np.array_equal(both[:, 378:], drawn(right)[:, 378:])
 
 
 def test_the_words_for_one_floor_stay():
