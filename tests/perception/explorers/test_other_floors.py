@@ -1,6 +1,7 @@
 """The question where to go shows all floors that the robot knows a way to, and leads there."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,8 +17,10 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.perception.explorers.block_explorer import BlockExplorer, OverviewConfig
+from hypernav.perception.explorers.floor_panels import FloorPanel, draw_floors
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
+from hypernav.show.drawing.question_map import QuestionStyle
 
 UP = WayOut(0, 3.0, 0.0, "stairs up", axis=0.0, to=1)
 DOWN = WayOut(1, 3.0, 0.0, "stairs down", axis=0.0, to=0)
@@ -51,11 +54,12 @@ def view(*elsewhere: KnownFloor, ways_out: tuple[WayOut, ...] = ()) -> Explorati
     return replace(seen, elsewhere=elsewhere, ways_out=ways_out)
 
 
-def answered(view: ExplorationView, answer: str) -> tuple[Destination, Parrot]:
+def answered(view: ExplorationView, answer: str, **config: Any) -> tuple[Destination, Parrot]:
     """Where a model sends the robot, and the model with what it was asked."""
     model, log = Parrot(answer), ExchangeLog()
     chooser = VlmReasoner(model, log, GeometricReasoner(log))
-    explorer = BlockExplorer(chooser, OverviewConfig(), MappingConfig(), (0.22,), Embodiment())
+    asked = OverviewConfig(**config)
+    explorer = BlockExplorer(chooser, asked, MappingConfig(), (0.22,), Embodiment())
     return certain(explorer.next_destination(view)), model
 
 
@@ -85,6 +89,19 @@ def test_the_lowest_floor_is_on_the_left():
     below = answered(view(replace(ABOVE, above_m=-3.0)), "1")[1].asked[0].images[0]
     arrows = [np.all(one == (213, 94, 0), axis=2).nonzero()[1].mean() for one in (above, below)]
     assert arrows[0] < 756 < arrows[1]
+
+
+def test_stairs_with_the_same_words_are_named_each_at_its_place():
+    left = replace(DOWN, connector=4, x=-3.5)
+
+    def drawn(*stairs: WayOut) -> np.ndarray:
+        floor = replace(ABOVE, stairs=stairs)
+        return draw_floors([FloorPanel(floor, (), np.empty((0, 2)))], QuestionStyle(), size=756)
+
+    right = replace(left, connector=5, x=2.0)
+    both = drawn(left, right)
+    assert np.array_equal(both[:, :378], drawn(left)[:, :378])
+    assert np.array_equal(both[:, 378:], drawn(right)[:, 378:])
 
 
 def test_the_words_for_one_floor_stay():
@@ -136,6 +153,31 @@ def test_what_was_visited_on_another_floor_is_not_chosen():
     explorer = BlockExplorer(chooser, OverviewConfig(), MappingConfig(), (0.22,), Embodiment())
     assert certain(explorer.next_destination(view(visited))).connector is None
     assert len(model.asked) == 2
+
+
+def test_visits_of_another_floor_count_as_those_of_the_robots_do():
+    number = number_in(line_of(answered(view(ABOVE), "1")[1], "on floor 2"))
+    there = certain(answered(view(ABOVE), number)[0].then).xy
+    first = replace(ABOVE, visits=[there, (9.0, 9.0)])
+
+    def goes_there(floor: KnownFloor, **config: Any) -> bool:
+        then = answered(view(floor), number, **config)[0].then
+        return then is not None and then.xy == there
+
+    assert not goes_there(first)
+    assert goes_there(first, visited="none")
+    assert goes_there(first, visited="positions")
+    assert not goes_there(replace(ABOVE, trajectory=[there]), visited="positions")
+
+
+def test_what_is_forgotten_on_another_floor_is_not_visited():
+    number = number_in(line_of(answered(view(ABOVE), "1")[1], "on floor 2"))
+    there = certain(answered(view(ABOVE), number)[0].then).xy
+    all_forget: dict[str, Any] = {"forget_visits": True, "visited_radius_m": 100.0}
+    upstairs = replace(view(), visits=[there])
+    answered(upstairs, "1", **all_forget)
+    forgot = replace(ABOVE, visits=[there], notes=upstairs.notes)
+    assert certain(answered(view(forgot), number)[0].then).xy == there
 
 
 def test_a_floor_whose_stairs_are_out_of_reach_is_not_shown():

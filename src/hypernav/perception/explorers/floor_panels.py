@@ -146,15 +146,19 @@ def _axes(stairs: WayOut) -> tuple[Float64[np.ndarray, "2"], Float64[np.ndarray,
 
 
 def _names(painter: MapPainter, panel: FloorPanel, squares: Sequence[Block]) -> None:
-    """Write where stairs lead, and their number where they can be chosen, clear of all numbers."""
+    """Write where stairs lead, and their number where they can be chosen, clear of all numbers.
+
+    Names without a number are left out where there is no room.
+    """
     size = max(round(painter.view.size / 40.0), 11)
     height = 1.5 * size
     numbers = {one.connector: one.number for one in panel.blocks if one.connector is not None}
     taken = [
         Label(str(one.number), *painter.view.pixel_of(*_middle(one)), 2.0 * size) for one in squares
     ]
+    texts: dict[str, str] = {}
     names: list[Label] = []
-    for one in panel.floor.stairs:
+    for one in sorted(panel.floor.stairs, key=lambda stairs: stairs.connector not in numbers):
         on_it = np.array(one.xy) + _axes(one)[0] * (_BEHIND_M + _TREADS * _TREAD_M / 2.0)
         u, v = painter.view.pixel_of(*on_it.tolist())
         text = one.words if one.to is None else f"{one.words} to floor {one.to + 1}"
@@ -162,20 +166,24 @@ def _names(painter: MapPainter, panel: FloorPanel, squares: Sequence[Block]) -> 
             text = f"{numbers[one.connector]}: {text}"
         half = text_width(text, size, bold=True) / 2.0 + size
         u = min(max(u, half), painter.view.size - half)
-        names.append(Label(text, u, v + 0.5 * _WIDE_M * painter.view.pixels_per_m, 2.0 * half))
-    names.sort(key=lambda one: ":" not in one.text)
+        # Stairs may have the same words, so a label is known by its stairs.
+        key = f"stairs {one.connector}"
+        texts[key] = text
+        names.append(Label(key, u, v + 0.5 * _WIDE_M * painter.view.pixels_per_m, 2.0 * half))
     placed = {one.text: one for one in placed_labels([*taken, *names], height)}
     for name in names:
+        text = texts[name.text]
+        can_be_chosen = ":" in text
+        if name.text not in placed and not can_be_chosen:
+            continue
         at = placed.get(name.text, name)
-        if ":" in name.text:
+        if can_be_chosen:
             left, top = at.u - name.width / 2.0 + 4.0, at.v - height / 2.0
             width = name.width - 8.0
             shapes.rounded_box(painter.image, left, top, width, height, _STAIRS, radius=5.0)
-        color, halo = (palette.PAPER, None) if ":" in name.text else (_STAIRS, palette.FREE)
+        color, halo = (palette.PAPER, None) if can_be_chosen else (_STAIRS, palette.FREE)
         place = (at.u, at.v)
-        draw_text(
-            painter.image, name.text, place, size, bold=True, align=0.5, color=color, halo=halo
-        )
+        draw_text(painter.image, text, place, size, bold=True, align=0.5, color=color, halo=halo)
 
 
 def _middle(block: Block) -> tuple[float, float]:
