@@ -117,10 +117,10 @@ def relocalized(memory: Memory, frames: Sequence[Observation]) -> Relocalization
     x, y = (np.array(place[:2]) - _turned(here[None], place[2])[0]).tolist()
     return Relocalization(
         floor=number,
-        own=Pose2(x, y, place[2]),
+        own=Pose2(x, y, wrap_angle(place[2])),
         own_z=memory.floors[number].z - own_z,
         evidence=evidence,
-        rival=max(0.0, *others) / max(evidence, 1e-6),
+        rival=max([0.0, *others]) / max(evidence, 1e-6),
     )
 
 
