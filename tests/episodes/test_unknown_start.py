@@ -84,6 +84,20 @@ def test_where_its_place_is_not_clear_the_search_begins_anew_and_the_memory_stay
     assert actions == without
 
 
+def test_where_the_map_contradicts_a_sure_place_the_search_begins_anew(both_rooms, monkeypatch):
+    monkeypatch.setattr("hypernav.mapping.memory.start._LEAST_FIT", 2.0)
+    before = {one: one.read_bytes() for one in both_rooms.rglob("*") if one.is_file()}
+    search, actions = run(both_rooms, "bed", BEDROOM, 200, relocalize=True)
+    assert search.found_start is not None
+    assert search.found_start.place is not None
+    assert search.found_start.place.doubt == ""
+    assert "contradicts the map" in search.found_start.doubt
+    assert search.found_start.as_dict()["sure"] is False
+    assert {one: one.read_bytes() for one in both_rooms.rglob("*") if one.is_file()} == before
+    _, without = run(None, "bed", BEDROOM, 200)
+    assert actions == without
+
+
 def test_a_new_memory_begins_where_the_robot_stands(tmp_path):
     search, actions = run(tmp_path, "bed", BEDROOM, 200, relocalize=True)
     assert search.found_start is None

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,12 @@ from hypernav.core.components.protocols import Agent, ExplainsItself
 from hypernav.core.episodes.episode import Episode, Outcome
 from hypernav.core.episodes.metrics import EpisodeMetrics
 from hypernav.core.episodes.truth import EpisodeTruth
-from hypernav.core.errors import ConfigError, ModelSetupError, ModelUnavailableError
+from hypernav.core.errors import (
+    ConfigError,
+    MemoryStartError,
+    ModelSetupError,
+    ModelUnavailableError,
+)
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, StepTrace
@@ -127,7 +132,8 @@ class EpisodeRun:
         Raises:
             ConfigError: The agent was built for another robot, or keeps no memory.
             MemoryFolderError: The folder is the memory of another building.
-            MemoryStartError: What the robot sees at the start contradicts the memory.
+            MemoryStartError: What the robot sees at the start contradicts the memory, and it knew
+                where it stands.
             StartError: The robot cannot stand at the start.
             WorldError: The robot shall stay, and the world can't do that.
         """
@@ -144,8 +150,22 @@ class EpisodeRun:
             self.found_start = find_start(self._folder.memory, world, episode, rng)
             if self.found_start.doubt:
                 self._folder = memory = None
-        with self._clock("world"), _map_frame_of(self._folder, world, episode, self.found_start):
-            self.trial: Trial = Trial(world, episode, rng, goes_on=goes_on)
+        self.trial: Trial = self._placed(world, episode, rng, goes_on=goes_on)
+        if self._folder is not None:
+            truth = world.truth
+            try:
+                memory = self._folder.begin(
+                    episode.goal,
+                    self.trial.observation,
+                    building="" if truth is None else _building(episode),
+                    map_to_scene=None if truth is None else truth.map_to_scene,
+                )
+            except MemoryStartError:
+                if self.found_start is None:
+                    raise
+                self.found_start = replace(self.found_start, is_refused=True)
+                self._folder = memory = None
+                self.trial = self._placed(world, episode, rng, goes_on=goes_on)
         referee = self.trial.referee
         self._sight = None if referee is None else GoalSight(referee)
         self._model_calls = 0
@@ -154,20 +174,18 @@ class EpisodeRun:
             told.tell(
                 rng=None if rng is None else rng.spawn(1)[0], path_left_m=true_paths(self.trial)
             )
-        if self._folder is not None:
-            truth = world.truth
-            memory = self._folder.begin(
-                episode.goal,
-                self.trial.observation,
-                building="" if truth is None else _building(episode),
-                map_to_scene=None if truth is None else truth.map_to_scene,
-            )
-        elif memory is None and goes_on and remembers(agent):
+        if memory is None and goes_on and remembers(agent):
             memory = agent.memory
         if memory is not None and remembers(agent):
             agent.reset(episode.goal, memory)
         else:
             agent.reset(episode.goal)
+
+    def _placed(
+        self, world: World, episode: Episode, rng: np.random.Generator | None, *, goes_on: bool
+    ) -> Trial:
+        with self._clock("world"), _map_frame_of(self._folder, world, episode, self.found_start):
+            return Trial(world, episode, rng, goes_on=goes_on)
 
     def __iter__(self) -> Iterator[EpisodeStep]:
         """Run the episode to its end, one step at a time.

@@ -22,16 +22,22 @@ class FoundStart:
         place: The likeliest place; None if there was nothing to compare.
         map_to_scene: The memory's ``map`` frame in the scene, if that place is right.
         turns: Number of turns that it took to look around; they are no steps of the search.
+        is_refused: Whether what it sees contradicts the map at that place.
     """
 
     place: Relocalization | None
     map_to_scene: Transform
     turns: int
+    is_refused: bool = False
 
     @property
     def doubt(self) -> str:
         """The reason why the place may be wrong, for people; empty if it is sure."""
-        return "there is no obstacle to compare" if self.place is None else self.place.doubt
+        if self.place is None:
+            return "there is no obstacle to compare"
+        if self.is_refused:
+            return "what the robot sees contradicts the map at the likeliest place"
+        return self.place.doubt
 
     def as_dict(self) -> dict[str, Any]:
         """Values for ``result.json``; floors count from 1."""

@@ -32,8 +32,17 @@ _TILE_PX = 640
 """Width of an image on the sheet, pixels."""
 _GAP_PX = 8
 _DISC_PX = 26
-_NUMBER = re.compile(r"(?<![\d.])\d{1,6}(?!\.?\d)")
-_NONE = re.compile(r"\b(?:none|no|not|neither|nothing)\b|n['’]t\b|^\W*\[\s*\]\W*$", re.IGNORECASE)
+_NUMBER = r"(?<![\d.])\d{1,6}(?!\.?\d)"
+_RANGE = re.compile(rf"({_NUMBER})(?:\s*(?:[-–]|to\b)\s*({_NUMBER}))?", re.IGNORECASE)
+_OF_IMAGES = re.compile(
+    rf"\bimages?\W{{0,3}}(?:(?:no\.|number)\s*)?"
+    rf"((?:{_NUMBER}(?:\s*(?:[-–,&]|(?:to|and|or)\b))*\s*)+)",
+    re.IGNORECASE,
+)
+_NONE = re.compile(
+    r"\b(?:none|no(?!\.\s*\d+(?!\s*\w))|not|neither|nothing)\b|n['’]t\b|^\W*\[\s*\]\W*$",
+    re.IGNORECASE,
+)
 _LAST_LINE = re.compile(r"^\W*(?:final )?answer\W+(.+)", re.IGNORECASE | re.MULTILINE)
 
 
@@ -102,7 +111,8 @@ def named_images(text: str, count: int) -> tuple[int, ...] | None:
     """The numbers of the images that an answer names, from 1, in rising order.
 
     The last line "Answer: …" counts, else the first line, else the whole text; each only if it
-    names images or says that there is none, and not both.
+    names images or says that there is none, and not both. "1-3" and "1 to 3" are ranges. Numbers
+    after the word "image" count, if there are any, and no other ones then.
 
     Args:
         text: The answer.
@@ -118,7 +128,10 @@ def named_images(text: str, count: int) -> tuple[int, ...] | None:
 
 
 def _named(text: str, count: int) -> tuple[int, ...] | None:
-    numbers = {int(number) for number in _NUMBER.findall(text)}
+    listed = ", ".join(_OF_IMAGES.findall(text)) or text
+    ends = [(int(first), int(last or first)) for first, last in _RANGE.findall(listed)]
+    between = (range(first, min(last, count) + 1) for first, last in ends)
+    numbers = {number for one in (*ends, *between) for number in one}
     possible = tuple(sorted(number for number in numbers if 1 <= number <= count))
     says_none = _NONE.search(text) is not None or numbers == {0}
     if possible:

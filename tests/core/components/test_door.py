@@ -3,6 +3,7 @@
 import copy
 import math
 import os
+import pickle
 import sys
 from collections.abc import Callable
 from dataclasses import replace
@@ -33,10 +34,12 @@ from hypernav.core.errors import (
     WorldError,
 )
 from hypernav.core.exploring.arrows import Arrow, ArrowChoice, ArrowView
-from hypernav.core.exploring.exploration import Destination
-from hypernav.core.exploring.guidance import Direction, GuideChoice
-from hypernav.core.exploring.overview import Block, BlockChoice, Overview
+from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.floors import KnownFloor
+from hypernav.core.exploring.guidance import Direction, GuideChoice, GuideView
+from hypernav.core.exploring.overview import Block, BlockChoice, FloorBlocks, Overview
 from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
@@ -234,6 +237,13 @@ def test_it_cannot_end_or_replace_the_process(end, said):
         mine.detect(SEEN, GOAL)
 
 
+def test_the_functions_that_end_a_process_keep_names_and_can_be_pickled():
+    through_door(own(detect=lambda self, *_: []), Detector).detect(SEEN, GOAL)
+    for one in (os._exit, os.execv, os.execve):
+        assert getattr(os, one.__name__) is one
+        assert pickle.loads(pickle.dumps(one)) is one
+
+
 def test_a_process_of_its_own_may_become_another():
     def detect(self: object, *_: object) -> list[Detection]:
         child = os.fork()
@@ -258,6 +268,38 @@ def test_what_it_draws_on_an_image_nobody_else_sees():
     through_door(own(detect=detect), Detector).detect(observation=seen, goal=GOAL)
     np.testing.assert_array_equal(seen.rgb, rgb)
     np.testing.assert_array_equal(seen.depth, depth)
+
+
+def test_what_it_draws_on_a_view_nobody_else_sees():
+    seen = BoxRoom().observe()
+    rgb = seen.rgb.copy()
+    grid = OccupancyGrid(np.ones((4, 4), np.uint8), 0.05, (0.0, 0.0))
+    floor = KnownFloor(1, 3.0, grid, (), (), (), (), (), (0.0, 0.0))
+    elsewhere = [FloorBlocks(floor, ())]
+
+    def next_destination(self: object, view: ExplorationView) -> None:
+        for drawn in (view.observation.rgb, view.grid.cells, view.elsewhere[0].grid.cells):
+            drawn[:] = 0
+        view.notes["mine"] = 1
+
+    def choose(self: object, overview: Overview, *_: object) -> BlockChoice:
+        assert overview.camera_image is not None
+        overview.camera_image[:] = 0
+        overview.elsewhere[0].known.grid.cells[:] = 0
+        return BlockChoice(1, "x")
+
+    def direct(self: object, view: GuideView, goal: Goal) -> GuideChoice:
+        view.images[0][:] = 0
+        return GuideChoice(Direction.LEFT, "x")
+
+    view = ExplorationView(GOAL, seen, grid, (), elsewhere=[floor])
+    overview = replace(OVERVIEW, camera_image=seen.rgb, find_elsewhere=lambda: elsewhere)
+    through_door(own(next_destination=next_destination), Explorer).next_destination(view)
+    through_door(own(choose=choose), BlockReasoner).choose(overview, GOAL, frozenset())
+    through_door(own(direct=direct), Guide).direct(GuideView(seen, {}), GOAL)
+    np.testing.assert_array_equal(seen.rgb, rgb)
+    assert grid.cells.all()
+    assert view.notes == {"mine": 1}
 
 
 def test_what_else_it_can_do_is_kept():

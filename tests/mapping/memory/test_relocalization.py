@@ -72,7 +72,15 @@ def test_a_robot_finds_its_place_from_a_frame_of_its_own(hall, at):
     assert found is not None
     assert found.doubt == ""
     assert is_right(found, at)
+    assert -math.pi <= found.own.yaw < math.pi
     assert found.own_z == 0.0
+
+
+def test_a_place_without_any_other_has_no_rival(hall, monkeypatch):
+    monkeypatch.setattr("hypernav.mapping.memory.relocalization._CANDIDATES", 1)
+    found = relocalized(hall, turn(HALL, Pose2(1.5, 3.0, 0.4)))
+    assert found is not None
+    assert found.rival == 0.0
 
 
 def test_any_upright_frame_will_do(hall):

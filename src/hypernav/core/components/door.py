@@ -26,6 +26,11 @@ from hypernav.core.errors import (
     StartError,
     WorldError,
 )
+from hypernav.core.exploring.exploration import ExplorationView
+from hypernav.core.exploring.floors import KnownFloor
+from hypernav.core.exploring.guidance import GuideView
+from hypernav.core.exploring.overview import FloorBlocks, Overview
+from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.core.observation import Observation
 
@@ -132,10 +137,33 @@ def _line_of(error: BaseException) -> str:
 
 
 def _copied(given: Any) -> Any:
-    """What a component is given: of an observation images of its own, on which it may draw."""
-    if not isinstance(given, Observation):
-        return given
-    return replace(given, rgb=given.rgb.copy(), depth=given.depth.copy())
+    """What a component is given: images and maps of its own, on which it may draw."""
+    match given:
+        case Observation():
+            return replace(given, rgb=given.rgb.copy(), depth=given.depth.copy())
+        case OccupancyGrid():
+            return given.copy()
+        case KnownFloor():
+            return replace(given, grid=given.grid.copy())
+        case FloorBlocks():
+            return replace(given, known=_copied(given.known))
+        case GuideView():
+            return replace(given, observation=_copied(given.observation))
+        case ExplorationView():
+            return replace(
+                given,
+                observation=_copied(given.observation),
+                grid=given.grid.copy(),
+                elsewhere=[_copied(one) for one in given.elsewhere],
+            )
+        case Overview():
+            image = given.camera_image
+            return replace(
+                given,
+                camera_image=None if image is None else image.copy(),
+                find_elsewhere=lambda: [_copied(one) for one in given.elsewhere],
+            )
+    return given
 
 
 class _Shell:

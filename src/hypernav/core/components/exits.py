@@ -8,7 +8,7 @@ import os
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
+from functools import wraps
 from typing import Any, NoReturn
 
 end_at_once = os._exit
@@ -51,13 +51,18 @@ def answer_exits(answer: Callable[[str], NoReturn]) -> None:
 def _install() -> None:
     for name, real in _ENDING.items():
         if getattr(os, name) is real:
-            setattr(os, name, partial(_end, name, real))
+            setattr(os, name, _answered(name, real))
 
 
-def _end(name: str, real: Callable[..., Any], *given: Any, **named: Any) -> Any:
-    called = f"os.{name}({', '.join(map(repr, given[:1]))}{', …' if given[1:] else ''})"
-    if getattr(_at_work, "process", None) == os.getpid():
-        raise SystemExit(called)
-    if os.getpid() in _answers:
-        _answers[os.getpid()](called)
-    return real(*given, **named)
+def _answered(name: str, real: Callable[..., Any]) -> Callable[..., Any]:
+    @wraps(real)
+    def end(*given: Any, **named: Any) -> Any:
+        called = f"os.{name}({', '.join(map(repr, given[:1]))}{', …' if given[1:] else ''})"
+        if getattr(_at_work, "process", None) == os.getpid():
+            raise SystemExit(called)
+        if os.getpid() in _answers:
+            _answers[os.getpid()](called)
+        return real(*given, **named)
+
+    end.__module__ = os.__name__  # so that it can be pickled, as the real one can
+    return end

@@ -1,5 +1,6 @@
 """A file that a search writes as it goes: a regular one, and its first failure is kept in words."""
 
+import errno
 import os
 import stat
 from contextlib import suppress
@@ -11,12 +12,20 @@ from hypernav.core.errors import OutputError
 def check_regular(path: Path) -> None:
     """Refuse what is no regular file, such as a pipe, which nobody may ever read.
 
+    A link to a file that is not there yet will do where that file can be made.
+
     Raises:
-        OutputError: It is something else, or its name is impossible.
+        OutputError: It is something else, its name is impossible, or it is a link to nowhere.
     """
     try:
         mode = path.stat().st_mode
     except FileNotFoundError:
+        target = path.resolve() if path.is_symlink() else None
+        if target is not None and not target.parent.is_dir():
+            raise OutputError(
+                f"{path} cannot be written (it is a link to {target}, and there is no folder "
+                f"{target.parent}); remove it, or choose another file"
+            ) from None
         return
     except OSError as error:
         raise _unwritten(path, error) from error
@@ -89,6 +98,11 @@ class OutputFile:
 
 
 def _unwritten(path: Path, error: OSError) -> OutputError:
+    if error.errno == errno.ELOOP:
+        return OutputError(
+            f"{path} cannot be written (links on the way lead in a circle); remove them, or choose "
+            "another file"
+        )
     return OutputError(
         f"{path} cannot be written ({error.strerror}); free some space, or choose another file"
     )
