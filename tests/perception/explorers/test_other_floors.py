@@ -1,6 +1,7 @@
 """The question where to go shows all floors that the robot knows a way to, and leads there."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -53,11 +54,12 @@ def view(*elsewhere: KnownFloor, ways_out: tuple[WayOut, ...] = ()) -> Explorati
     return replace(seen, elsewhere=elsewhere, ways_out=ways_out)
 
 
-def answered(view: ExplorationView, answer: str) -> tuple[Destination, Parrot]:
+def answered(view: ExplorationView, answer: str, **config: Any) -> tuple[Destination, Parrot]:
     """Where a model sends the robot, and the model with what it was asked."""
     model, log = Parrot(answer), ExchangeLog()
     chooser = VlmReasoner(model, log, GeometricReasoner(log))
-    explorer = BlockExplorer(chooser, OverviewConfig(), MappingConfig(), (0.22,), Embodiment())
+    asked = OverviewConfig(**config)
+    explorer = BlockExplorer(chooser, asked, MappingConfig(), (0.22,), Embodiment())
     return certain(explorer.next_destination(view)), model
 
 
@@ -151,6 +153,31 @@ def test_what_was_visited_on_another_floor_is_not_chosen():
     explorer = BlockExplorer(chooser, OverviewConfig(), MappingConfig(), (0.22,), Embodiment())
     assert certain(explorer.next_destination(view(visited))).connector is None
     assert len(model.asked) == 2
+
+
+def test_visits_of_another_floor_count_as_those_of_the_robots_do():
+    number = number_in(line_of(answered(view(ABOVE), "1")[1], "on floor 2"))
+    there = certain(answered(view(ABOVE), number)[0].then).xy
+    first = replace(ABOVE, visits=[there, (9.0, 9.0)])
+
+    def goes_there(floor: KnownFloor, **config: Any) -> bool:
+        then = answered(view(floor), number, **config)[0].then
+        return then is not None and then.xy == there
+
+    assert not goes_there(first)
+    assert goes_there(first, visited="none")
+    assert goes_there(first, visited="positions")
+    assert not goes_there(replace(ABOVE, trajectory=[there]), visited="positions")
+
+
+def test_what_is_forgotten_on_another_floor_is_not_visited():
+    number = number_in(line_of(answered(view(ABOVE), "1")[1], "on floor 2"))
+    there = certain(answered(view(ABOVE), number)[0].then).xy
+    all_forget: dict[str, Any] = {"forget_visits": True, "visited_radius_m": 100.0}
+    upstairs = replace(view(), visits=[there])
+    answered(upstairs, "1", **all_forget)
+    forgot = replace(ABOVE, visits=[there], notes=upstairs.notes)
+    assert certain(answered(view(forgot), number)[0].then).xy == there
 
 
 def test_a_floor_whose_stairs_are_out_of_reach_is_not_shown():

@@ -1,7 +1,8 @@
 """Stairs, and the floors that they lead to, as explorers are told of them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.grid import OccupancyGrid
@@ -47,6 +48,7 @@ class KnownFloor:
         stairs: Stairs on it that the robot may take.
         way: Stairs that lead to it, in the order in which the robot takes them, one a floor.
         arrival: Position ``(x, y)`` on it where the way ends, ``map`` frame, metres.
+        notes: What explorers keep from choice to choice there, as in `ExplorationView`.
     """
 
     number: int
@@ -58,6 +60,7 @@ class KnownFloor:
     stairs: Sequence[WayOut]
     way: tuple[WayOut, ...]
     arrival: tuple[float, float]
+    notes: dict[str, Any] = field(default_factory=dict)
 
     @property
     def words(self) -> str:

@@ -65,6 +65,7 @@ def _known_floor(memory: Memory, number: int, route: tuple[int, ...]) -> KnownFl
         stairs=[_way_over(memory, k) for k in _open_from(memory, number)],
         way=tuple(_way_over(memory, k) for k in route),
         arrival=min(back, key=lambda one: math.dist(one, last.beyond), default=last.beyond),
+        notes=floor.search.notes,
     )
 
 
