@@ -60,7 +60,13 @@ def test_stairs_that_were_taken_once_lead_there() -> None:
     ],
 )
 def test_a_floor_is_above_or_below_the_first(heights_m: dict[int, float], words: str) -> None:
-    assert floor_words(2, heights_m) == words
+    assert floor_words(2, 1, heights_m) == words
+
+
+def test_a_search_may_begin_on_any_floor_that_is_remembered() -> None:
+    heights_m = {1: 0.0, 2: 3.0}
+    assert floor_words(2, 2, heights_m) == "Floor 2, where the search began"
+    assert floor_words(1, 2, heights_m) == "Floor 1, 3.0 m below floor 2"
 
 
 @pytest.mark.parametrize(

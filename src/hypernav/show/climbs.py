@@ -83,22 +83,23 @@ def stairs_on(floor: int, made: Iterable[Climb]) -> list[StairsMark]:
     return marks
 
 
-def floor_words(floor: int, heights_m: Mapping[int, float]) -> str:
-    """A floor for people, with its height beside that of the first one.
+def floor_words(floor: int, start: int, heights_m: Mapping[int, float]) -> str:
+    """A floor for people, with its height beside that of the floor where the search began.
 
     Args:
         floor: Number of the floor.
+        start: Number of the floor where the search began; with a memory it may be any.
         heights_m: Heights of the floors, metres; some or all may be missing.
     """
     name = f"Floor {floor}"
-    if floor == 1:
+    if floor == start:
         return f"{name}, where the search began"
-    if not {1, floor} <= heights_m.keys():
+    if not {start, floor} <= heights_m.keys():
         return name
-    above = heights_m[floor] - heights_m[1]
+    above = heights_m[floor] - heights_m[start]
     if abs(above) < _SAME_HEIGHT_M:
         return name
-    return f"{name}, {abs(above):.1f} m {'above' if above > 0.0 else 'below'} floor 1"
+    return f"{name}, {abs(above):.1f} m {'above' if above > 0.0 else 'below'} floor {start}"
 
 
 def climb_words(climb: Climb, heights_m: Mapping[int, float]) -> str:

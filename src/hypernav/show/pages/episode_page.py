@@ -105,7 +105,7 @@ def _map(
 ) -> dict[str, Any]:
     # The robot is drawn by the page itself, so that it can follow the video.
     image = draw_result(grid, steps, size=_MAP_SIZE, robot=False, floor=floor)
-    words = floor_words(floor, heights_m)
+    words = floor_words(floor, floor_of(steps[0]) if steps else 1, heights_m)
     return {"floor": floor, "uri": image_uri(image), "words": words}
 
 

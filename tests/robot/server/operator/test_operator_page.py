@@ -349,7 +349,7 @@ def test_the_map_is_that_of_the_shown_steps_floor_and_says_so(page, driver):
             page.until(lambda count=number + 1: page.step.text == f"{count} of {count}")
             page.until(lambda width=columns * 0.05: page.map_size_m[:1] == (width,))
         assert page.map_title.text == "Map of floor 1"
-        assert page.floor_words.text.startswith("Floor 1 of 2 so far, where the search began.")
+        assert page.floor_words.text.startswith("Floor 1, where the search began, one of 2 so far.")
         page.slider.send_keys(Keys.ARROW_LEFT)
         page.until(lambda: page.map_title.text == "Map of floor 2")
         assert page.map_size_m == (5.0, 2.0)
@@ -391,6 +391,21 @@ def test_a_page_opened_late_has_the_maps_of_all_floors(page, driver):
         page.slider.send_keys(Keys.HOME)
         page.slider.send_keys(Keys.END)
         page.until(lambda: page.map_title.text == "Map of floor 3")
+
+
+def test_a_search_with_a_memory_may_begin_on_any_floor(page, driver):
+    info = EpisodeInfo("bed", "hypernav", detector="ground truth", reasoner="geometric")
+    grid = OccupancyGrid(np.full((40, 60), Cell.FREE, np.uint8), 0.05, (0.0, 0.0))
+    with closing(PageView(info, lambda: None)) as view:
+        for trace in floor_steps(4, 4, 2):
+            view.add(trace, grid, None)
+        driver.get(view.address.partition(" ")[0])
+        page.until(lambda: page.map_title.text == "Map of floor 2")
+        assert page.floor_words.text.startswith("Floor 2, one of 2 so far.")
+        buttons = page.floors.find_elements(By.TAG_NAME, "button")
+        assert [one.text for one in buttons] == ["Floor 2", "Floor 4"]
+        buttons[1].click()
+        assert page.floor_words.text.startswith("Floor 4, where the search began, one of 2 so far.")
 
 
 def test_both_pages_tell_the_same_of_stairs(page, driver):

@@ -107,18 +107,19 @@ const sentence = (words) => (/^\S+:\/\//.test(words) ? words : words.charAt(0).t
 
 /** Names the floor of the map and offers the others, once there is more than one. */
 function showFloor(steps, step, floor) {
-  const floors = Math.max(1, ...steps.map(floorOf));
-  const isNamed = step && floors > 1;
+  const floors = [...new Set(steps.map(floorOf))].sort((a, b) => a - b);
+  const isNamed = step && floors.length > 1;
   byId("map-title").textContent = isNamed ? `Map of floor ${floor}` : "Map";
   byId("floor-words").hidden = byId("floors").hidden = !isNamed;
   if (!isNamed) return;
-  const buttons = byId("floors").children;
-  while (buttons.length < floors) byId("floors").append(floorButton(buttons.length + 1));
-  while (buttons.length > floors) buttons[floors].remove();
-  for (const button of buttons) button.setAttribute("aria-pressed", String(Number(button.dataset.floor) === floor));
-  const starts = floor === 1 ? "where the search began" : "numbered in the order in which the robot came to them";
+  const box = byId("floors");
+  // Buttons stay as long as the floors do, so that they keep the focus.
+  if (box.dataset.floors !== String(floors)) box.replaceChildren(...floors.map(floorButton));
+  box.dataset.floors = String(floors);
+  for (const button of box.children) button.setAttribute("aria-pressed", String(Number(button.dataset.floor) === floor));
+  const starts = floor === floorOf(steps[0]) ? ", where the search began" : "";
   const where = floorOf(step) === floor ? "The robot is here." : `The robot is on floor ${floorOf(step)}.`;
-  byId("floor-words").textContent = `Floor ${floor} of ${floors} so far, ${starts}. ${where}`;
+  byId("floor-words").textContent = `Floor ${floor}${starts}, one of ${floors.length} so far. ${where}`;
 }
 
 function floorButton(floor) {
