@@ -393,6 +393,23 @@ def test_a_page_opened_late_has_the_maps_of_all_floors(page, driver):
         page.until(lambda: page.map_title.text == "Map of floor 3")
 
 
+def test_a_floor_without_a_map_is_asked_for_once(page, driver):
+    info = EpisodeInfo("bed", "hypernav", detector="ground truth", reasoner="geometric")
+    grid = OccupancyGrid(np.full((40, 60), Cell.FREE, np.uint8), 0.05, (0.0, 0.0))
+    with closing(PageView(info, lambda: None)) as view:
+        for trace in floor_steps(1, 2, 2, 2, 2):
+            view.add(trace, None if trace.floor == 1 else grid, None)
+            if trace.step == 1:
+                driver.get(view.address.partition(" ")[0])
+            if trace.step >= 1:
+                page.until(lambda count=trace.step + 1: page.step.text == f"{count} of {count}")
+        asked = driver.execute_script(
+            """return performance.getEntriesByType("resource")
+            .filter((one) => one.name.endsWith("/floors")).length;"""
+        )
+        assert asked == 1
+
+
 def test_a_search_with_a_memory_may_begin_on_any_floor(page, driver):
     info = EpisodeInfo("bed", "hypernav", detector="ground truth", reasoner="geometric")
     grid = OccupancyGrid(np.full((40, 60), Cell.FREE, np.uint8), 0.05, (0.0, 0.0))

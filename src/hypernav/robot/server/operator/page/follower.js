@@ -14,6 +14,7 @@ export class Follower {
   status = null;
   steps = [];
   maps = new Map(); // the last map of each floor
+  unmapped = new Set(); // floors left before this page was opened of which the server has no map
 
   constructor(id, onChange) {
     this.path = `v1/searches/${id}`;
@@ -54,8 +55,10 @@ export class Follower {
     if (isNew && status.next_sequence > 0) {
       const lines = await (await this.request(`/trace?since=${this.steps.length}`)).text();
       for (const line of lines.split("\n")) if (line) this.steps.push(parse(line));
-      if (status.map) await this.updateMap(status.map);
-      await this.fetchOtherFloors();
+      if (status.map) { // a server that was started again has no map until it has caught up
+        await this.updateMap(status.map);
+        await this.fetchOtherFloors();
+      }
     }
     this.status = { ...status, receivedMs: performance.now() };
     this.onChange(this);
@@ -69,11 +72,16 @@ export class Follower {
 
   /** The maps of floors that the robot left before this page was opened. */
   async fetchOtherFloors() {
-    const isMissing = (floor) => !this.maps.has(floor);
     const here = floorOf(this.steps.at(-1));
-    if (!this.steps.some((step) => floorOf(step) !== here && isMissing(floorOf(step)))) return;
+    const floors = new Set(this.steps.map(floorOf));
+    const missing = [...floors].filter((floor) => floor !== here && !this.maps.has(floor) && !this.unmapped.has(floor));
+    if (!missing.length) return;
     const extents = await this.get("/floors");
-    for (const floor of Object.keys(extents).map(Number).filter((one) => one !== here && isMissing(one))) {
+    for (const floor of missing) {
+      if (!extents[floor]) {
+        this.unmapped.add(floor);
+        continue;
+      }
       const image = await createImageBitmap(await (await this.request(`/map.png?floor=${floor}`)).blob());
       this.maps.set(floor, { image, extent: extents[floor] });
     }
