@@ -177,3 +177,23 @@ def test_the_maps_of_all_floors_are_there_before_and_after_a_restart(
     with robot_server(tmp_path) as link:
         link.answer(search, 3)
         assert [link.call("GET", f"{search}/{path}").content for path in paths] == shown
+
+
+def test_a_map_that_cannot_be_written_or_is_damaged_takes_no_other_with_it(tmp_path, monkeypatch):
+    monkeypatch.setattr("servers.robots.ScriptedAgent", ClimbingAgent)
+    with robot_server(tmp_path) as link:
+        search = link.open("quick")
+        folder = tmp_path / "searches" / search.rpartition("/")[2]
+        (folder / "floor_1").write_text("no folder")
+        (folder / "floor_plan").mkdir()
+        (folder / "floor_plan" / "map.yaml").write_text("of a person")
+        for number in range(4):
+            link.observe(search, body_of(number))
+            link.answer(search, number)
+        link.call("POST", f"{search}/close")
+        assert link.call("GET", f"{search}/map.png").status == 200
+        assert list(link.call("GET", f"{search}/floors").json) == ["2"]
+        (folder / "floor_1").unlink()
+        (folder / "floor_1").mkdir()
+        (folder / "floor_1" / "map.yaml").write_text("damaged")
+        assert link.call("GET", f"{search}/map.png?floor=2").status == 200

@@ -93,8 +93,7 @@ class Search:
         Raises:
             HyPerNavError: It is damaged on the disk.
         """
-        grid = self._now.grid
-        return self._journal.read_map() if grid is None and self._is_end_kept else grid
+        return self.map_of(self._now.floor)
 
     @property
     def maps(self) -> Mapping[int, OccupancyGrid]:
@@ -105,6 +104,17 @@ class Search:
         """
         now = self._now
         return now.maps or (self._journal.read_maps(now.floor) if self._is_end_kept else {})
+
+    def map_of(self, floor: int) -> OccupancyGrid | None:
+        """Last map of a floor; None if there is none.
+
+        Raises:
+            HyPerNavError: It is damaged on the disk.
+        """
+        now = self._now
+        grid = now.maps.get(floor)
+        is_on_disk = grid is None and self._is_end_kept
+        return self._journal.read_map(floor, now.floor) if is_on_disk else grid
 
     @property
     def colour(self) -> tuple[str, bytes] | None:

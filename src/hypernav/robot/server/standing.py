@@ -97,7 +97,8 @@ class Standing:
         if end is None:
             return replace(now, colour=journal.image_of(count - 1)).showing(trace, {})
         floor = 1 if trace is None else floor_of(trace)
-        return now.showing(trace, journal.read_maps(floor)).kept_on(journal)
+        grid = journal.read_map(floor, floor)
+        return now.showing(trace, {} if grid is None else {floor: grid}).kept_on(journal)
 
     @property
     def grid(self) -> OccupancyGrid | None:

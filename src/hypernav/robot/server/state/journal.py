@@ -18,6 +18,7 @@ The folder of a search holds:
 
 import json
 import os
+import re
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
@@ -217,10 +218,9 @@ class Journal:
         """
         with self._ending:
             _write_whole(self.folder / _END_FILE, end)
-            with suppress(OSError):  # a missing map does not matter
-                for floor, grid in maps.items():
-                    folder = self.folder / f"{_FLOOR}{floor}"
-                    save_ros_map(grid, self.folder if floor == last_floor else folder)
+            for floor in sorted(maps, key=lambda one: one != last_floor):
+                with suppress(OSError):  # a missing map does not matter
+                    save_ros_map(maps[floor], self._map_file(floor, last_floor).parent)
 
     def read_maps(self, last_floor: int) -> dict[int, OccupancyGrid]:
         """The last map of every floor of a search that has ended, by its number.
@@ -228,19 +228,29 @@ class Journal:
         Args:
             last_floor: Number of the floor where it ended.
         """
-        files = self.folder.glob(f"{_FLOOR}*/{_MAP_FILE}")
-        maps = {int(one.parent.name.removeprefix(_FLOOR)): load_ros_map(one) for one in files}
-        last = self.read_map()
-        return maps if last is None else maps | {last_floor: last}
+        names = [one.name.removeprefix(_FLOOR) for one in self.folder.glob(f"{_FLOOR}*")]
+        floors = {last_floor, *(int(one) for one in names if re.fullmatch("[0-9]+", one))}
+        maps = {floor: self.read_map(floor, last_floor) for floor in floors}
+        return {floor: grid for floor, grid in maps.items() if grid is not None}
 
-    def read_map(self) -> OccupancyGrid | None:
-        """The map of the floor where a search ended; None if there is none."""
-        return load_ros_map(self.folder / _MAP_FILE) if self.has_map else None
+    def read_map(self, floor: int, last_floor: int) -> OccupancyGrid | None:
+        """The last map of a floor of a search that has ended; None if there is none.
+
+        Args:
+            floor: Number of the floor.
+            last_floor: Number of the floor where it ended.
+        """
+        file = self._map_file(floor, last_floor)
+        return load_ros_map(file) if file.exists() else None
 
     @property
     def has_map(self) -> bool:
         """Whether the final map was written."""
         return (self.folder / _MAP_FILE).exists()
+
+    def _map_file(self, floor: int, last_floor: int) -> Path:
+        folder = self.folder if floor == last_floor else self.folder / f"{_FLOOR}{floor}"
+        return folder / _MAP_FILE
 
     def close(self) -> None:
         """Close the files."""

@@ -75,6 +75,10 @@ class LiveSearch:
                 self.maps = {**self.maps, floor_of(step): self.grid}
         self._note_change()
 
+    def map_of(self, floor: int) -> OccupancyGrid | None:
+        """Last map of a floor; None if there is none."""
+        return self.maps.get(floor)
+
     def finish(self, result: Mapping[str, Any]) -> None:
         """Note how the search ended, unless somebody stopped it.
 

@@ -59,6 +59,10 @@ class ShownSearch(Protocol):
         """Last map of every floor, by its number; empty before the first decision."""
         ...
 
+    def map_of(self, floor: int) -> OccupancyGrid | None:
+        """Last map of a floor; None if there is none."""
+        ...
+
     @property
     def colour(self) -> tuple[str, bytes] | None:
         """Format and bytes of the last colour image; None before the first."""
@@ -192,7 +196,7 @@ def watching_routes(searches: ShownSearches) -> APIRouter:
     ) -> Response:
         """The map, one pixel a cell, y up; the status, or ``floors``, says where it lies."""
         search = searches.find(name)
-        grid = search.grid if floor is None else search.maps.get(floor)
+        grid = search.grid if floor is None else search.map_of(floor)
         if grid is None:
             raise _nothing_yet("map" if floor is None else f"map of floor {floor}")
         return Response(map_png(grid), media_type="image/png", headers=_LIVE)
