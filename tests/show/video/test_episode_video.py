@@ -13,7 +13,9 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord, Mode, StepTrace
+from hypernav.show.climbs import climbs, stairs_on
 from hypernav.show.drawing import palette
+from hypernav.show.video import episode_video
 from hypernav.show.video.camera_panel import draw_camera
 from hypernav.show.video.episode_video import EpisodeVideo
 from hypernav.show.video.frame_timing import (
@@ -212,3 +214,33 @@ def test_a_camera_of_another_size_can_be_filmed(
         robot=Pose2(0.0, 0.0, 0.0),
     )
     assert read(film(tmp_path / "w.mp4", [make_step(0)], wide, room, None)).frames == 1
+
+
+def test_stairs_are_told_from_the_steps_anew_only_when_one_is_on_them(
+    make_step: MakeStep,
+    observation: Observation,
+    room: OccupancyGrid,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    e, c = Mode.EXPLORE, Mode.CLIMB
+    modes, floors = [e, e, e, c, c, e, e, c, e, e], [None] * 5 + [2] * 5
+    steps = [
+        make_step(k, mode=mode, floor=floor, pose=(0.3 * k, 0.0, 0.0))
+        for k, (mode, floor) in enumerate(zip(modes, floors, strict=True))
+    ]
+    told = list[int]()
+    shown = list[object]()
+    monkeypatch.setattr(
+        episode_video, "climbs", lambda walk: told.append(len(walk) - 1) or climbs(walk)
+    )
+    monkeypatch.setattr(
+        episode_video,
+        "stairs_on",
+        lambda floor, made: shown.append(stairs_on(floor, made)) or stairs_on(floor, made),
+    )
+    film(tmp_path / "episode.mp4", steps, observation, room, None)
+    assert told == [3, 4, 5, 7, 8]
+    assert shown == [
+        stairs_on(floor or 1, climbs(steps[: k + 1])) for k, floor in enumerate(floors)
+    ]

@@ -10,8 +10,8 @@ from jaxtyping import UInt8
 from hypernav.core.exploring.insight import ThingGraph, ValueImage
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.trace import StepTrace, floor_of, on_last_floor
-from hypernav.show.climbs import climbs, stairs_on
+from hypernav.core.trace import Mode, StepTrace, floor_of, on_last_floor
+from hypernav.show.climbs import Climb, climbs, stairs_on
 from hypernav.show.drawing.map_images import draw_map, draw_result
 from hypernav.show.drawing.map_view import SteadyView
 from hypernav.show.video.end_card import draw_end_card
@@ -153,6 +153,7 @@ class EpisodeVideo:
         self._file = VideoFile(path, WIDTH, HEIGHT, FRAMES_PER_SECOND)
         self._view = SteadyView(MAP_SIZE)
         self._steps: list[StepTrace] = []
+        self._climbs: list[Climb] = []
         self._frame_counts: list[int] = []
         self._decision: Decision | None = None
         self._values: ValueImage | None = None
@@ -194,6 +195,8 @@ class EpisodeVideo:
 
     def _note(self, step: StepTrace, frames: int) -> None:
         self._steps.append(step)
+        if any(one.mode is Mode.CLIMB for one in self._steps[-2:]):  # other steps tell nothing new
+            self._climbs = climbs(self._steps)
         self._frame_counts.append(frames)
         if step.insight is not None:
             self._values = step.insight.values or self._values
@@ -244,6 +247,6 @@ class EpisodeVideo:
             block_opacity=1.0 - 0.8 * age / _BLOCKS_STAY_STEPS,
             values=self._values,
             graph=self._graph,
-            stairs=stairs_on(floor_of(step), climbs(self._steps)),
+            stairs=stairs_on(floor_of(step), self._climbs),
             title="" if step.floor is None else f"Floor {step.floor}",
         )
