@@ -15,6 +15,7 @@ from hypernav.core.components.protocols import BlockReasoner
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.floors import KnownFloor
 from hypernav.core.exploring.overview import Block, Overview, Prospects
 from hypernav.mapping.blocks import CLIMB_M, blocks_of, stairs_blocks
 from hypernav.mapping.config import MappingConfig
@@ -196,7 +197,7 @@ class BlockExplorer:
                 return None
             block = overview.block(choice.number)
             floor = overview.floor_of(block.number)
-            visits = visits_here if floor is None else floor.known.visits
+            visits = visits_here if floor is None else self._visits(floor.known)
             if block.connector is not None or all(
                 math.dist(block.destination, visit) >= radius_m for visit in visits
             ):
@@ -210,13 +211,13 @@ class BlockExplorer:
             excluded |= {choice.number}
         return None
 
-    def _visits(self, view: ExplorationView) -> Sequence[tuple[float, float]]:
-        """Positions ``(x, y)`` that count as visited, ``map`` frame, metres."""
-        forgotten: _Forgotten = view.notes.get(_KEY, _Forgotten())
-        ended = view.visits[forgotten.visits :]
+    def _visits(self, floor: ExplorationView | KnownFloor) -> Sequence[tuple[float, float]]:
+        """Positions ``(x, y)`` that count as visited on a floor, ``map`` frame, metres."""
+        forgotten: _Forgotten = floor.notes.get(_KEY, _Forgotten())
+        ended = floor.visits[forgotten.visits :]
         match self.config.visited:
             case "positions":
-                return [*view.trajectory[forgotten.positions :], *ended[-1:]]
+                return [*floor.trajectory[forgotten.positions :], *ended[-1:]]
             case "destinations":
                 return ended
             case "none":

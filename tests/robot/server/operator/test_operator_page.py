@@ -412,9 +412,10 @@ def test_a_floor_without_a_map_is_asked_for_once(page, driver):
 
 def test_a_search_with_a_memory_may_begin_on_any_floor(page, driver):
     info = EpisodeInfo("bed", "hypernav", detector="ground truth", reasoner="geometric")
+    grid = OccupancyGrid(np.full((40, 60), Cell.FREE, np.uint8), 0.05, (0.0, 0.0))
     with closing(PageView(info, lambda: None)) as view:
         for trace in floor_steps(4, 4, 2):
-            view.add(trace, OccupancyGrid(np.full((40, 60), Cell.FREE, np.uint8), 0.05, (0, 0)), None)
+            view.add(trace, grid, None)
         driver.get(view.address.partition(" ")[0])
         page.until(lambda: page.map_title.text == "Map of floor 2")
         assert page.floor_words.text.startswith("Floor 2, one of 2 so far.")
