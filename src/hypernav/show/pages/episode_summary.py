@@ -2,15 +2,16 @@
 
 import math
 import statistics
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any
+from typing import Any, TypeVar
 
 from hypernav.core.trace import Exchange, Mode, StepTrace, floor_of
 from hypernav.show import captions
 from hypernav.show.video.frame_timing import EVERY_STEP
 
+_Value = TypeVar("_Value")
 _NESTED_NAMES = ("modules", "per_module")
 _SMALLEST_REMAINDER = 0.01
 _MOST_BARS = 5
@@ -33,12 +34,7 @@ class Phase:
 
 def phases(steps: Sequence[StepTrace]) -> list[Phase]:
     """The episode as phases, in order."""
-    found, first = [], 0
-    for mode, group in groupby(steps, key=lambda step: step.mode):
-        count = sum(1 for _ in group)
-        found.append(Phase(mode, first, count))
-        first += count
-    return found
+    return [Phase(*run) for run in _runs(steps, lambda step: step.mode)]
 
 
 @dataclass(frozen=True)
@@ -58,12 +54,18 @@ class Stay:
 
 def stays(steps: Sequence[StepTrace]) -> list[Stay]:
     """The floors in the order in which the robot was on them."""
-    found, first = [], 0
-    for floor, group in groupby(steps, key=floor_of):
+    return [Stay(*run) for run in _runs(steps, floor_of)]
+
+
+def _runs(
+    steps: Sequence[StepTrace], key: Callable[[StepTrace], _Value]
+) -> Iterator[tuple[_Value, int, int]]:
+    """Runs of consecutive steps of one value: the value, the first step's index, their number."""
+    first = 0
+    for value, group in groupby(steps, key):
         count = sum(1 for _ in group)
-        found.append(Stay(floor, first, count))
+        yield value, first, count
         first += count
-    return found
 
 
 @dataclass(frozen=True)
