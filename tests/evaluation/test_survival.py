@@ -113,22 +113,36 @@ def read_whole_lines(folder):
     return content[: content.rfind(b"\n") + 1].splitlines()
 
 
-@pytest.mark.slow
-def test_workers_die_with_their_owner(tmp_path, room):
-    program = (
-        "import sys, time; from pathlib import Path\n"
+def started_worker(folder):
+    """A process of its own that starts a pool's first worker, and that worker's number."""
+    script = folder / "owner.py"
+    script.write_text(
+        "import time; from pathlib import Path\n"
         "from hypernav.evaluation.workers.process_pool import ProcessPool\n"
         "from hypernav.evaluation.workers.worker import Job\n"
         "if __name__ == '__main__':\n"
-        f"    pool = ProcessPool(Job(Path({str(tmp_path)!r})))\n"
+        f"    pool = ProcessPool(Job(Path({str(folder)!r})))\n"
         "    pool.start(0)\n"
         "    print(pool._started[0].process.pid, flush=True)\n"
         "    time.sleep(60)\n"
     )
-    script = tmp_path / "owner.py"
-    script.write_text(program)
     owner = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True)
-    worker = int(certain(owner.stdout).readline())
+    return owner, int(certain(owner.stdout).readline())
+
+
+def test_the_first_worker_is_started_with_ctrl_c_blocked(tmp_path):
+    """The resource tracker of multiprocessing, started with it, unblocks Ctrl-C."""
+    owner, worker = started_worker(tmp_path)
+    with open(f"/proc/{worker}/status") as file:
+        (blocked,) = (line.split()[1] for line in file if line.startswith("SigBlk"))
+    owner.kill()
+    owner.communicate()
+    assert int(blocked, 16) & 1 << (signal.SIGINT - 1)
+
+
+@pytest.mark.slow
+def test_workers_die_with_their_owner(tmp_path):
+    owner, worker = started_worker(tmp_path)
     time.sleep(5.0)
     owner.kill()
     owner.communicate()

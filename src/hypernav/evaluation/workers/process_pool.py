@@ -11,6 +11,7 @@ from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
+from multiprocessing.resource_tracker import ensure_running
 from pathlib import Path
 from types import FrameType
 from typing import NoReturn
@@ -233,6 +234,7 @@ def _ctrl_c_blocked() -> Iterator[None]:
     if sys.platform == "win32":
         yield
         return
+    ensure_running()  # with the first process it would be started, and unblock Ctrl-C behind us
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
