@@ -19,7 +19,7 @@ from hypernav.planning.planner import PlannedPath, is_blocked
 from hypernav.planning.route import Route, along_line
 
 _LEAST_GAIN_M = 0.05
-"""Smallest reduction of the cost left to go, metres, that makes a sequence worth taking."""
+"""Smallest reduction of the cost left to go, metres, that makes actions worth taking."""
 _HORIZON_M = 3.0
 """Length of path over which actions are searched, metres: beyond the next door, and bend."""
 _LOOK_AHEAD_M = 4.0
@@ -83,16 +83,22 @@ class PathFollower:
 
     def _to_waypoint(self, route: Route, path: PlannedPath, robot: Pose2) -> Action | None:
         """By "waypoint" (paper): turn if the next one is too far off the heading, else go."""
-        aim = path.waypoints[min(route.next_waypoint, len(path.waypoints) - 1)]
-        if route.next_waypoint >= len(path.waypoints) - 1:
-            off = robot.distance_to(*path.end)
-            before = path.waypoints[-2] if len(path.waypoints) > 1 else robot.xy
-            overshot = off <= self.motion.forward_m and along_line(before, path.end, robot)[0] > (
-                math.dist(before, path.end)
-            )
-            if off <= self._tolerance or overshot:
-                return None
-        return self._turn_or_go(robot.bearing_to(*aim))
+        if route.next_waypoint < len(path.waypoints) - 1:
+            return self._turn_or_go(robot.bearing_to(*path.waypoints[route.next_waypoint]))
+        return self._to_end(path, robot)
+
+    def _to_end(self, path: PlannedPath, robot: Pose2) -> Action | None:
+        """By "waypoint" to the path's end; no action where no step is worth taking."""
+        off = robot.distance_to(*path.end)
+        before = path.waypoints[-2] if len(path.waypoints) > 1 else robot.xy
+        overshot = off <= self.motion.forward_m and along_line(before, path.end, robot)[0] > (
+            math.dist(before, path.end)
+        )
+        # A long step passes a near end, and the next path would lead back from there.
+        gain_m = off - abs(off - self.motion.forward_m)
+        if off <= self._tolerance or overshot or gain_m < _LEAST_GAIN_M:
+            return None
+        return self._turn_or_go(robot.bearing_to(*path.end))
 
     def _turn_or_go(self, bearing: float) -> Action:
         # A bearing below half a turn's angle grows by turning: the robot would turn to and fro.
