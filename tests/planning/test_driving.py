@@ -130,7 +130,8 @@ def test_over_open_floor_it_arrives_without_dithering(x, y, yaw, config):
     assert robot.pose.distance_to(x, y) <= 0.36
     least = math.hypot(x, y)
     assert robot.travelled_m <= 1.1 * least + 0.75
-    drive = "".join({Action.TURN_LEFT: "L", Action.TURN_RIGHT: "R"}.get(one, "F") for one in actions)
+    letters = {Action.MOVE_FORWARD: "F", Action.TURN_LEFT: "L", Action.TURN_RIGHT: "R"}
+    drive = "".join(letters[one] for one in actions)
     assert "LR" not in drive
     assert "RL" not in drive
     at_first, *later = (len(turns) for turns in drive.split("F"))

@@ -14,9 +14,8 @@ from hypernav.core.trace import Mode
 from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.label_placement import Label, placed_labels
 from hypernav.show.drawing.map_painter import MapPainter
-from hypernav.show.drawing.map_raster import CellColors
 from hypernav.show.drawing.map_view import Bounds, MapView, explored_bounds
-from hypernav.show.drawing.question_map import QuestionStyle, filled
+from hypernav.show.drawing.question_map import QuestionStyle, question_painter
 from hypernav.show.drawing.text import draw_text, text_width
 
 LEGEND = (
@@ -26,7 +25,6 @@ LEGEND = (
 )
 """What the marks of this image mean, beside those of the map of one floor."""
 
-_STRONG = CellColors(palette.UNKNOWN_STRONG, palette.FREE, palette.OCCUPIED_STRONG)
 _STAIRS: palette.Rgb = palette.MODES[Mode.CLIMB]
 _TREADS = 5
 _TREAD_M = 0.25
@@ -110,10 +108,7 @@ def _map(
     panel: FloorPanel, view: MapView, style: QuestionStyle, excluded: Collection[int]
 ) -> UInt8[np.ndarray, "_ _ 3"]:
     floor = panel.floor
-    grid = filled(floor.grid) if style.fill_obstacles else floor.grid
-    painter = MapPainter(grid, view=view, colors=_STRONG if style.strong_colors else None)
-    if style.frontier:
-        painter.frontier(panel.frontier, grid.resolution_m)
+    painter = question_painter(floor.grid, view, style, panel.frontier)
     squares = [one for one in panel.blocks if one.connector is None]
     painter.blocks(squares, excluded=excluded)
     for one in floor.stairs:

@@ -43,6 +43,7 @@ class MapPainter:
     """Paints one image of a map; every method adds a layer above the former ones.
 
     Attributes:
+        grid: The map.
         image: The image so far, RGB.
         view: Metres to pixels and back.
     """
@@ -63,6 +64,7 @@ class MapPainter:
             view: Window of the map; by default the explored area, fitted and centred.
             colors: Colours of the cells; by default those of all maps.
         """
+        self.grid = grid
         self.view = view if view is not None else MapView.fit(grid, size)
         self.image: UInt8[np.ndarray, "_ _ 3"] = rasterize_map(grid, self.view, colors)
         self._unit = self.view.size / 768.0
@@ -147,7 +149,6 @@ class MapPainter:
     def clear_numbers(
         self,
         blocks: Sequence[NumberedSquare],
-        grid: OccupancyGrid,
         *,
         excluded: Collection[int] = (),
         robot: Pose2,
@@ -156,13 +157,12 @@ class MapPainter:
 
         Args:
             blocks: Numbered blocks.
-            grid: The map.
             excluded: Numbers of the blocks that are not numbered.
             robot: Pose of the robot, whose arrow must not be covered.
         """
         squares = {b.number: self._square(b) for b in blocks if b.number not in excluded}
         size = number_size(list(squares.values()), self.view.size, most=1.0 / 22.0)
-        hides = HiddenWeight(grid, self.view)
+        hides = HiddenWeight(self.grid, self.view)
         for number, square in squares.items():
             width = text_width(str(number), size, bold=True) + 4.0
             at = clear_position(

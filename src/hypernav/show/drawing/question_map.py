@@ -83,22 +83,40 @@ def draw_question_map(
         RGB, ``size`` squared.
     """
     view = MapView.fit(grid, size, points=[*_corners(blocks), robot.xy], margin=0.04)
-    if style.fill_obstacles:
-        grid = filled(grid)
-    painter = MapPainter(grid, view=view, colors=_STRONG if style.strong_colors else None)
-    if style.frontier and frontier is not None:
-        painter.frontier(frontier, grid.resolution_m)
+    painter = question_painter(grid, view, style, frontier)
     painter.blocks(blocks, excluded=excluded)
     if style.labels:
         painter.labels(things)
     painter.trajectory(trajectory)
     if style.clear_numbers:
-        painter.clear_numbers(blocks, grid, excluded=excluded, robot=robot)
+        painter.clear_numbers(blocks, excluded=excluded, robot=robot)
     else:
         painter.numbers(blocks, excluded=excluded, robot=robot)
     painter.scale_bar()
     painter.robot(robot)
     return painter.image
+
+
+def question_painter(
+    grid: OccupancyGrid,
+    view: MapView,
+    style: QuestionStyle,
+    frontier: Float64[np.ndarray, "n 2"] | None,
+) -> MapPainter:
+    """A painter of the map in a style, before anything is drawn on the map but the frontier.
+
+    Args:
+        grid: The map.
+        view: What part of the world the image shows.
+        style: Style of the image.
+        frontier: Middles of the cells at the boundary to the unknown, ``map`` frame, metres.
+    """
+    if style.fill_obstacles:
+        grid = filled(grid)
+    painter = MapPainter(grid, view=view, colors=_STRONG if style.strong_colors else None)
+    if style.frontier and frontier is not None:
+        painter.frontier(frontier, grid.resolution_m)
+    return painter
 
 
 def filled(grid: OccupancyGrid) -> OccupancyGrid:
