@@ -8,7 +8,8 @@ the points in each voxel.
 The parts are timed on the recorded episode in small_house. Its poses are rendered again, so that
 colour and labels are there too; an agent that looks for a chair is shown it as well, though it
 would have driven elsewhere. The agent's other steps are those of a search of 1,000 steps in a large
-generated house for a goal that is not there; when all is explored, it looks again.
+generated house for a goal that is not there; when all is explored, it looks again. A robot that
+climbs is shown the same world, which has no stairs.
 """
 
 import os
@@ -32,6 +33,7 @@ from hypernav.build.presets import preset
 from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Learns
 from hypernav.core.config import layered
+from hypernav.core.embodiment import BodyConfig
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.geometry.camera import optical_to_base
@@ -40,6 +42,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.trace import ExchangeLog
+from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
 from hypernav.mapping.blocks import blocks_of
 from hypernav.mapping.frontiers import find_frontiers
 from hypernav.mapping.integrate_kernels import count_points
@@ -111,7 +114,8 @@ def main(data: Path = TEST_DATA, house: str = "houses:100007") -> None:
         watch("plan to the farthest block", planner.plan, grid, robot.xy, target)
     explore_as_published(observations, watch)
     follow_recording(observations, watch)
-    search_in_vain(watch, house)
+    search_in_vain(watch, house, "agent step, long search", config.embodiment.body)
+    search_in_vain(watch, house, "agent step, long search, climbing", CLIMBING_BODY)
     report(watch)
 
 
@@ -165,19 +169,21 @@ def follow_recording(observations: list[Observation], watch: Stopwatch) -> None:
         watch("agent step, recorded", agent.act, observation)
 
 
-def search_in_vain(watch: Stopwatch, house: str) -> None:
-    """Time the agent's steps while it explores a whole house."""
+def search_in_vain(watch: Stopwatch, house: str, name: str, body: BodyConfig) -> None:
+    """Time the agent's steps while it explores a whole house and takes its body for this one."""
     endless = ("search.end_when_explored=false", f"search.max_steps={LONG_STEPS}")
     config, goal = layered(preset("default"), assignments=endless), Goal("nothing of this kind")
     scene = load_scene(house)
     renderer = CpuRenderer(scene, RenderConfig(colours=False))  # ground truth needs none
     world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
+    robot = config.embodiment.model_copy(update={"body": body})
+    config = config.model_copy(update={"embodiment": robot})
     agent = build_search(config, GroundTruthDetector(), ExchangeLog())
     agent.reset(goal)
     start = random_start(world.walkable, np.random.default_rng(0), None)
     observation = world.reset(Episode(house, "", goal, start), np.random.default_rng(0))
     for _ in range(LONG_STEPS):
-        action = watch("agent step, long search", agent.act, observation)
+        action = watch(name, agent.act, observation)
         if action is None or action is Action.STOP:
             break
         observation = world.step(action)

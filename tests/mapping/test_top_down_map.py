@@ -298,6 +298,83 @@ def test_a_forgotten_bump_leaves_what_the_camera_saw():
     assert np.array_equal(bumped.grid.cells, plain.grid.cells)
 
 
+UPSTAIRS = [  # floor up to x = 2, then stairs down, in a well with a wall at its end
+    ((-30.0, -30.0, -0.3), (2.0, 30.0, 0.0)),
+    *(((2.0 + 0.28 * k, -0.6, -3.0), (2.28 + 0.28 * k, 0.6, -0.18 * (k + 1))) for k in range(8)),
+    ((2.0, -0.8, -3.0), (4.5, -0.6, 1.5)),
+    ((2.0, 0.6, -3.0), (4.5, 0.8, 1.5)),
+    ((4.3, -0.8, -3.0), (4.5, 0.8, 1.5)),
+]
+TOWARDS_STAIRS = [Pose2(0.1 * k, 0.0, 0.0) for k in range(-2, 6)]
+DROP = np.array([[x, y] for x in (2.1, 2.3, 2.8) for y in (-0.2, 0.0, 0.2)])
+EDGE = np.array([[1.9, y] for y in (-0.3, 0.0, 0.3)])
+
+
+def states(world_map, positions):
+    return {world_map.grid.state_at(*one) for one in positions}
+
+
+def test_where_rays_pass_below_the_floor_there_is_none():
+    world_map = map_of(UPSTAIRS, TOWARDS_STAIRS)
+    assert states(world_map, DROP) == {Cell.OCCUPIED}
+    assert states(world_map, EDGE) == {Cell.FREE}
+
+
+def test_a_drop_is_kept_when_bumps_are_forgotten_and_as_long_as_no_floor_is_seen():
+    world_map = map_of(UPSTAIRS, TOWARDS_STAIRS)
+    world_map.forget_bumps()
+    for x in (-2.0, -1.5, 1.5) * 5:  # too far to be sure, and so near that it is below the image
+        world_map.integrate(view_of(UPSTAIRS, Pose2(x, 0.0, 0.0)))
+    assert states(world_map, DROP[:3]) == {Cell.OCCUPIED}
+
+
+def test_a_drop_is_forgotten_where_floor_is_seen():
+    world_map = map_of(UPSTAIRS, TOWARDS_STAIRS)
+    for _ in range(3):
+        world_map.integrate(view_of([FLOOR], HERE))
+    assert states(world_map, DROP) == {Cell.FREE}
+
+
+def test_unseen_ground_right_before_a_drop_is_none():
+    world_map = map_of(UPSTAIRS, [Pose2(1.2, 0.0, 0.0)])
+    assert states(world_map, DROP[:3]) == {Cell.OCCUPIED}
+    assert world_map.grid.state_at(1.2, 0.0) == Cell.FREE
+    came_by = map_of(UPSTAIRS, [*TOWARDS_STAIRS, Pose2(1.2, 0.0, 0.0)])
+    assert states(came_by, EDGE) == {Cell.FREE}
+
+
+def test_a_robot_that_climbs_and_that_of_the_paper_see_no_drops():
+    climbing = TopDownMap(CONFIG, Embodiment(body=BodyConfig(max_step_m=0.2)))
+    published = TopDownMap(MappingConfig(sees_drops=False), EMBODIMENT)
+    for pose in TOWARDS_STAIRS:
+        for world_map in (climbing, published):
+            world_map.integrate(view_of(UPSTAIRS, pose))
+    assert states(published, DROP[:6]) == {Cell.FREE}
+    assert Cell.OCCUPIED not in states(climbing, DROP[:6])
+
+
+def test_a_step_down_and_a_floor_that_odometry_raises_are_no_drops():
+    lower = [((-30.0, -30.0, -1.0), (2.0, 30.0, 0.0)), ((2.0, -30.0, -1.0), (30.0, 30.0, -0.1))]
+    assert len(points(map_of(lower, [HERE]), Cell.OCCUPIED)) == 0
+    raised = [((-30.0, -30.0, -1.0), (30.0, 30.0, -0.12))]
+    assert len(points(map_of(raised, [HERE]), Cell.OCCUPIED)) == 0
+
+
+def test_a_few_points_below_the_floor_are_noise():
+    view = view_of([FLOOR], HERE)
+    view.depth[170:172, 150:154] *= 1.5
+    world_map = TopDownMap(CONFIG, EMBODIMENT)
+    world_map.integrate(view)
+    assert len(points(world_map, Cell.OCCUPIED)) == 0
+
+
+def test_where_the_robot_stands_there_is_a_floor():
+    robot = Pose2(2.6, 0.0, 0.0)
+    world_map = map_of(UPSTAIRS, TOWARDS_STAIRS)
+    world_map.integrate(view_of([FLOOR], robot))
+    assert world_map.grid.state_at(*robot.xy) == Cell.FREE
+
+
 @settings(max_examples=20, deadline=None)
 @given(
     st.lists(st.tuples(st.integers(-1500, 1500), st.integers(-1500, 1500)), min_size=1, max_size=4)

@@ -30,10 +30,11 @@ def flight() -> Ground:
         OccupancyGrid(cells, 0.05, (-1.0, -1.0)),
         np.where(known, 0.6 * x, np.nan).astype(np.float32),
         known,
-        clearance.astype(np.float32),
         clearance > 0.12,
         np.zeros_like(known),
         0.12,
+        np.zeros_like(known),
+        np.full(known.shape, np.nan, dtype=np.float32),
     )
 
 

@@ -216,7 +216,9 @@ def preset(name: PresetName) -> HyPerNavConfig:
     if name != "paper":
         return with_changes(HyPerNavConfig(), _AS_RELEASED[name])
     return HyPerNavConfig(
-        mapping=MappingConfig(pass_weight=0, free_footprint=False, block_destination="middle"),
+        mapping=MappingConfig(
+            pass_weight=0, free_footprint=False, sees_drops=False, block_destination="middle"
+        ),
         local=LocalConfig(
             published_segmenter="MobileSAM",
             keep_thin_masks=False,

@@ -25,6 +25,9 @@ its increase per metre of depth, since depth noise grows with depth."""
 BUMP_PERSISTENCE = 30
 """Number of frames that must show the floor of a bumped cell before the bump is forgotten; a robot
 often bumps into what its camera cannot see."""
+UNEVEN_M, UNEVEN_SHARE = 0.05, 0.05
+"""How far floor may seem lower than a step of the robot's before it is a drop: in metres, and as a
+share of its depth, since a camera that points a little lower than is known lowers all floor."""
 CHUNK_CELLS = 128
 """Side of the chunks that the map grows by, so that it seldom has to be copied."""
 MAX_SIDE_M = 500.0
@@ -69,6 +72,8 @@ class MappingConfig(RoomConfig):
         pass_weight: Evidence that a frame takes from a voxel that it sees through. With 0, what one
             frame draws stays (paper: local maps are merged).
         free_footprint: Whether the cells that the robot stands on become free.
+        sees_drops: Whether cells without floor, as at the head of stairs, are obstacles for a robot
+            that does not climb stairs. The paper has none.
         frontier_min_size_m: Length of the shortest frontier, metres; shorter ones are noise, or too
             narrow for a robot.
         block_size_m: Side of a block, metres.
@@ -85,6 +90,7 @@ class MappingConfig(RoomConfig):
     min_points: int = Field(default=2, ge=1, le=10_000)
     pass_weight: int = Field(default=1, ge=0, le=255)
     free_footprint: bool = True
+    sees_drops: bool = True
     frontier_min_size_m: float = Field(default=0.5, ge=0.0, le=50.0)
     block_size_m: float = Field(default=2.0, ge=0.1, le=100.0)
     block_min_area_m2: float = Field(default=0.1, ge=0.0, le=10_000.0)

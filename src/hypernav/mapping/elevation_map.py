@@ -9,8 +9,14 @@ from jaxtyping import Bool, Float32, Float64, UInt8
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.observation import Observation
-from hypernav.mapping.elevation_kernels import BUMPED, survey
-from hypernav.mapping.ground import Ground, reach
+from hypernav.mapping.elevation_kernels import (
+    BUMPED,
+    OBSTACLE_HITS,
+    open_ground,
+    sort_ground,
+    survey,
+)
+from hypernav.mapping.ground import Ground, filled, reach
 
 SIDE_CELLS = 256
 """Number of rows and columns of the map, whose middle stays near the robot."""
@@ -18,19 +24,13 @@ NEAR_CELLS = 160
 """Number of rows and columns, around the robot, in which stairs are looked for."""
 _SHIFT_CELLS = 32
 """Cells by which the map moves with the robot."""
-_STEEPEST = 0.75
-"""Slope of steep stairs, rise over run."""
 _LEAST_CELLS = 20
-_OBSTACLE_HITS = 2
-"""Evidence from which a cell holds an obstacle."""
 _SAME_STOREY_M = 1.6
 """Height above or below the robot, metres, beyond which ground is of another storey."""
 _UNDER_M = 0.1
 """Distance within which the ground is what the robot stands on, metres."""
 _OTHER_M = 0.6
 """Difference in height from which it must be of another storey, metres: treads are kept."""
-_SAME_LEVEL_M = 0.15
-"""Greatest difference in height, metres, between two sights of one edge of the floor."""
 _NEAR_LEVEL_M = 0.5
 """Height above or below the robot, metres, of the ground from which the blind zone is filled in."""
 _SPOT_M = 0.45
@@ -112,7 +112,7 @@ class ElevationMap:
     @property
     def obstacles(self) -> OccupancyGrid:
         """What stands on the ground: occupied, and unknown elsewhere."""
-        is_hit = self._hits >= _OBSTACLE_HITS
+        is_hit = self._hits >= OBSTACLE_HITS
         cells = np.where(is_hit, np.uint8(Cell.OCCUPIED), np.uint8(Cell.UNKNOWN))
         return OccupancyGrid(cells, self._cell_m, self._origin)
 
@@ -136,44 +136,32 @@ class ElevationMap:
         robot_z = self._robot_z
         window, origin = self._window(position)
         maps = (self._heights, self._hits, self._hit_z, self._below)
-        known_heights, hits, hit_z, below = (one[window] for one in maps)
-        away = self._away(position, origin)
-        under = away <= body.radius_m + _UNDER_M
+        known, hits, hit_z, below = (one[window] for one in maps)
         with np.errstate(invalid="ignore"):  # what is farther up or down belongs to other storeys
-            seen = np.abs(known_heights - robot_z) <= _SAME_STOREY_M
-        closed, gaps = _without_gaps(known_heights, seen)
-        dropped_m = below - robot_z
-        seen = seen | gaps
-        spots = _closed(seen, self._spot_cells) & ~seen
-        drop = ~seen & ~spots & (np.abs(dropped_m) <= _SAME_LEVEL_M)
-        # Right before the robot the camera sees no stairs; they go on as they began.
-        lower = ~seen & (dropped_m > 0.0) & (dropped_m < self._blind_m * _STEEPEST)
-        blind = ~seen & ~drop & (spots | (away <= self._blind_m))
-        with np.errstate(invalid="ignore"):
-            near_level = np.abs(known_heights - robot_z) < _NEAR_LEVEL_M
-        filled = _filled(np.where(near_level, known_heights, np.float32(np.nan)))
-        heights = np.where(seen, closed, np.where(blind, filled, np.float32(np.nan)))
-        known = seen | blind
-        # Stairs may lie one above another: only what stands on the ground is an obstacle.
-        step_m = body.max_step_m + _STEP_SLACK_M
-        above_m = hit_z - np.where(seen, closed, robot_z)
-        stands = (above_m > np.where(seen, step_m / 2.0, -step_m)) & (above_m < body.height_m)
-        clear = ~((hits >= _OBSTACLE_HITS) & stands) & (hits < BUMPED)
-        presumed = (drop | (lower & ~blind)) & clear if down else np.zeros_like(known)
+            measured = np.abs(known - robot_z) <= _SAME_STOREY_M
+            near_level = np.abs(known - robot_z) < _NEAR_LEVEL_M
+        around = np.where(near_level, known, np.float32(np.nan))
+        seen = _closed(measured, 3)  # gaps of one cell, as at risers, are ground
+        spots = _closed(seen, self._spot_cells)
         # What lies lower may be joined to the robot by steps that it does not see.
-        measured = np.where(seen, heights, np.float32(np.nan)) if down else heights
-        # The height at which the robot stands is between those of the treads under it.
-        measured = np.where(under, np.float32(np.nan), measured)
-        is_open = (known & clear & _is_even(measured, step_m)) | presumed
-        grid = OccupancyGrid(
-            np.where(is_open, np.uint8(Cell.FREE), np.uint8(Cell.OCCUPIED)),
-            self._cell_m,
-            origin,
+        step_m = body.max_step_m + _STEP_SLACK_M
+        to_robot = (origin[0] - position[0], origin[1] - position[1], self._cell_m)
+        heights, blind, presumed, clear = sort_ground(
+            (known, hits, hit_z, below),
+            (measured, seen, spots),
+            to_robot,
+            np.float32(robot_z),
+            (self._blind_m, step_m, np.float32(body.height_m)),
+            down,
         )
+        even = heights if down else np.where(blind, filled(around), heights)
+        under_m = body.radius_m + _UNDER_M
+        cells = open_ground(even, seen | blind, clear, presumed, to_robot, under_m, step_m)
+        grid = OccupancyGrid(cells, self._cell_m, origin)
         least_m = _CLEARANCE * body.radius_m
-        clearance_m, reached = reach(grid, position, least_m)
-        heights = np.where(presumed & ~blind, below, heights)
-        return Ground(grid, heights, seen, clearance_m, reached, presumed, least_m)
+        reached = reach(grid, position, least_m)
+        measured_z = np.where(presumed & ~blind, below, heights) if presumed.any() else heights
+        return Ground(grid, measured_z, seen, reached, presumed, least_m, blind, around)
 
     @property
     def _origin(self) -> tuple[float, float]:
@@ -192,14 +180,6 @@ class ElevationMap:
         row, column = (min(max(one, 0), SIDE_CELLS - NEAR_CELLS) for one in first)
         origin = ((column0 + column) * self._cell_m, (row0 + row) * self._cell_m)
         return (slice(row, row + NEAR_CELLS), slice(column, column + NEAR_CELLS)), origin
-
-    def _away(
-        self, position: tuple[float, float], origin: tuple[float, float]
-    ) -> Float64[np.ndarray, "rows columns"]:
-        """Distances of the cells of such a part from a position, metres."""
-        middles = (np.arange(NEAR_CELLS) + 0.5) * self._cell_m
-        x, y = middles + origin[0] - position[0], middles + origin[1] - position[1]
-        return np.hypot(x[None, :], y[:, None])
 
     def _centre(self, x: float, y: float) -> None:
         """Move the map along with the robot, by whole cells."""
@@ -234,54 +214,10 @@ class ElevationMap:
         self._robot_z = floor_z
 
 
-def _filled(heights: Float32[np.ndarray, "rows columns"]) -> Float32[np.ndarray, "rows columns"]:
-    """The heights with all gaps filled in: averages of what is known around, the nearest first.
-
-    The pyramid of Gortler et al., "The Lumigraph", 1996 ("pull and push").
-    """
-    known = ~np.isnan(heights)
-    weights = [known.astype(np.float32)]
-    totals = [np.where(known, heights, np.float32(0.0))]
-    while min(weights[-1].shape) > 1 and (weights[-1] == 0.0).any():
-        half = (weights[-1].shape[1] // 2, weights[-1].shape[0] // 2)
-        sums = [
-            cv2.resize(one, half, interpolation=cv2.INTER_AREA) for one in (weights[-1], totals[-1])
-        ]
-        mean = sums[1] / np.maximum(sums[0], 1e-9)
-        weights.append(np.minimum(sums[0] * 4.0, 1.0))
-        totals.append(mean * weights[-1])
-    level = totals[-1]
-    for weight, total in zip(weights[-2::-1], totals[-2::-1], strict=True):
-        wider = cv2.resize(level, total.shape[::-1], interpolation=cv2.INTER_LINEAR)
-        level = total + (1.0 - weight) * wider
-    return level
-
-
-def _without_gaps(
-    heights: Float32[np.ndarray, "rows columns"], seen: Bool[np.ndarray, "rows columns"]
-) -> tuple[Float32[np.ndarray, "rows columns"], Bool[np.ndarray, "rows columns"]]:
-    """The heights where gaps of one cell are filled in, as at risers, and a mask of these gaps."""
-    square = np.ones((3, 3), np.uint8)
-    gaps = _closed(seen, 3) & ~seen
-    higher = cv2.dilate(np.where(seen, heights, np.float32(-1e6)), square)
-    return np.where(gaps, higher, heights), gaps
-
-
 def _closed(mask: Bool[np.ndarray, "rows columns"], side: int) -> Bool[np.ndarray, "rows columns"]:
     """The mask with its gaps that a square of so many cells doesn't fit into."""
     square = np.ones((side, side), np.uint8)
     return cv2.morphologyEx(mask.view(np.uint8), cv2.MORPH_CLOSE, square) > 0
-
-
-def _is_even(
-    heights: Float32[np.ndarray, "rows columns"], step_m: float
-) -> Bool[np.ndarray, "rows columns"]:
-    """Where the heights around a cell differ by a step at most."""
-    known = ~np.isnan(heights)
-    square = np.ones((3, 3), np.uint8)
-    highest = cv2.dilate(np.where(known, heights, np.float32(-1e6)), square)
-    lowest = cv2.erode(np.where(known, heights, np.float32(1e6)), square)
-    return highest - lowest <= step_m
 
 
 def _shifted(

@@ -2,14 +2,17 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float32, Float64
+from jaxtyping import Bool, Float32, Float64, UInt8
 
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.mapping.distance_kernels import nearest_open_cell
 
+_REACHED = 2
+"""Value, other than 0 and 1, of the cells that a fill has come to."""
 _NEAR_M = 0.4
 """Distance within which the ground under the robot is looked for, metres."""
 
@@ -18,25 +21,41 @@ _NEAR_M = 0.4
 class Ground:
     """The part of the ground that the robot could walk to over steps that it can climb.
 
+    What only few steps need is worked out when it is asked for.
+
     Attributes:
         grid: The open ground, free where the robot could step on it and occupied elsewhere.
-        heights: Height of the ground, ``map`` frame, metres: where steps down are presumed an upper
-            bound; NaN where nothing is known.
-        seen: Mask of the cells whose ground was seen; other heights are filled in.
-        clearance_m: Distance of every cell from what is not open ground, metres.
+        measured: Height of the ground where it was seen, ``map`` frame, metres; where steps down
+            are presumed, an upper bound; NaN elsewhere.
+        seen: Mask of the cells whose ground was seen.
         reached: Mask of the cells where the robot's middle could get.
         presumed: Mask of the cells where stairs down are presumed, since no ground was seen at the
             robot's height, but what lies below it.
         least_m: Clearance that the robot's middle needs, metres.
+        blind: Mask of the unseen cells that count as ground, as right before the robot.
+        around: Heights from which theirs are filled in, metres; NaN where none is known.
     """
 
     grid: OccupancyGrid
-    heights: Float32[np.ndarray, "rows columns"]
+    measured: Float32[np.ndarray, "rows columns"]
     seen: Bool[np.ndarray, "rows columns"]
-    clearance_m: Float32[np.ndarray, "rows columns"]
     reached: Bool[np.ndarray, "rows columns"]
     presumed: Bool[np.ndarray, "rows columns"]
     least_m: float
+    blind: Bool[np.ndarray, "rows columns"]
+    around: Float32[np.ndarray, "rows columns"]
+
+    @cached_property
+    def heights(self) -> Float32[np.ndarray, "rows columns"]:
+        """Heights of the ground, metres: where it was not seen, filled in; else as measured."""
+        return np.where(self.blind, filled(self.around), self.measured)
+
+    @cached_property
+    def clearance_m(self) -> Float32[np.ndarray, "rows columns"]:
+        """Distance of every cell from what is not open ground, metres."""
+        is_open = (self.grid.cells == Cell.FREE).view(np.uint8)
+        clearance = cv2.distanceTransform(is_open, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        return clearance * np.float32(self.grid.resolution_m)
 
     def without(
         self, closed: Bool[np.ndarray, "rows columns"], position: tuple[float, float]
@@ -44,8 +63,7 @@ class Ground:
         """The ground where some cells are closed, as far as it is in reach from a position."""
         cells = np.where(closed, np.uint8(Cell.OCCUPIED), self.grid.cells)
         grid = replace(self.grid, cells=cells)
-        clearance_m, reached = reach(grid, position, self.least_m)
-        return replace(self, grid=grid, clearance_m=clearance_m, reached=reached)
+        return replace(self, grid=grid, reached=reach(grid, position, self.least_m))
 
     def between(self, low_m: float, high_m: float) -> Bool[np.ndarray, "rows columns"]:
         """Mask of the reached cells whose heights lie between two, metres."""
@@ -83,8 +101,8 @@ class Ground:
 
 def reach(
     grid: OccupancyGrid, position: tuple[float, float], least_m: float
-) -> tuple[Float32[np.ndarray, "rows columns"], Bool[np.ndarray, "rows columns"]]:
-    """The clearance of all cells from what is not free, metres, and those in reach of a position.
+) -> Bool[np.ndarray, "rows columns"]:
+    """Mask of the cells that keep clear of what is not free, in reach of a position.
 
     Args:
         grid: Free and other cells.
@@ -92,14 +110,18 @@ def reach(
         least_m: Clearance that its middle needs, metres.
     """
     is_open = (grid.cells == Cell.FREE).view(np.uint8)
-    clearance = cv2.distanceTransform(is_open, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    clearance_m = clearance * np.float32(grid.resolution_m)
-    fits = clearance_m > least_m
-    start = nearest_cell(fits, grid, position)
+    fits = cv2.erode(is_open, _disc(least_m / grid.resolution_m))
+    start = nearest_cell(fits > 0, grid, position)
     if start is None:
-        return clearance_m, np.zeros_like(fits)
-    _, parts = cv2.connectedComponents(fits.view(np.uint8), connectivity=4)
-    return clearance_m, parts == parts[start]
+        return np.zeros(fits.shape, dtype=np.bool_)
+    cv2.floodFill(fits, None, start[::-1], _REACHED)
+    return fits == _REACHED
+
+
+def _disc(radius: float) -> UInt8[np.ndarray, "rows columns"]:
+    """Square of cells, 1 where the middle is at most so many cells away."""
+    side = np.arange(-int(radius), int(radius) + 1)
+    return (np.hypot(side[:, None], side[None, :]) <= radius).astype(np.uint8)
 
 
 def nearest_cell(
@@ -109,3 +131,26 @@ def nearest_cell(
     within = math.ceil(_NEAR_M / grid.resolution_m)
     cell = nearest_open_cell(mask.view(np.uint8), *grid.cell_of(*position), within)
     return None if cell == (-1, -1) else cell
+
+
+def filled(heights: Float32[np.ndarray, "rows columns"]) -> Float32[np.ndarray, "rows columns"]:
+    """The heights with all gaps filled in: averages of what is known around, the nearest first.
+
+    The pyramid of Gortler et al., "The Lumigraph", 1996 ("pull and push").
+    """
+    known = ~np.isnan(heights)
+    weights = [known.astype(np.float32)]
+    totals = [np.where(known, heights, np.float32(0.0))]
+    while min(weights[-1].shape) > 1 and (weights[-1] == 0.0).any():
+        half = (weights[-1].shape[1] // 2, weights[-1].shape[0] // 2)
+        sums = [
+            cv2.resize(one, half, interpolation=cv2.INTER_AREA) for one in (weights[-1], totals[-1])
+        ]
+        mean = sums[1] / np.maximum(sums[0], 1e-9)
+        weights.append(np.minimum(sums[0] * 4.0, 1.0))
+        totals.append(mean * weights[-1])
+    level = totals[-1]
+    for weight, total in zip(weights[-2::-1], totals[-2::-1], strict=True):
+        wider = cv2.resize(level, total.shape[::-1], interpolation=cv2.INTER_LINEAR)
+        level = total + (1.0 - weight) * wider
+    return level

@@ -11,7 +11,8 @@ type in it is renamed:
 - ``arrays``, the map, rows along y and columns along x: ``evidence`` uint8 (rows, columns, layers)
   of every voxel of the height band; ``raised`` uint32 bit mask of the layers that have evidence;
   ``seen`` uint8, 1 where the cell was seen to be free floor or the robot stood; ``bumps`` uint8,
-  clear views until a bump is forgotten; ``cells`` uint8, the outcome, values of `Cell`
+  clear views until a bump or, from `DROP` on, a drop is forgotten; ``cells`` uint8, the outcome,
+  values of `Cell`
 - ``window``: row and column in the map, rows, columns
 - ``lens``: fx, fy, cx, cy, pixels, then limits of the sensor's range, both exclusive, metres
 - ``pose``: the upper three rows of the matrix from the ``map`` to the optical frame, flat
@@ -19,6 +20,8 @@ type in it is renamed:
 - ``weights``: fewest points of a hit, evidence of a hit, evidence of a pass, evidence from which a
   cell is occupied, largest evidence
 - ``margins``: metres, and metres per metre, that a ray must end behind a voxel to have passed it
+- ``fall``: height of the camera above the floor, then how far below it, in metres and in metres per
+  metre of depth, a point shows that its ray has passed no floor; infinite if drops don't matter
 """
 
 import numpy as np
@@ -28,6 +31,10 @@ from numba.extending import register_jitable
 from hypernav.core.geometry import depth as depth_rule
 
 UNKNOWN, FREE, OCCUPIED = 0, 1, 2
+DROP = 128
+"""Value of ``bumps`` above which the robot has not bumped: the image showed no floor."""
+_DROP_VIEWS = 3
+"""Number of frames that must show the floor of a cell before a drop is forgotten."""
 BELIEVED_RANGES = 3.0
 """Depth, as a multiple of the sensor's largest depth, from which it is not believed."""
 BELIEVED_M = 65.5
@@ -166,6 +173,42 @@ def sees_floor(depth, lens, pose, x, y, heights):
 
 
 @register_jitable(no_cfunc_wrapper=True)
+def is_below(depth, lens, pose, u, v, fall, share):
+    """Whether a pixel shows a point a share of ``fall`` below the floor."""
+    d = depth_at(depth, u, v)
+    if not is_measured(d, lens[4], lens[5]):
+        return False
+    x, y = (u - lens[2]) / lens[0] * d - pose[3], (v - lens[3]) / lens[1] * d - pose[7]
+    h = pose[2] * x + pose[6] * y + pose[10] * (d - pose[11])
+    if h >= 0.0:
+        return False
+    floor_depth = d * fall[0] / (fall[0] - h)
+    return h < -share * (fall[1] + fall[2] * floor_depth)
+
+
+@register_jitable(no_cfunc_wrapper=True)
+def shows_below(depth, lens, pose, x, y, fall):
+    """What the pixel of a point on the floor shows, or the lowest one in its direction.
+
+    Returns:
+        2 if it and those around it show what lies below the floor, 1 if it may, 0 if it does not.
+    """
+    z = pose[8] * x + pose[9] * y + pose[11]
+    if z <= 0.0:
+        return 0
+    u = lens[0] * (pose[0] * x + pose[1] * y + pose[3]) / z + lens[2]
+    v = lens[1] * (pose[4] * x + pose[5] * y + pose[7]) / z + lens[3]
+    v = min(v, depth.shape[0] - 1.5)
+    if not is_below(depth, lens, pose, u, v, fall, 0.5):
+        return 0
+    for i in range(-1, 2):  # single pixels err
+        for j in range(-1, 2):
+            if not is_below(depth, lens, pose, u + j, v + i, fall, 1.0):
+                return 1
+    return 2
+
+
+@register_jitable(no_cfunc_wrapper=True)
 def sees_through(depth, lens, pose, x, y, h, sizes, margins):
     """Whether all rays around a voxel's middle end well behind it.
 
@@ -208,7 +251,7 @@ def in_sight(width, lens, pose, x, y, low, high):
 
 
 @register_jitable(no_cfunc_wrapper=True)
-def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, counts, arrays):
+def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, fall, counts, arrays):
     """Free what the frame sees to be free, cell by cell of the window.
 
     A voxel that a ray passes loses evidence, unless it has a point in this very frame (``counts``
@@ -230,11 +273,17 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, co
             column = column0 + j
             changed = False
             floor = sees_floor(depth, lens, pose, x, y, heights)
-            if floor > 0:
+            below = 0
+            if floor > 0 and fall[1] < np.inf:
+                below = shows_below(depth, lens, pose, x, y, fall)
+            if below == 2 and (floor == 2 or seen[row, column] == 0):
+                bumps[row, column] = DROP + _DROP_VIEWS
+                changed = True
+            elif floor == 2 or (floor == 1 and below == 0):
                 changed = seen[row, column] == 0
                 seen[row, column] = 1
-                if floor == 2 and bumps[row, column] > 0:
-                    bumps[row, column] -= 1
+                if floor == 2 and below == 0 and bumps[row, column] > 0:
+                    bumps[row, column] -= 1 if bumps[row, column] != DROP + 1 else DROP + 1
                     changed = True
             mask = raised[row, column]
             for k in range(layers if mask != 0 else 0):
@@ -287,6 +336,7 @@ def integrate_frame(
     sizes,
     weights,
     margins,
+    fall,
     counts,
     touched,
     arrays,
@@ -306,7 +356,7 @@ def integrate_frame(
     )
     add_hits(counts, touched, n, window, weights, arrays)
     sweep_window(
-        depth, lens, pose, heights, window + corner, sizes, weights, margins, counts, arrays
+        depth, lens, pose, heights, window + corner, sizes, weights, margins, fall, counts, arrays
     )
     for j in range(n):
         counts[touched[j]] = 0

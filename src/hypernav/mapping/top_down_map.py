@@ -24,10 +24,12 @@ from hypernav.mapping.config import (
     OCCUPIED_EVIDENCE,
     PASS_MARGIN_M,
     PASS_MARGIN_RATIO,
+    UNEVEN_M,
+    UNEVEN_SHARE,
     MappingConfig,
     memory_of,
 )
-from hypernav.mapping.integrate_kernels import FREE, OCCUPIED, UNKNOWN, integrate_frame
+from hypernav.mapping.integrate_kernels import DROP, FREE, OCCUPIED, UNKNOWN, integrate_frame
 
 
 class _Arrays(NamedTuple):
@@ -56,6 +58,10 @@ class TopDownMap:
     each with its own evidence. Points raise a voxel's evidence; a ray that passes through a voxel
     lowers it. So a look over a low table does not clear the table, and a table that is carried away
     disappears.
+
+    For a robot that does not climb stairs, a cell is occupied that the image shows to have no
+    floor. Right before the robot, below the image, a cell of which nothing is known has none where
+    the lowest pixel in its direction shows none.
 
     The map has no fixed size: it grows by chunks of cells, in all directions, aligned to the
     ``map`` frame.
@@ -87,6 +93,9 @@ class TopDownMap:
             MAX_EVIDENCE,
         )
         self._margins = (PASS_MARGIN_M, PASS_MARGIN_RATIO)
+        body = embodiment.body
+        sees_drops = config.sees_drops and not body.climbs_stairs
+        self._drop_m = body.max_step_m + UNEVEN_M if sees_drops else math.inf
         above_bottom_m = embodiment.camera.height_m - self._band.bottom_m
         to_camera = math.ceil(above_bottom_m / config.voxel_height_m)
         layers = np.arange(max(self._band.layers, to_camera)) + 0.5
@@ -183,6 +192,7 @@ class TopDownMap:
             self._sizes,
             self._weights,
             self._margins,
+            (float(pose.translation[2]), self._drop_m, UNEVEN_SHARE),
             self._counts,
             self._touched,
             tuple(self._arrays),
@@ -213,9 +223,9 @@ class TopDownMap:
             self._arrays.cells[row, column] = OCCUPIED
 
     def forget_bumps(self) -> None:
-        """Forget all bumps: such cells get the state that the images alone give them."""
+        """Forget all bumps, but no drops: such cells get the state that the images give them."""
         arrays = self._arrays
-        bumped = arrays.bumps > 0
+        bumped = (arrays.bumps > 0) & (arrays.bumps <= DROP)
         occupied = (arrays.evidence[bumped] >= OCCUPIED_EVIDENCE).any(axis=1)
         free = np.where(arrays.seen[bumped] > 0, FREE, UNKNOWN)
         arrays.cells[bumped] = np.where(occupied, OCCUPIED, free)

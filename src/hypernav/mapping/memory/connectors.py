@@ -36,6 +36,7 @@ _WHOLE_M = 1.0
 """Distance from which the edge of a floor is seen whole, metres."""
 _SAME_AXIS = 0.35
 """Greatest difference between the directions of two sightings of one edge, radians."""
+_SPECK_CELLS = 10
 _SIGHTINGS = 2
 """Images that must show a connector before the robot relies on it."""
 
@@ -187,34 +188,32 @@ def connectors_in(ground: Ground, floor: int, floor_z: float) -> list[Connector]
         floor: Number of the floor.
         floor_z: Its height, metres.
     """
-    reached = ground.reached
-    above = ground.between(floor_z + LEVEL_M, math.inf) & ground.seen
-    below = ground.between(-math.inf, floor_z - LEVEL_M) & ground.seen
-    below |= reached & ground.presumed
-    level = ground.between(floor_z - LEVEL_M, floor_z + LEVEL_M) & ~ground.presumed
+    reached, heights = ground.reached, ground.measured
+    with np.errstate(invalid="ignore"):
+        above = reached & ground.seen & (heights >= floor_z + LEVEL_M)
+        below = reached & (ground.presumed | (ground.seen & (heights <= floor_z - LEVEL_M)))
+        high, low = heights >= floor_z + _RISE_M, ground.seen & (heights <= floor_z - _RISE_M)
     found = list[Connector]()
     for part in _parts(above):
-        high = part & ground.between(floor_z + _RISE_M, math.inf)
-        steps = part & ~high
-        if min(ground.area_m2(high), ground.area_m2(steps)) >= _LEAST_M2:
-            found += _connector(ground, part, level, floor, goes_up=True)
+        if min(ground.area_m2(part & high), ground.area_m2(part & ~high)) >= _LEAST_M2:
+            found += _connector(ground, part, floor, floor_z, goes_up=True)
     for part in _parts(below):
-        low = part & ground.seen & ground.between(-math.inf, floor_z - _RISE_M)
         presumed = part & ground.presumed
-        if ground.area_m2(low) >= _LEAST_M2 or ground.area_m2(presumed) >= _DROP_M2:
-            found += _connector(ground, part, level, floor, goes_up=False)
+        if ground.area_m2(part & low) >= _LEAST_M2 or ground.area_m2(presumed) >= _DROP_M2:
+            found += _connector(ground, part, floor, floor_z, goes_up=False)
     return found
 
 
 def _connector(
     ground: Ground,
     part: Bool[np.ndarray, "rows columns"],
-    level: Bool[np.ndarray, "rows columns"],
     floor: int,
+    floor_z: float,
     *,
     goes_up: bool,
 ) -> list[Connector]:
     """The connector of a part of the ground; empty if it does not begin on the floor."""
+    level = ground.between(floor_z - LEVEL_M, floor_z + LEVEL_M) & ~ground.presumed
     edge = level & (cv2.dilate(part.view(np.uint8), np.ones((3, 3), np.uint8)) > 0)
     if not edge.any():
         return []
@@ -230,7 +229,7 @@ def _connector(
 
 def _parts(mask: Bool[np.ndarray, "rows columns"]) -> list[Bool[np.ndarray, "rows columns"]]:
     """The connected parts of a mask, without specks."""
-    if not mask.any():
+    if mask.sum() <= _SPECK_CELLS:
         return []
     count, parts, stats, _ = cv2.connectedComponentsWithStats(mask.view(np.uint8), connectivity=8)
-    return [parts == k for k in range(1, count) if stats[k, cv2.CC_STAT_AREA] > 10]
+    return [parts == k for k in range(1, count) if stats[k, cv2.CC_STAT_AREA] > _SPECK_CELLS]

@@ -13,6 +13,7 @@ from jaxtyping import Bool, Float64
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.depth import is_measured
+from hypernav.mapping.config import UNEVEN_M, UNEVEN_SHARE
 from hypernav.robot.driving.base import DepthView
 from hypernav.robot.motion.obstacles import PointObstacles
 
@@ -22,9 +23,6 @@ _NEAR_M = 1.2
 """Distance from the robot up to which points are remembered."""
 _REMEMBERED_VIEWS = 60
 """Number of views for which a point is remembered after it left the camera's view."""
-_UNEVEN_M, _UNEVEN_SHARE = 0.05, 0.05
-"""How far floor may seem lower than a step of the robot's before it is a drop: in metres, and as a
-share of its depth, since a camera that points a little lower than is known lowers all floor."""
 _PATCH = np.ones((3, 3), np.uint8)
 """Smallest part of an image, pixels, that shows a drop: single pixels err."""
 _APART_M = 0.02
@@ -114,7 +112,7 @@ class DepthSafety:
             return self._drops
         eye, measured = view.camera_to_base.translation, is_measured(view.depth)
         z = eye[2] + rays[..., 2] * np.where(measured, view.depth, np.nan)
-        uneven_m = self._body.max_step_m + _UNEVEN_M + _UNEVEN_SHARE * floor
+        uneven_m = self._body.max_step_m + UNEVEN_M + UNEVEN_SHARE * floor
         is_lower = (z < -uneven_m) & (floor < _REACH_M)
         is_drop = cv2.morphologyEx(is_lower.view(np.uint8), cv2.MORPH_OPEN, _PATCH) > 0
         points = rays[is_drop] * floor[is_drop][:, None] + eye
