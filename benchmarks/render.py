@@ -1,7 +1,9 @@
 """Time the renderer on small_house, as it is and subdivided into a million triangles.
 
 Run: python benchmarks/render.py [--scene FILE] [--out DIR] [--device cuda:0 --batches 8 32 128]
-A generated building, such as houses:1000, may stand in for the file.
+     [--peer]
+A generated building, such as houses:1000, may stand in for the file, but habitat-sim, the peer,
+opens files only: `hypernav houses export` writes them.
 
 Poses are spread over the free floor of the scene, drawn with a fixed seed. Each is rendered once
 before the measurement, so that compilation and the light baked on a first view don't count; "first
@@ -12,7 +14,8 @@ of all threads, and the ray casting alone, for comparison.
 import math
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -28,12 +31,16 @@ from hypernav.build.data.scenes import load_scene
 from hypernav.core.components.extras import require
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.world import Renderer
+from hypernav.datasets.benchmarks import BENCHMARKS
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.drawing.warp_renderer import WarpRenderer
+from hypernav.worlds.habitat.simulator import HabitatRenderer
 from hypernav.worlds.scenes.scene import Scene
 
 TEST_DATA = Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))
-CAMERA = PinholeCamera.from_hfov(640, 480, 79.0)
+ROBOT = BENCHMARKS["hm3d"].embodiment
+CAMERA = ROBOT.camera.intrinsics
 HEIGHT_M = 0.88
 REPEATS = 5
 T = TypeVar("T")
@@ -46,6 +53,7 @@ def main(
     triangles: int = 1_000_000,
     device: str | None = None,
     batches: tuple[int, ...] = (8, 32, 128),
+    peer: bool = False,
 ) -> None:
     """Print the table.
 
@@ -58,6 +66,8 @@ def main(
             cuda:0 or cpu; without it, there are no rows of that renderer.
         batches: Numbers of views that the GPU renderer draws at a time in the rows "at a time",
             which give the time of one of them.
+        peer: Whether habitat-sim draws the same views, each in turn with our renderer. It must be
+            installed, and the scene be a file.
     """
     console = Console(width=110)
     start = time.perf_counter()
@@ -72,7 +82,10 @@ def main(
         measure(table, size, views)
         if device is not None:
             measure_warp(table, size, views, device, batches)
-            console.print(agreement(size, views, device))
+            other = WarpRenderer(size, device=device)
+            console.print(agreement(f"Warp on {device}", size, views, other))
+    if peer:
+        console.print(measure_peer(table, loaded, Path(scene), views))
     console.print(table)
     if out is not None:
         write_images(CpuRenderer(loaded), views, out)
@@ -128,29 +141,48 @@ def measure_warp(
             add(table, name, f"{on}: {what}, {batch} at a time", a_view)
 
 
+def measure_peer(table: Table, scene: Scene, file: Path, views: list[Transform]) -> str:
+    """Add the rows of habitat-sim and of our renderer beside it; returns how alike they draw."""
+    name = f"{len(scene.faces):,} triangles"
+    with closing(HabitatRenderer(scene, file, ROBOT, "robot")) as habitat:
+        beside = CpuRenderer(scene)
+        draws = [partial(habitat.render, CAMERA), partial(beside.render, CAMERA)]
+        for what, colours in (("render", True), ("depth and instances", False)):
+            habitat.colours = beside.colours = colours
+            for view in views:
+                in_turn(draws, view, 1)
+            spent = np.array([in_turn(draws, view, REPEATS) for view in views])
+            add(table, name, f"habitat-sim: {what}", spent[:, 0])
+            add(table, name, f"beside it: {what}", spent[:, 1])
+            habitat.colours = True
+        return agreement("habitat-sim", scene, views, habitat)
+
+
 def name_of(device: str) -> str:
     """A device as Warp calls it and as its makers do."""
     warp = require("warp", extra="gpu")
     return f"{device}, {warp.get_device(device).name}"
 
 
-def agreement(scene: Scene, views: list[Transform], device: str) -> str:
-    """How much the GPU renderer shows as the CPU's does, over all pixels."""
-    cpu, warp = CpuRenderer(scene), WarpRenderer(scene, device=device)
-    depth, ids, colours = [], [], []
+def agreement(who: str, scene: Scene, views: list[Transform], other: Renderer) -> str:
+    """How much another renderer shows as the CPU's does, over all pixels."""
+    cpu = CpuRenderer(scene)
+    gaps, ids, colours = [], [], []
     for view in views:
-        expected, seen = cpu.render(CAMERA, view), warp.render(CAMERA, view)
-        depth.append(np.abs(seen.depth - expected.depth) <= 1e-3)
+        expected, seen = cpu.render(CAMERA, view), other.render(CAMERA, view)
+        gaps.append(np.abs(seen.depth - expected.depth))
         ids.append(seen.instance_ids == expected.instance_ids)
         colours.append(np.abs(seen.rgb.astype(int) - expected.rgb).mean())
+    millimetre, centimetre = (np.mean(np.array(gaps) <= gap) for gap in (1e-3, 1e-2))
     return (
-        f"Warp on {device}, {len(views)} views of {len(scene.faces):,} triangles: depth within "
-        f"1 mm on {np.mean(depth):.4%} and instances equal on {np.mean(ids):.4%} of the pixels, "
-        f"colours {np.mean(colours):.2f} of 255 apart, at most {np.max(colours):.2f} in one view"
+        f"{who}, {len(views)} views of {len(scene.faces):,} triangles: depth within 1 mm on "
+        f"{millimetre:.4%} and 1 cm on {centimetre:.4%}, instances equal on {np.mean(ids):.4%} of "
+        f"the pixels, colours {np.mean(colours):.2f} of 255 apart, at most {np.max(colours):.2f} "
+        "in one view"
     )
 
 
-def add(table: Table, scene: str, what: str, spent: list[tuple[float, float]]) -> None:
+def add(table: Table, scene: str, what: str, spent: np.ndarray | list[tuple[float, float]]) -> None:
     """Add a row of ``(wall, CPU)`` milliseconds."""
     (wall, cpu), late = np.median(spent, axis=0), np.percentile(spent, 95, axis=0)[0]
     table.add_row(scene, what, f"{wall:.1f}", f"{late:.1f}", f"{cpu:.1f}")
@@ -158,13 +190,20 @@ def add(table: Table, scene: str, what: str, spent: list[tuple[float, float]]) -
 
 def timed(draw: Callable[[T], object], view: T, repeats: int) -> tuple[float, float]:
     """Best wall and best CPU time of a few runs, milliseconds."""
-    wall, cpu = [], []
-    for _ in range(repeats):
-        start, start_cpu = time.perf_counter(), time.process_time()
-        draw(view)
-        wall.append((time.perf_counter() - start) * 1e3)
-        cpu.append((time.process_time() - start_cpu) * 1e3)
-    return min(wall), min(cpu)
+    return in_turn([draw], view, repeats)[0]
+
+
+def in_turn(
+    draws: Sequence[Callable[[T], object]], view: T, repeats: int
+) -> list[tuple[float, float]]:
+    """The same for each of several, of which each runs once before the first runs again."""
+    spent = np.zeros((repeats, len(draws), 2))
+    for times in spent:
+        for draw, wall_and_cpu in zip(draws, times, strict=True):
+            start, start_cpu = time.perf_counter(), time.process_time()
+            draw(view)
+            wall_and_cpu[:] = time.perf_counter() - start, time.process_time() - start_cpu
+    return [(wall * 1e3, cpu * 1e3) for wall, cpu in spent.min(axis=0).tolist()]
 
 
 def caster(renderer: CpuRenderer, views: list[Transform]) -> Callable[[Transform], object]:

@@ -171,20 +171,20 @@ class Simulator:
         self._scene = scene
         self._renderer = CpuRenderer(scene, RenderConfig(threads=1))
         self._numbers = np.array(_annotated(path, scene), dtype=np.uint32)
-        self._sensors = configuration.agents[0].sensor_specifications
-        self._agent = _Agent()
+        self._sensors = [agent.sensor_specifications for agent in configuration.agents]
+        self._agents = [_Agent() for _ in configuration.agents]
         self.is_closed = False
 
     def get_agent(self, number: int) -> _Agent:
-        assert number == 0
-        return self._agent
+        return self._agents[number]
 
-    def get_sensor_observations(self) -> dict[str, Any]:
+    def get_sensor_observations(self, agent_ids: int = 0) -> dict[str, Any]:
         seen: dict[str, Any] = {}
-        for sensor in self._sensors:
+        state = self._agents[agent_ids].state
+        for sensor in self._sensors[agent_ids]:
             height, width = sensor.resolution
             camera = PinholeCamera.from_hfov(width, height, float(sensor.hfov))
-            view = self._renderer.render(camera, self._camera_to_scene(sensor))
+            view = self._renderer.render(camera, _camera_to_scene(state, sensor))
             if sensor.sensor_type is SensorType.COLOR:
                 opaque = np.full((height, width, 1), 255, np.uint8)
                 seen[sensor.uuid] = np.concatenate([view.rgb, opaque], axis=2)
@@ -204,16 +204,17 @@ class Simulator:
         self._renderer.close()
         self.is_closed = True
 
-    def _camera_to_scene(self, sensor: Any) -> Transform:
-        """OpenGL's camera: x right, y up, looking along -z; Habitat's world: y up."""
-        x, y, z, w = self._agent.state.rotation
-        right = _turned((x, y, z, w), (1.0, 0.0, 0.0))
-        up = _turned((x, y, z, w), (0.0, 1.0, 0.0))
-        back = _turned((x, y, z, w), (0.0, 0.0, 1.0))
-        offset = np.column_stack([right, up, back]) @ np.array(sensor.position)
-        middle = np.array(self._agent.state.position) + offset
-        columns = [_in_scene(right), _in_scene(-up), _in_scene(-back)]
-        return Transform(np.column_stack(columns), _in_scene(middle))
+
+def _camera_to_scene(state: AgentState, sensor: Any) -> Transform:
+    """OpenGL's camera: x right, y up, looking along -z; Habitat's world: y up."""
+    x, y, z, w = state.rotation
+    right = _turned((x, y, z, w), (1.0, 0.0, 0.0))
+    up = _turned((x, y, z, w), (0.0, 1.0, 0.0))
+    back = _turned((x, y, z, w), (0.0, 0.0, 1.0))
+    offset = np.column_stack([right, up, back]) @ np.array(sensor.position)
+    middle = np.array(state.position) + offset
+    columns = [_in_scene(right), _in_scene(-up), _in_scene(-back)]
+    return Transform(np.column_stack(columns), _in_scene(middle))
 
 
 def _annotated(path: Path, scene: Scene) -> list[int]:

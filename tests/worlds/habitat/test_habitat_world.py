@@ -97,6 +97,30 @@ def test_both_worlds_show_and_walk_the_same(mesh):
         assert comparison.step_m == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.usefixtures("_habitat")
+def test_habitat_draws_no_colours_where_none_are_asked_for(mesh, monkeypatch):
+    robot = CONFIG.embodiment
+    renderer = HabitatRenderer(open_scene(mesh), mesh, robot)
+    pose = Pose2(0.0, 0.0, 0.0).to_transform(1.0) @ robot.camera.camera_to_base
+    coloured = renderer.render(robot.camera.intrinsics, pose)
+    drawn = []
+    observe = fake_habitat.Simulator.get_sensor_observations
+
+    def watched(*args):
+        drawn.append(observe(*args))
+        return drawn[-1]
+
+    monkeypatch.setattr(fake_habitat.Simulator, "get_sensor_observations", watched)
+    renderer.colours = False
+    black = renderer.render(robot.camera.intrinsics, pose)
+    assert set(drawn[0]) == {"depth", "semantic"}
+    assert coloured.rgb.any()
+    assert not black.rgb.any()
+    assert black.rgb.shape == coloured.rgb.shape
+    assert np.array_equal(black.depth, coloured.depth)
+    assert np.array_equal(black.instance_ids, coloured.instance_ids)
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("_habitat")
 def test_episodes_run_on_habitats_observations(benchmark_data, tmp_path):

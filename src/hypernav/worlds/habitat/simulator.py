@@ -27,6 +27,7 @@ from hypernav.worlds.navmesh.robot_navmesh import is_computed
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
 from hypernav.worlds.scenes.scene import Scene
 
+_WITH_COLOURS, _WITHOUT = 0, 1  # habitat-sim draws what an agent has sensors for, so there are two
 _OPTICAL_TO_GL = np.diag([1.0, -1.0, -1.0])
 _SCENE_TO_HABITAT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 
@@ -58,7 +59,7 @@ class HabitatRenderer:
     """habitat-sim's images of one scene; satisfies `hypernav.core.world.Renderer`.
 
     Attributes:
-        colours: Not used: habitat-sim always draws them.
+        colours: Whether images are drawn; without, they are black. May change between two renders.
         path_finder: habitat-sim's path finder of the scene.
     """
 
@@ -117,12 +118,14 @@ class HabitatRenderer:
         state.position = _SCENE_TO_HABITAT @ camera_to_scene.translation
         rotation = _SCENE_TO_HABITAT @ camera_to_scene.rotation @ _OPTICAL_TO_GL
         state.rotation = quaternion_of(rotation).tolist()
-        self._simulator.get_agent(0).set_state(state)
-        seen = self._simulator.get_sensor_observations()
+        agent = _WITH_COLOURS if self.colours else _WITHOUT
+        self._simulator.get_agent(agent).set_state(state)
+        seen = self._simulator.get_sensor_observations(agent)
         depth = np.asarray(seen["depth"], dtype=np.float32)
-        ids = self._numbered(np.asarray(seen["semantic"]))
+        ids = self._instances.take(seen["semantic"], mode="clip")
+        black = np.zeros((*depth.shape, 3), dtype=np.uint8)
         return RenderedView(
-            rgb=np.ascontiguousarray(seen["color"][..., :3]),
+            rgb=np.ascontiguousarray(seen["color"][..., :3]) if self.colours else black,
             depth=depth,
             instance_ids=np.where(depth > 0.0, ids, np.int32(-1)),
         )
@@ -130,10 +133,6 @@ class HabitatRenderer:
     def close(self) -> None:
         """Close the simulator; the renderer is not used afterwards."""
         self._simulator.close()
-
-    def _numbered(self, semantic: np.ndarray) -> Int32[np.ndarray, "height width"]:
-        known = np.clip(semantic.astype(np.int64), 0, len(self._instances) - 1)
-        return np.where(known == semantic, self._instances[known], np.int32(0)).astype(np.int32)
 
 
 def navmesh_of(scene: Scene, mesh: Path) -> Path | None:
@@ -175,17 +174,15 @@ def _configuration(
     if dataset is not None:
         simulator.scene_dataset_config_file = str(dataset)
     kinds = habitat_sim.SensorType
-    sensors = [
-        _sensor(habitat_sim, robot, name, kind)
-        for name, kind in (
-            ("color", kinds.COLOR),
-            ("depth", kinds.DEPTH),
-            ("semantic", kinds.SEMANTIC),
-        )
-    ]
-    agent = habitat_sim.agent.AgentConfiguration()
-    agent.sensor_specifications = sensors
-    return habitat_sim.Configuration(simulator, [agent])
+    shapes = {"depth": kinds.DEPTH, "semantic": kinds.SEMANTIC}
+    agents = []
+    for sensors in ({"color": kinds.COLOR, **shapes}, shapes):  # _WITH_COLOURS, _WITHOUT
+        agent = habitat_sim.agent.AgentConfiguration()
+        agent.sensor_specifications = [
+            _sensor(habitat_sim, robot, name, kind) for name, kind in sensors.items()
+        ]
+        agents.append(agent)
+    return habitat_sim.Configuration(simulator, agents)
 
 
 def _navmesh_settings(habitat_sim: ModuleType, robot: Embodiment) -> Any:
@@ -208,15 +205,18 @@ def _sensor(habitat_sim: ModuleType, robot: Embodiment, name: str, kind: Any) ->
 
 
 def _instance_numbers(scene: Scene, mesh: Path) -> Int32[np.ndarray, "numbers"]:
-    """Our number of every annotated instance, by habitat-sim's number; 0 is the building."""
+    """Our number of every annotated instance, by habitat-sim's number; 0 is the building.
+
+    The last one is 0, too: that of every higher number.
+    """
     if (mesh.parent / OBJECTS_FILE).is_file():  # our export, with instances numbered from 1
-        return np.arange(-1, len(scene.instances), dtype=np.int32).clip(min=0)
+        return np.array([0, *range(len(scene.instances)), 0], dtype=np.int32)
     numbers = {0: 0}
     for instance in scene.instances[1:]:
         annotated = instance.name.rpartition("_")[2]
         if annotated.isdecimal():
             numbers[int(annotated)] = instance.id
-    table = np.zeros(max(numbers) + 1, dtype=np.int32)
+    table = np.zeros(max(numbers) + 2, dtype=np.int32)
     for annotated, own in numbers.items():
         table[annotated] = own
     return table
