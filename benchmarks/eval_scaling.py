@@ -2,34 +2,46 @@
 
 Run: python benchmarks/eval_scaling.py workers [--dataset houses-train#3000:3004] [--episodes 16]
      python benchmarks/eval_scaling.py save [--dataset houses-train#3000:3003] [--episodes 10]
+     python benchmarks/eval_scaling.py memory [--scene small_house/scene.glb]
      python benchmarks/eval_scaling.py server [--workers 16] [--capacity 8] [--latency-s 0.5]
 
 `workers` runs the same episodes with one worker and with two and prints rate, ratio and peak
-memory. `save` prints what pages and videos cost, in processor time. `server` starts a simulated
+memory. `save` prints what pages and videos cost, in processor time. `memory` prints what a worker's
+memory is for, stage by stage (Linux). `server` starts a simulated
 model server, on which every answer takes a fixed time and only so many are worked on at once, and
 prints how busy many concurrent episodes keep it.
 """
 
+import gc
 import json
 import tempfile
 import threading
 import time
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from typing import get_args
 
+import numpy as np
 import tyro
 
+from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.data.datasets import load_episodes, select
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig, preset
+from hypernav.core.episodes.episode import Episode
+from hypernav.core.goal import Goal
+from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.evaluation.runner import RunProgress, run_episodes
 from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.resource_usage import cpu_seconds_of_ended_workers
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.worlds.surface.starts import random_start
 
 MODEL = "Qwen/Qwen2.5-VL-7B-Instruct"
 
@@ -205,6 +217,41 @@ def save(dataset: str = "houses-train#3000:3003", episodes: int = 10) -> dict[Sa
     return costs
 
 
+def memory(scene: str = "houses:1000", steps: int = 30) -> None:
+    """Measure the memory of a process that searches as a worker does, after every stage.
+
+    What the program and the search take is a worker's beyond its scene.
+
+    Args:
+        scene: The building, as for `hypernav find --scene`.
+        steps: Number of steps of the search.
+    """
+    stages = {"the program": proportional_mb()}
+    config = preset("default")
+    world = SimulatedWorld(load_scene(scene), config.world, config.embodiment)
+    rng = np.random.default_rng(0)
+    start = random_start(world.walkable, rng)
+    episode = Episode(scene, "", Goal("unicorn"), start, max_steps=steps)
+    world.reset(episode)  # draws the first image, for which textures and light are prepared
+    stages["the scene"] = proportional_mb()
+    parts = build_agent(config)
+    with closing(parts), closing(world):
+        for _ in EpisodeRun(parts.agent, world, episode, rng=rng):
+            pass
+        stages[f"{steps} steps of a search"] = proportional_mb()
+    before = 0.0
+    for stage, taken in stages.items():
+        print(f"{stage}: {taken - before:.0f} MB more, {taken:.0f} in all")
+        before = taken
+
+
+def proportional_mb() -> float:
+    """Memory of this process, megabytes; of what processes share, its part."""
+    gc.collect()
+    lines = Path("/proc/self/smaps_rollup").read_text().splitlines()
+    return next(int(line.split()[1]) for line in lines if line.startswith("Pss:")) / 1024.0
+
+
 def server(
     workers: int = 16,
     capacity: int = 8,
@@ -244,4 +291,6 @@ def server(
 
 
 if __name__ == "__main__":
-    tyro.extras.subcommand_cli_from_dict({"workers": workers, "save": save, "server": server})
+    tyro.extras.subcommand_cli_from_dict(
+        {"workers": workers, "save": save, "memory": memory, "server": server}
+    )

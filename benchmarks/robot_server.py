@@ -2,8 +2,10 @@
 
 One robot after the other: a server in a process of its own answers recorded observations of a real
 furnished house, over HTTP and over WebSocket. Then 4, 8, 16 and 24 robots send one every 200 ms;
-they begin one after the other, and a server that is busy refuses some of them. The processor time
-of the server (Linux) says more than the clock where other programs run as well.
+they begin one after the other, and a server that is busy refuses some of them. They send bodies
+that were encoded before, so they take little; the processor time of the server and that of the
+robots (Linux) say more than the clock where other programs run as well. At last, the parts of an
+observation in this process, without network and disk.
 
     python benchmarks/robot_server.py DATA      # DATA holds episodes/small_house.npz
 """
@@ -16,18 +18,26 @@ import sys
 import tempfile
 import threading
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from websockets.sync.client import connect
 
+from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
-from hypernav.robot.wire.frames import pack_observation
-from hypernav.robot.wire.requests import ObservationFacts
+from hypernav.robot.server.agents import AgentPlan
+from hypernav.robot.server.decisions import Decisions
+from hypernav.robot.server.state.journal import SearchRecord
+from hypernav.robot.wire.frames import decode_observation, pack_observation, unpack_observation
+from hypernav.robot.wire.requests import ObservationFacts, OpenSearch
 from hypernav.robot.wire.values import PlanarPose
 
 STEPS = 100
@@ -184,14 +194,44 @@ def processor_ms(process: int) -> float:
 def said(what: str, process: int) -> Iterator[list[float]]:
     """Print one line of figures about the times that the block adds."""
     times: list[float] = []
-    before = processor_ms(process)
+    before, robots = processor_ms(process), time.process_time()
     yield times
     each = (processor_ms(process) - before) / len(times)
+    robots = (time.process_time() - robots) * 1e3 / len(times)
     median, late = np.percentile(times, [50, 95])
     print(
         f"{what:26} {len(times):4} observations  median {median:6.1f} ms  95% {late:6.1f} ms  "
-        f"most {max(times):6.1f} ms  processor {each:5.1f} ms each"
+        f"most {max(times):6.1f} ms  processor {each:5.1f} ms each, robots {robots:4.1f} ms"
     )
+
+
+def parts_ms(bodies: list[bytes]) -> dict[str, float]:
+    """Median processor time of the parts of an observation, milliseconds."""
+    request = OpenSearch(goal="unicorn", labels=True)
+    config, specs = HyPerNavConfig(), ComponentSpecs()
+    record = SearchRecord(
+        id="0" * 32, opened_s=0.0, version="", words="", request=request, specs=specs, config=config
+    )
+    times = defaultdict[str, list[float]](list)
+
+    def timed(name: str, work: Callable[..., Any], *given: Any) -> Any:
+        begin = time.process_time()
+        result = work(*given)
+        times[name].append((time.process_time() - begin) * 1e3)
+        return result
+
+    with tempfile.TemporaryDirectory() as folder:
+        plan = AgentPlan(config=config, specs=specs)
+        decisions = Decisions(record, plan.build(Goal(request.goal), Path(folder)))
+        to_base = request.embodiment.camera.camera_to_base
+        for body in bodies:
+            packed = timed("header", unpack_observation, body)
+            timed("images", decode_observation, packed, request.camera, to_base)
+            seen = timed("images and checks", decisions.check, packed)
+            step, _ = timed("decision", decisions.decide, packed, seen)
+            timed("record as JSON", step.model_dump_json)
+        decisions.close(None)
+    return {name: float(np.median(taken)) for name, taken in times.items()}
 
 
 def main() -> None:
@@ -212,6 +252,9 @@ def main() -> None:
             print(
                 f"    {late} answers came later; {len(refused)} robots were refused", *refused[:1]
             )
+    parts_ms(bodies[:20])  # loads the compiled kernels
+    parts = "  ".join(f"{name} {taken:.1f}" for name, taken in parts_ms(bodies).items())
+    print(f"of an observation, processor ms: {parts}")
 
 
 if __name__ == "__main__":

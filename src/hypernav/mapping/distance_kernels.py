@@ -7,9 +7,9 @@ from numba import njit
 from numba.extending import register_jitable
 
 SQRT2 = math.sqrt(2.0)
+_ALL = np.empty((0, 2), np.int64)
 
 
-@njit(cache=True, nogil=True)
 def travel_cells(is_open, start_row, start_column, wanted=None):
     """Length of the shortest 8-connected path from a cell to every other, in cells.
 
@@ -27,6 +27,12 @@ def travel_cells(is_open, start_row, start_column, wanted=None):
     Returns:
         float32 (rows, columns), cells; infinite where no path leads, perhaps where none is wanted.
     """
+    return _travel_cells(is_open, start_row, start_column, _ALL if wanted is None else wanted)
+
+
+@njit(cache=True, nogil=True)
+def _travel_cells(is_open, start_row, start_column, wanted):
+    # One type for both cases, so that it is compiled once.
     rows, columns = is_open.shape
     width = columns + 2
     # With a closed rim around the map, no step needs a test for its edge.
@@ -46,7 +52,7 @@ def travel_cells(is_open, start_row, start_column, wanted=None):
     sides = np.array([width, -width, -1, 1])
     level = 0
     while counts[0] + counts[1] + counts[2] > 0:
-        if wanted is not None and are_nearer(distance, wanted, width, level):
+        if len(wanted) > 0 and are_nearer(distance, wanted, width, level):
             break
         now = level % 3
         for i in range(counts[now]):

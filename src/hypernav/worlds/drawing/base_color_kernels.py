@@ -112,7 +112,7 @@ def fill_base_colors(
     last = -1
     for start in range(0, hits.shape[0], _RAYS):
         stop = min(start + _RAYS, hits.shape[0])
-        count = 0
+        count = np.int64(0)  # for a literal 0 `read_texels` would be compiled once more
         for ray in range(start, stop):
             face = hits[ray]
             if face >= 0 and face_material[face] != last:

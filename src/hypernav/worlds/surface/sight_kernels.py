@@ -4,6 +4,7 @@ Coordinates are integers in units of 1 / `UNITS` of a cell, so that lines of sig
 """
 
 import numpy as np
+from numba import njit
 from numba.extending import register_jitable
 
 UNITS = 1024
@@ -31,7 +32,7 @@ def _along_line(free, line, low, high, vertical):
     return True
 
 
-@register_jitable(no_cfunc_wrapper=True)
+@njit(cache=True, nogil=True)
 def line_of_sight(free, x0, y0, x1, y1):
     """Whether the straight line between two points stays in the free space.
 
