@@ -61,6 +61,7 @@ def main(houses: tuple[int, int] = (3000, 3003), goals: int = 4, steps: int = 12
 
 
 _STATISTICS: dict[str, Callable[[list[float]], float]] = {
+    "mean": lambda ms: float(np.mean(ms)),
     "median": lambda ms: float(np.median(ms)),
     "95 %": lambda ms: float(np.percentile(ms, 95.0)),
 }

@@ -1,5 +1,6 @@
 """A search goes over stairs to what is on another floor."""
 
+import math
 from dataclasses import replace
 from functools import cache
 
@@ -218,3 +219,27 @@ def test_a_robot_that_gets_onto_stairs_on_its_way_takes_them():
 def test_the_paper_stays_on_one_floor():
     assert not preset("paper").search.use_stairs
     assert preset("default").search.use_stairs
+
+
+@pytest.mark.slow
+def test_a_robot_that_is_sent_to_a_thing_on_another_floor_takes_the_stairs_that_it_knows():
+    world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
+    memory = Memory(CONFIG.mapping, CONFIG.embodiment)
+    low = Episode("x", "0", Goal("bed"), Pose2(START_X, 1.0, 0.0), start_z=0.0)
+    high = replace(low, goal=Goal("sofa"), start=Pose2(10.0, 2.5, math.pi), start_z=ABOVE_M)
+    for episode in (low, high):
+        agent.reset(episode.goal, memory)
+        observation = world.reset(episode)
+        world.keep_map_frame(world.map_to_scene)
+        if episode is high:
+            memory.begin_at(observation)
+            (sofa,) = [one for one in memory.floors[0].things.known if one.label == "sofa"]
+            memory.go_first_to(0, sofa.number)
+        trace = list[StepTrace]()
+        while len(trace) < 150 and (action := agent.act(observation)) not in (None, Action.STOP):
+            trace.append(agent.last_step)
+            observation = world.step(action)
+    world.keep_map_frame(None)
+    assert trace[0].reason == "the sofa that is meant is on another floor: stairs down"
+    assert agent.last_step.action is Action.STOP
+    assert memory.number == 0

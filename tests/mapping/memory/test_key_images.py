@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 
@@ -50,7 +51,7 @@ def test_colour_and_depth_come_back_as_they_were_but_for_compression():
     assert image is not None
     view = view_of(HALL, Pose2(4.0, 3.0, 0.0))
     assert image.rgb.shape == view.rgb.shape
-    assert image.depth == pytest.approx(view.depth[::2, ::2], abs=0.0006)
+    assert image.depth == pytest.approx(view.depth[::4, ::4], abs=0.0006)
 
 
 def test_patches_can_be_found_again_in_the_kept_depth():
@@ -59,6 +60,15 @@ def test_patches_can_be_found_again_in_the_kept_depth():
     again = with_patches(replace(image, patches=image.patches[:0]))
     common = np.isin(again.patches, image.patches).mean()
     assert common > 0.95
+
+
+def test_patches_are_found_in_the_depth_of_older_memories_which_kept_more_pixels():
+    image = taken(KeyImages(10**9), Pose2(4.0, 3.0, 0.3))
+    assert image is not None
+    depth = view_of(HALL, Pose2(4.0, 3.0, 0.3)).depth[::2, ::2]
+    _, png = cv2.imencode(".png", (depth * 1000.0).astype(np.uint16))
+    older = with_patches(replace(image, png=png.tobytes()))
+    assert older.patches.tolist() == with_patches(image).patches.tolist()
 
 
 def test_what_other_images_show_too_is_forgotten_first_and_what_shows_a_thing_last():

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -179,9 +180,7 @@ def test_an_operator_sends_a_robot_to_one_of_the_remembered_things(tmp_path, pla
     with robot_server(tmp_path / "state", plan, memory=home) as link:
         assert link.call("GET", "/v1/things").json == []
         drive(link, link.open(), BoxRoom())
-        while not (things := link.call("GET", "/v1/things").json):
-            time.sleep(0.02)  # it is saved after the last answer
-        (door,) = [one for one in things if one["label"] == "door"]
+        (door,) = [one for one in things_of(link) if one["label"] == "door"]
         assert door["thing"]["floor"] == 1
         assert door["chance"] > 0.5
         link.call("POST", "/v1/robots/anna/wait")
@@ -194,6 +193,76 @@ def test_an_operator_sends_a_robot_to_one_of_the_remembered_things(tmp_path, pla
         record = journal.record
     assert record.request.thing is not None
     assert record.request.thing.model_dump() == door["thing"]
+
+
+def things_of(link: RobotLink) -> list[dict[str, Any]]:
+    """The remembered things, once there are some: a memory is saved after the last answer."""
+    while not (things := link.call("GET", "/v1/things").json):
+        time.sleep(0.02)
+    return things
+
+
+def test_a_broken_memory_is_said_to_the_operator_until_it_is_mended(tmp_path, plan):
+    home = tmp_path / "home"
+    with robot_server(tmp_path / "state", plan, memory=home) as link:
+        drive(link, link.open(), BoxRoom())
+        things = things_of(link)
+        whole = (home / "memory.json").read_bytes()
+        (home / "memory.json").write_bytes(whole[:100])
+        for _ in range(2):
+            refused = link.call("GET", "/v1/things")
+            assert refused.status == 503
+            assert "memory.json" in refused.json["message"]
+        (home / "memory.json").write_bytes(whole)
+        assert link.call("GET", "/v1/things").json == things
+
+
+def test_the_memory_is_read_for_the_operator_only_when_it_has_changed(tmp_path, plan, monkeypatch):
+    home, read = tmp_path / "home", list[Path]()
+
+    def counted(folder: Path) -> Index | None:
+        read.append(folder)
+        return read_index(folder)
+
+    monkeypatch.setattr("hypernav.robot.server.operator.known_things.read_index", counted)
+    with robot_server(tmp_path / "state", plan, memory=home) as link:
+        drive(link, link.open(), BoxRoom())
+        things = things_of(link)
+        read.clear()
+        assert [link.call("GET", "/v1/things").json for _ in range(3)] == [things] * 3
+        assert read == []
+        (home / "memory.json").write_bytes(b"{}")
+        assert [link.call("GET", "/v1/things").status for _ in range(3)] == [503] * 3
+        assert read == [home]
+
+
+@pytest.mark.parametrize("climbs", [False, True])
+def test_nobody_is_sent_to_a_floor_to_which_the_robot_has_no_way(tmp_path, plan, climbs):
+    home = tmp_path / "home"
+    with robot_server(tmp_path / "state", plan, memory=home) as link:
+        drive(link, link.open(), BoxRoom())
+        things_of(link)
+        index = json.loads((home / "memory.json").read_text())
+        index["floors"].append(index["floors"][0] | {"z": 3.0})
+        index["robot"]["body"]["max_step_m"] = 0.2 if climbs else 0.03
+        (home / "memory.json").write_text(json.dumps(index))
+        above = next(one for one in things_of(link) if one["thing"]["floor"] == 2)
+        here = next(one for one in things_of(link) if one["thing"]["floor"] == 1)
+        why = "knows no stairs from there" if climbs else "climbs no stairs"
+        assert here["no_way"] == ""
+        assert above["no_way"] == f"the robot was on floor 1 last, and {why}"
+        link.call("POST", "/v1/robots/anna/wait")
+        asked = {"goal": "door", "thing": above["thing"]}
+        refused = link.call("POST", "/v1/robots/anna/goal", asked)
+        assert refused.status == 409
+        assert why in refused.json["message"]
+        if climbs:
+            stairs = {"floor": 0, "goes_up": True, "end": [1.0, 0.0], "axis": 0.0}
+            stairs |= {"passage": "used", "other_floor": 1, "sightings": 3}
+            index["connectors"] = [stairs]
+            (home / "memory.json").write_text(json.dumps(index))
+            assert {one["no_way"] for one in things_of(link)} == {""}
+            assert link.call("POST", "/v1/robots/anna/goal", asked).status == 200
 
 
 def test_without_a_memory_there_are_no_things(tmp_path):

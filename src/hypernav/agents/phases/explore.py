@@ -7,7 +7,13 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.agents.phases.recall import LIKELY, is_refuted, recalled, seen_in_image
+from hypernav.agents.phases.recall import (
+    LIKELY,
+    is_refuted,
+    recalled,
+    seen_in_image,
+    stairs_to_errand,
+)
 from hypernav.agents.plan import Climbing, Plan, patience_of
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
@@ -63,7 +69,8 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
                 turns = step.motion.turns_of_a_circle
                 return Phase.LOOK_AROUND, replace(plan, turns_left=turns, full_turn=True)
             destination = (
-                recalled(step, memory, LIKELY)
+                stairs_to_errand(step, memory)
+                or recalled(step, memory, LIKELY)
                 or seen_in_image(step, memory)
                 or _explored(step, memory)
                 or recalled(step, memory, 0.0)
@@ -203,6 +210,7 @@ def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
         or destination is None
         or destination.is_sighting
         or destination.is_remembered
+        or (destination.holds and destination.connector is not None)
         or not answers_at_once(explorer)
     ):
         return plan

@@ -11,6 +11,7 @@ from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.thing import Thing
+from hypernav.mapping.memory.ways import known_floors
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.mapping.sight_lines import lines_are_clear
 from hypernav.perception.image_recall import IMAGES_PER_QUESTION
@@ -58,6 +59,24 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
         face=math.atan2(y - position[1], x - position[0]),
         thing=thing.number,
     )
+
+
+def stairs_to_errand(step: Step, memory: Memory) -> Destination | None:
+    """The stairs to the one thing that is meant, where it is on another floor.
+
+    Returns:
+        None if none is meant there, or stairs that the robot has taken don't lead to it.
+    """
+    is_meant = any(floor.search.meant is not None for floor in memory.floors)
+    if not (step.config.recall and step.config.use_stairs and is_meant):
+        return None
+    for known in known_floors(memory):
+        floor, way = memory.floors[known.number], known.way[0]
+        thing = floor.search.errand(floor.things, step.goal)
+        if thing is not None:
+            reason = f"the {thing.label} that is meant is on another floor: {way.words}"
+            return Destination(*way.xy, reason=reason, connector=way.connector, holds=True)
+    return None
 
 
 def seen_in_image(step: Step, memory: Memory) -> Destination | None:

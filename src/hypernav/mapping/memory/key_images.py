@@ -4,6 +4,7 @@ A frame is kept if it shows enough surface that no key image shows, or a thing t
 Beyond the bound the image is forgotten first whose surfaces the others show, too.
 """
 
+import math
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
@@ -25,8 +26,8 @@ _LEAST_PATCHES = 24
 """Number of patches of surface that no key image shows, from which a frame becomes one."""
 _THING_PATCHES = 8
 """Number of patches that a thing is worth which no other key image shows as well."""
-_DEPTH_STEP = 2
-"""Stride of the pixels whose depth is kept."""
+_DEPTH_STEP = 4
+"""Stride of the pixels whose depth is kept: surfaces are told by every 16th one."""
 _JPEG_QUALITY = 85
 _NOTES_BYTES = 2000
 """Size of an image's pose, files and patches in the files of a memory; rounded up."""
@@ -204,7 +205,9 @@ def patches_of(
 
 def with_patches(image: KeyImage) -> KeyImage:
     """The same image with its patches, as its depth shows them."""
-    depth = image.depth[:: _STRIDE // _DEPTH_STEP, :: _STRIDE // _DEPTH_STEP]
+    kept = image.depth
+    stride = _STRIDE // math.ceil(image.camera.width / kept.shape[1])  # older memories keep more
+    depth = kept[::stride, ::stride]
     rows, columns = np.nonzero(depth)
     points = image.camera.unproject_pixels(rows * _STRIDE, columns * _STRIDE, depth[rows, columns])
     return replace(image, patches=_patches_at(image.camera_to_map.apply(points), image.floor))

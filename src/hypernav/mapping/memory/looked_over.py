@@ -40,13 +40,12 @@ class LookedOver:
         self._grow(grid)
         camera, robot = observation.camera, observation.robot
         columns = np.arange(0, camera.width, _EVERY_PX)
-        x, _ = camera.ray_slopes()
         depth = observation.farthest_m[columns].astype(np.float64)
-        aside = depth * x[columns]
+        aside = depth * (columns + 0.5 - camera.cx) / camera.fx
         pose = observation.camera_to_map
-        points = pose.apply(np.column_stack([aside, np.zeros_like(depth), depth]))[:, :2]
-        fan = np.concatenate([[pose.translation[:2]], points])
-        corners = (fan - np.array(self.origin)) / grid.resolution_m
+        fan = np.zeros((len(columns) + 1, 2))  # begins at the camera
+        fan[1:] = np.outer(aside, pose.rotation[:2, 0]) + np.outer(depth, pose.rotation[:2, 2])
+        corners = (fan + (pose.translation[:2] - self.origin)) / grid.resolution_m
         mask = self.cells.view(np.uint8)
         cv2.fillPoly(mask, [np.floor(corners).astype(np.int32)], 1)
         row, column = grid.cell_of(*robot.xy)

@@ -87,14 +87,14 @@ class Thing:
     @property
     def position(self) -> Corner:
         """The middle of its box ``(x, y, z)``, metres."""
-        x, y, z = ((a + b) / 2.0 for a, b in zip(self.low, self.high, strict=True))
-        return (x, y, z)
+        (x0, y0, z0), (x1, y1, z1) = self.low, self.high
+        return ((x0 + x1) / 2.0, (y0 + y1) / 2.0, (z0 + z1) / 2.0)
 
     @property
     def size(self) -> Corner:
         """The extent of its box along x, y and z, metres."""
-        x, y, z = (b - a for a, b in zip(self.low, self.high, strict=True))
-        return (x, y, z)
+        (x0, y0, z0), (x1, y1, z1) = self.low, self.high
+        return (x1 - x0, y1 - y0, z1 - z0)
 
     @property
     def outline(self) -> Float64[np.ndarray, "5 2"]:
@@ -127,11 +127,12 @@ class Thing:
 
     def fits(self, goal: Goal) -> float:
         """How well its label fits a goal: 1 as far as asked, 0.5 only its kind, 0 not at all."""
-        return _fit(self.label, goal)
+        return fit(self.label, goal)
 
 
 @lru_cache(maxsize=4096)
-def _fit(label: str, goal: Goal) -> float:
+def fit(label: str, goal: Goal) -> float:
+    """How well a label fits a goal; see `Thing.fits`."""
     if ObjectLabel(label).satisfies(goal):
         return 1.0
     return 0.5 if ObjectLabel(label).may_satisfy(goal) else 0.0
@@ -154,26 +155,24 @@ def holds(one: Thing, position: Corner) -> bool:
 
 
 def joined(known: list[Thing], new: Thing) -> Thing:
-    """A thing after one more view of it, which may show that several things are one.
+    """What is known of a thing and one more view of it, which may show that several are one.
 
     What was remembered from earlier searches gives way to the first view of this one that shows the
     thing as large: it may have been moved a little.
     """
-    if not known:
-        return new
     best = max(known, key=lambda one: one.pixels)
     is_larger = new.pixels > best.pixels
     is_renewed = best.last_search < new.last_search and 2.0 * new.pixels >= best.pixels
     first = new.views[0] if is_larger or is_renewed else best.views[0]
     boxes = [new] if is_renewed else [*known, new]
-    low = np.min([one.low for one in boxes], axis=0).tolist()
-    high = np.max([one.high for one in boxes], axis=0).tolist()
+    x0, y0, z0 = map(min, zip(*(one.low for one in boxes), strict=True))
+    x1, y1, z1 = map(max, zip(*(one.high for one in boxes), strict=True))
     return replace(
         best,
         number=min(one.number for one in known),
         score=max(best.score, new.score),
-        low=tuple(low),
-        high=tuple(high),
+        low=(x0, y0, z0),
+        high=(x1, y1, z1),
         views=_views(first, [view for one in (best, *known, new) for view in one.views]),
         pixels=new.pixels if is_larger or is_renewed else best.pixels,
         first_search=min(one.first_search for one in known),

@@ -5,11 +5,12 @@ thing and doesn't is a miss, and misses tell the more, the more reliably the thi
 """
 
 import math
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Float64, Int64
 
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
@@ -17,8 +18,8 @@ from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.labels import canonical
 from hypernav.core.observation import Observation
-from hypernav.mapping.memory.thing import Thing, holds, joined, overlap
-from hypernav.mapping.memory.visibility import should_be_visible
+from hypernav.mapping.memory.thing import Thing, fit, holds, joined, overlap
+from hypernav.mapping.memory.visibility import are_visible
 
 MOST_THINGS = 500
 """Number of things that a floor remembers; the least certain are forgotten first."""
@@ -89,8 +90,15 @@ class Things:
 
     def fitting(self, goal: Goal) -> list[tuple[Thing, float]]:
         """The things that may be a goal and are not gone, each with the chance that it is."""
-        chances = [(one, one.chance * one.fits(goal)) for one in self.known if not one.is_gone]
+        there = [one for one in self._of_labels_of(goal) if not one.is_gone]
+        chances = [(one, one.chance * one.fits(goal)) for one in there]
         return [(one, chance) for one, chance in chances if chance > 0.0]
+
+    def _of_labels_of(self, goal: Goal) -> list[Thing]:
+        """The things with labels that fit a goal; there are far fewer labels than things."""
+        labels = {one.label for one in self.known}
+        fitting = {label for label in labels if fit(label, goal) > 0.0}
+        return [one for one in self.known if one.label in fitting] if fitting else []
 
     def after_image(
         self,
@@ -111,31 +119,51 @@ class Things:
             only: Goal, if the detector looks for nothing else; then only things that fit it can be
                 missed.
         """
+        after = self._with_seen(_seen_things(detections, observation, camera, search))
+        return after._with_missed(observation, only)._at_most(MOST_THINGS)
+
+    def _with_seen(self, seen: list[Thing]) -> "Things":
+        """The things after an image has shown some, each of which may be known."""
+        if not seen:
+            return replace(self, shown={}) if self.shown else self
         known = {one.number: one for one in self.known}
+        named = defaultdict[str, list[Thing]](list)
+        for one in self.known:
+            named[canonical(one.label)].append(one)
         count, shown = self.count, dict[int, float]()
-        for detection in detections:
-            new = _seen_thing(detection, observation, camera, count, search)
-            if new is None:
-                continue
+        for new in seen:
             name = canonical(new.label)
-            same = [
-                one for one in known.values() if canonical(one.label) == name and overlap(one, new)
-            ]
+            same = [one for one in named[name] if overlap(one, new)]
             for one in same:
                 del known[one.number]
-            one = joined(same, new)
+            one = joined(same, new) if same else replace(new, number=count)
+            named[name] = [*(one for one in named[name] if one not in same), one]
             known[one.number] = one
             shown[one.number] = max(new.pixels, shown.get(one.number, 0.0))
             count += not same
-        for one in list(known.values()):
-            may_be_missed = one.number not in shown and (only is None or one.fits(only) > 0.0)
-            if may_be_missed and _should_show(one, observation):
-                known[one.number] = replace(one, missed=one.missed + 1)
-        kept = sorted(known.values(), key=lambda one: one.number)
-        if len(kept) > MOST_THINGS:
-            surest = sorted(kept, key=lambda one: (-one.chance, -one.last_search))[:MOST_THINGS]
-            kept = sorted(surest, key=lambda one: one.number)
-        return Things(tuple(kept), count, shown)
+        return Things(tuple(sorted(known.values(), key=lambda one: one.number)), count, shown)
+
+    def _with_missed(self, observation: Observation, only: Goal | None) -> "Things":
+        """The things after an image, with those missed that it should show and doesn't."""
+        looked_for = self.known if only is None else self._of_labels_of(only)
+        unseen = [one for one in looked_for if one.number not in self.shown]
+        missed = {one.number for one in _that_should_show(unseen, observation)}
+        if not missed:
+            return self
+        return replace(
+            self,
+            known=tuple(
+                replace(one, missed=one.missed + 1) if one.number in missed else one
+                for one in self.known
+            ),
+        )
+
+    def _at_most(self, most: int) -> "Things":
+        """The things without the least certain ones, if there are more."""
+        if len(self.known) <= most:
+            return self
+        surest = sorted(self.known, key=lambda one: (-one.chance, -one.last_search))[:most]
+        return replace(self, known=tuple(sorted(surest, key=lambda one: one.number)))
 
     def with_image(self, number: int) -> "Things":
         """The things after the latest image became the key image of this number."""
@@ -161,33 +189,50 @@ class Things:
         )
 
 
+def _seen_things(
+    detections: Iterable[Detection], observation: Observation, camera: CameraConfig, search: int
+) -> list[Thing]:
+    """Detections as things, without numbers yet, but for those with too few pixels of depth."""
+    pixels = [(one, *_pixels(one, observation, camera)) for one in detections]
+    pixels = [one for one in pixels if len(one[1]) >= _LEAST_POINTS]
+    if not pixels:
+        return []
+    points = observation.points_at(  # of all at once: a call takes longer than what it computes
+        np.concatenate([rows for _, rows, _ in pixels]),
+        np.concatenate([columns for _, _, columns in pixels]),
+    )
+    ends = np.cumsum([len(rows) for _, rows, _ in pixels])[:-1]
+    return [
+        _seen_thing(detection, own, observation, search)
+        for (detection, _, _), own in zip(pixels, np.split(points, ends), strict=True)
+    ]
+
+
 def _seen_thing(
-    detection: Detection, observation: Observation, camera: CameraConfig, number: int, search: int
-) -> Thing | None:
-    """A detection as a thing; None if too few of its pixels have depth."""
-    points = _points(detection, observation, camera)
-    if len(points) < _LEAST_POINTS:
-        return None
+    detection: Detection, points: Float64[np.ndarray, "n 3"], observation: Observation, search: int
+) -> Thing:
+    """A detection with its points as a thing."""
     spread = np.sort(points, axis=0)  # much faster than percentiles
     first = int(_STRAYS * len(points))
     (x0, y0, z0), (x1, y1, z1) = spread[[first, -1 - first]].round(3).tolist()
+    score = round(float(detection.score), 4)
     return Thing(
-        number=number,
+        number=-1,
         label=detection.label,
-        score=round(float(detection.score), 4),
+        score=score,
         low=(x0, y0, z0),
         high=(x1, y1, z1),
-        views=((*observation.robot.xy, round(float(detection.score), 4)),),
+        views=((*observation.robot.xy, score),),
         pixels=float(detection.box.area),
         first_search=search,
         last_search=search,
     )
 
 
-def _points(
+def _pixels(
     detection: Detection, observation: Observation, camera: CameraConfig
-) -> Float64[np.ndarray, "n 3"]:
-    """Points of a detection, ``map`` frame, metres; without a mask those as far as its middle."""
+) -> tuple[Int64[np.ndarray, " n"], Int64[np.ndarray, " n"]]:
+    """Rows and columns of a detection's pixels; without a mask those as far as its middle."""
     height, width = observation.depth.shape
     box = detection.box.clipped(width, height)
     x_min, y_min, x_max, y_max = box.pixels()
@@ -201,7 +246,7 @@ def _points(
         middle = _middle_depth(box, observation, camera)
         good &= np.abs(depth - middle) <= _SAME_DEPTH_M
     rows, columns = np.nonzero(good)
-    return observation.points_at(y_min + rows * stride, x_min + columns * stride)
+    return y_min + rows * stride, x_min + columns * stride
 
 
 def _middle_depth(box: Box, observation: Observation, camera: CameraConfig) -> float:
@@ -214,15 +259,23 @@ def _middle_depth(box: Box, observation: Observation, camera: CameraConfig) -> f
     return float(np.median(depths)) if depths.size else math.nan
 
 
-def _should_show(one: Thing, observation: Observation) -> bool:
-    """Whether an image should show a thing, near and large enough to be detected."""
+def _that_should_show(things: Iterable[Thing], observation: Observation) -> list[Thing]:
+    """The things that an image should show, near and large enough to be detected."""
+    near = [one for one in things if _is_near(one, observation)]
+    if not near:
+        return []
+    # Low down the floor behind it is near enough to have depth, if the thing is not there.
+    heights = [one.low[2] + _LOW_SHARE * one.size[2] for one in near]
+    visible = are_visible(np.stack([one.outline for one in near]), np.array(heights), observation)
+    return [one for one, is_visible in zip(near, visible.tolist(), strict=True) if is_visible]
+
+
+def _is_near(one: Thing, observation: Observation) -> bool:
+    """Whether a thing is ahead, near and large enough to be detected where nothing hides it."""
     x, y, _ = one.position
     robot = observation.robot
     distance_m = robot.distance_to(x, y)
     if distance_m > _NEAR_M or abs(robot.bearing_to(x, y)) > math.pi / 2.0:
         return False
     across_m = min(max(one.size[0], one.size[1]), one.size[2])
-    if across_m * observation.camera.fx < _LEAST_PX * distance_m:
-        return False
-    # Low down the floor behind it is near enough to have depth, if the thing is not there.
-    return should_be_visible(one.outline, one.low[2] + _LOW_SHARE * one.size[2], observation)
+    return across_m * observation.camera.fx >= _LEAST_PX * distance_m

@@ -78,19 +78,29 @@ def should_be_visible(
         height_m: Height of the object's middle above the floor, metres.
         observation: Frame of the image.
     """
-    distance, pixels = _projected(positions, height_m, observation)
+    return bool(are_visible(positions[None], np.array([height_m]), observation)[0])
+
+
+def are_visible(
+    positions: Float64[np.ndarray, "objects n 2"],
+    heights_m: Float64[np.ndarray, " objects"],
+    observation: Observation,
+) -> Bool[np.ndarray, " objects"]:
+    """The same of several objects at once; see `should_be_visible`."""
+    objects, n, _ = positions.shape
+    distance, pixels = _projected(positions.reshape(-1, 2), np.repeat(heights_m, n), observation)
     nearest, farthest = _RECOGNISABLE_M
     good = (distance > nearest) & (distance < farthest)
     good &= observation.camera.contains(pixels)
-    if good.sum() < 0.8 * len(distance):
-        return False
     # Nothing may stand in between. The farthest depth of a column tells of what is as high as the
     # camera, the one at the object's height of what is lower, such as a bed before a nightstand.
     # The object's own near side may be nearer than what was seen of it from another side.
     columns, rows = pixels[good].astype(int).T
-    is_open = observation.farthest_m[columns] > distance[good] - 0.3
-    is_open &= observation.depth[rows, columns] > distance[good] - _OWN_DEPTH_M
-    return bool(is_open.mean() > 0.8)
+    is_open = good.copy()
+    is_open[good] = observation.farthest_m[columns] > distance[good] - 0.3
+    is_open[good] &= observation.depth[rows, columns] > distance[good] - _OWN_DEPTH_M
+    shown, free = (mask.reshape(objects, n).sum(axis=1) for mask in (good, is_open))
+    return (shown >= 0.8 * n) & (free > 0.8 * shown)
 
 
 def seems_to_hold(
@@ -121,9 +131,11 @@ def seems_to_hold(
 
 
 def _projected(
-    positions: Float64[np.ndarray, "n 2"], height_m: float, observation: Observation
+    positions: Float64[np.ndarray, "n 2"],
+    height_m: float | Float64[np.ndarray, " n"],
+    observation: Observation,
 ) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, "n 2"]]:
     """Depths of positions, metres, and pixels ``(u, v)``; NaN for positions behind the camera."""
-    points = np.column_stack([positions, np.full(len(positions), height_m)])
+    points = np.column_stack([positions, np.broadcast_to(height_m, len(positions))])
     ahead = observation.camera_to_map.inverse().apply(points)
     return ahead[:, 2], observation.camera.project(ahead)

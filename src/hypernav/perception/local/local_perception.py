@@ -90,7 +90,7 @@ class LocalPerception:
         least = 0.0 if config.target == "latest" else _STRONG
         strong = [one for one in detections if one.score >= least]
         floor.sightings = self._with_things(floor.sightings, observation, strong)
-        remembered = search.remembered_of(floor.things)
+        known = floor.things
         if search.lasts:
             floor.things = self._remembered(floor, observation, goal, detections)
         kind = kind_shape(goal.thing)
@@ -121,7 +121,9 @@ class LocalPerception:
         else:
             others = [one for one in detections if not one.is_goal]
             evidence = with_sightings(evidence, config, sightings, others, observation, kind)
-            evidence = with_earlier_looks(evidence, search.evidence, remembered, goal, config)
+            if evidence.count > search.evidence.count:
+                remembered = search.remembered_of(known)
+                evidence = with_earlier_looks(evidence, search.evidence, remembered, goal, config)
         far_position = evidence.far_position
         if evidence.target is not None:
             far_position = None

@@ -69,12 +69,14 @@ class RememberedThing(Message):
         label: The detector's word for it.
         position: Its middle ``(x, y, z)``, ``map`` frame, heights above the floor, metres.
         chance: Chance that it is what it was taken for and still there, 0 to 1.
+        no_way: Why the robot can't go there from where it was last, for people; empty if it can.
     """
 
     thing: ThingName
     label: str
     position: tuple[float, float, float]
     chance: float
+    no_way: str = ""
 
 
 class WaitingRobot(Message):

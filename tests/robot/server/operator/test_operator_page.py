@@ -1,5 +1,6 @@
 """The operator's page in a real browser, with a simulated robot that waits for goals."""
 
+import json
 import re
 import shutil
 import subprocess
@@ -7,7 +8,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -35,10 +36,11 @@ from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.show.climbs import climbs, stairs_on
 from hypernav.show.video.frame import EpisodeInfo
+from hypernav.worlds.box_room import BoxRoom
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
 from servers.processes import serving_process, simulate
-from servers.robots import TOKEN, body_of, real_plan, robot_server
+from servers.robots import TOKEN, body_of, drive, real_plan, robot_server
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 
@@ -448,3 +450,30 @@ def test_both_pages_tell_the_same_of_stairs(page, driver):
             expected = [(one.position, one.words) for one in stairs_on(floor, climbs(steps))]
             assert marks == expected
             assert marks
+
+
+def test_the_page_says_which_things_have_no_way_and_that_the_memory_is_broken(page, tmp_path):
+    home = tmp_path / "home"
+    with robot_server(
+        tmp_path / "state", lambda request: replace(real_plan(request), memory=home), memory=home
+    ) as link:
+        drive(link, link.open(), BoxRoom())
+        page.until(lambda: link.call("GET", "/v1/things").json)
+        index = json.loads((home / "memory.json").read_text())
+        index["floors"].append(index["floors"][0] | {"z": 3.0})
+        (home / "memory.json").write_text(json.dumps(index))
+        page.driver.get(f"http://127.0.0.1:{link.port}/")
+
+        def buttons() -> list[bool]:
+            link.call("POST", "/v1/robots/anna/wait")
+            return [one.is_enabled() for one in page.things.find_elements(By.TAG_NAME, "button")]
+
+        page.until(lambda: buttons() == [True, False])
+        why = "No way there: the robot was on floor 1 last, and climbs no stairs."
+        assert why in page.things.text
+        (home / "memory.json").write_text("{")
+        page.until(lambda: "memory.json is broken" in page.memory.text)
+        assert len(buttons()) == 2
+        page.driver.refresh()
+        page.until(lambda: "memory.json is broken" in page.memory.text)
+        assert buttons() == []

@@ -10,13 +10,12 @@ from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
 from hypernav.core.goal import Goal
-from hypernav.mapping.memory.reading import read_index
 from hypernav.robot.server.operator.files import page_files
+from hypernav.robot.server.operator.known_things import KnownThings
 from hypernav.robot.server.operator.waiting import WaitingRobots
-from hypernav.robot.server.searches import check_remembers_things
 from hypernav.robot.server.watching.routes import STOP_BODY, ShownSearches
 from hypernav.robot.wire.replies import Status
-from hypernav.robot.wire.requests import StopRequest, ThingName
+from hypernav.robot.wire.requests import StopRequest
 from hypernav.robot.wire.waiting import (
     LONGEST_WAIT_FOR_GOAL_S,
     ROBOT_NAME,
@@ -43,7 +42,7 @@ def operator_routes(
         memory: Folder of the memory; None if there is none.
     """
     routes = APIRouter()
-    files = page_files()
+    files, known = page_files(), KnownThings(memory)
 
     @routes.api_route("/", methods=["GET", "HEAD"], include_in_schema=False)
     async def page() -> Response:
@@ -72,13 +71,13 @@ def operator_routes(
     async def give(name: _Name, request: GoalRequest) -> GivenGoal:
         """Give a goal to a robot that waits."""
         if request.thing is not None:
-            check_remembers_things(memory)
+            known.check(request.thing)
         return waiting.give(name, Goal(request.goal), request.thing)
 
     @routes.get(THINGS)
     def things() -> list[RememberedThing]:
         """What the memory knew after the last search, without what is gone; none without one."""
-        return [] if memory is None else _things_in(memory)
+        return known.all()
 
     @routes.post(STOP_ALL, openapi_extra=STOP_BODY)
     async def stop_all(request: Request) -> list[Status]:
@@ -92,19 +91,3 @@ def operator_routes(
         return [search.status() for search in stopped]
 
     return routes
-
-
-def _things_in(memory: FilePath) -> list[RememberedThing]:
-    index = read_index(memory)
-    known = [
-        RememberedThing(
-            thing=ThingName(floor=number, number=one.number),
-            label=one.label,
-            position=one.position,
-            chance=round(one.chance, 2),
-        )
-        for number, floor in enumerate(() if index is None else index.floors, start=1)
-        for one in floor.all_things().known
-        if not one.is_gone
-    ]
-    return sorted(known, key=lambda one: (one.label, -one.chance))

@@ -47,7 +47,7 @@ export class GoalBox {
     }
     select.hidden = free.length < 2;
     byId("send").disabled = free.length === 0;
-    for (const button of byId("things").querySelectorAll("button")) button.disabled = free.length === 0;
+    for (const button of byId("things").querySelectorAll("button")) button.disabled = free.length === 0 || "noWay" in button.dataset;
     byId("find-words").textContent = this.note || waitingWords(robots, free);
   }
 
@@ -87,20 +87,33 @@ export class Memory {
         const now = JSON.stringify(things);
         if (now !== shown) this.show(things);
         shown = now;
-      } catch {
-        // The connection line says so.
+        this.warn("");
+      } catch (error) {
+        if (error instanceof Refused && error.status !== 401) this.warn(error.message);
+        // Else the connection line says so.
       }
       await pause(THINGS_MS);
     }
   }
 
+  /** Says why the memory can't be read; what was read of it before stays. */
+  warn(problem) {
+    byId("memory-problem").textContent = problem;
+    byId("memory-problem").hidden = !problem;
+    byId("memory").hidden = !problem && !byId("things").children.length;
+  }
+
   show(things) {
-    byId("memory").hidden = things.length === 0;
-    byId("things").replaceChildren(...things.map(({ thing, label, position: [x, y], chance }) => {
+    byId("things").replaceChildren(...things.map(({ thing, label, position: [x, y], chance, no_way: noWay }) => {
       const where = `floor ${thing.floor}, at ${x.toFixed(1)}, ${y.toFixed(1)} · ${Math.round(100 * chance)} % sure`;
       const button = element("button", { type: "button", "aria-label": `Go to the ${label} on ${where}` }, "Go there");
       button.addEventListener("click", () => this.goalBox.send({ goal: label, thing }));
-      return element("li", {}, element("span", { class: "goal" }, label), element("span", { class: "when" }, where), button);
+      const words = [element("span", { class: "when" }, where)];
+      if (noWay) {
+        button.dataset.noWay = button.title = noWay;
+        words.push(element("span", { class: "when why" }, `No way there: ${noWay}.`));
+      }
+      return element("li", {}, element("span", { class: "goal" }, label), ...words, button);
     }));
     this.goalBox.show(this.goalBox.robots);
   }
