@@ -2,7 +2,6 @@
 
 import math
 import re
-from collections.abc import Callable
 from contextlib import ExitStack, closing
 from dataclasses import asdict
 from datetime import datetime
@@ -106,9 +105,11 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
     with (
         closing(parts),
         warnings_on(console),
-        warm_up_in_background(console.print) as await_kernels,
+        warm_up_in_background(console.print),
         console.status("loading the building …") as status,
-        closing(_world(options.scene, config, await_kernels)) as world,
+        closing(
+            SimulatedWorld(load_scene(options.scene), config.world, config.embodiment)
+        ) as world,
         ExitStack() as opened,
     ):
         rng = np.random.default_rng(options.seed)
@@ -177,13 +178,6 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
     if outcome.outcome is Outcome.MODEL_UNAVAILABLE:
         raise ModelUnavailableError(outcome.detail)
     return ExitStatus.SUCCESS if outcome.metrics.success else ExitStatus.FAILURE
-
-
-def _world(name: str, config: HyPerNavConfig, await_kernels: Callable[[], None]) -> SimulatedWorld:
-    """The building, loaded while other processes still compile."""
-    scene = load_scene(name)
-    await_kernels()
-    return SimulatedWorld(scene, config.world, config.embodiment)
 
 
 def opened_memory(options: Options, config: HyPerNavConfig, console: Console) -> MemoryFolder:

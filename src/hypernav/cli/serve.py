@@ -13,7 +13,7 @@ from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.components.extras import require
 from hypernav.core.config import check_option
 from hypernav.core.errors import ConfigError
-from hypernav.warmup.background import SERVE, warm_up_in_background
+from hypernav.warmup.background import warm_up_in_background
 
 _MODULES = ("fastapi", "uvicorn", "websockets")
 
@@ -82,6 +82,6 @@ def run(options: Options) -> int:
         )
 
     limits = ServerLimits(searches=options.max_searches, idle_s=60.0 * options.idle_minutes)
-    with warm_up_in_background(console.print, SERVE):
+    with warm_up_in_background(console.print):
         serve(access, options.port, options.state, plan, limits, memory=memory, on_start=say)
     return ExitStatus.SUCCESS
