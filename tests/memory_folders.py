@@ -24,12 +24,12 @@ STAIRS = (
 )
 
 
-def opened(folder: Path) -> MemoryFolder:
+def opened(folder: Path, mapping: MappingConfig | None = None) -> MemoryFolder:
     """The memory in a folder, of a robot with a small camera."""
     size = {"width": CAMERA.width, "height": CAMERA.height}
     robot = Embodiment()
     robot = robot.model_copy(update={"camera": robot.camera.model_copy(update=size)})
-    return MemoryFolder(folder, MappingConfig(), robot)
+    return MemoryFolder(folder, mapping or MappingConfig(), robot)
 
 
 def look(home: MemoryFolder, observation: Observation) -> None:

@@ -328,6 +328,15 @@ def test_a_drop_is_kept_when_bumps_are_forgotten_and_as_long_as_no_floor_is_seen
     assert states(world_map, DROP[:3]) == {Cell.OCCUPIED}
 
 
+def test_a_bump_on_a_drop_leaves_the_drop():
+    world_map = map_of([FLOOR], [HERE])  # as a hatch that is opened
+    for pose in TOWARDS_STAIRS:
+        world_map.integrate(view_of(UPSTAIRS, pose))
+    world_map.mark_occupied(DROP)
+    world_map.forget_bumps()
+    assert states(world_map, DROP) == {Cell.OCCUPIED}
+
+
 def test_a_drop_is_forgotten_where_floor_is_seen():
     world_map = map_of(UPSTAIRS, TOWARDS_STAIRS)
     for _ in range(3):

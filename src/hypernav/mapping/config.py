@@ -73,7 +73,7 @@ class MappingConfig(RoomConfig):
             frame draws stays (paper: local maps are merged).
         free_footprint: Whether the cells that the robot stands on become free.
         sees_drops: Whether cells without floor, as at the head of stairs, are obstacles for a robot
-            that does not climb stairs. The paper has none.
+            that does not climb stairs. The low part of a ramp down is one, too. The paper has none.
         frontier_min_size_m: Length of the shortest frontier, metres; shorter ones are noise, or too
             narrow for a robot.
         block_size_m: Side of a block, metres.

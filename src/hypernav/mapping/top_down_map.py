@@ -202,7 +202,7 @@ class TopDownMap:
         """Remember positions where the robot bumped into something.
 
         Such a cell stays occupied whatever the camera shows, until the robot stands on it or
-        `BUMP_PERSISTENCE` frames have shown its floor.
+        `BUMP_PERSISTENCE` frames have shown its floor. A drop stays a drop.
 
         Args:
             points_xy: Positions ``(x, y)``, ``map`` frame, metres. They may lie outside the present
@@ -219,7 +219,8 @@ class TopDownMap:
             points_xy.min(axis=0).astype(np.float64), points_xy.max(axis=0).astype(np.float64)
         )
         for row, column in self.grid.cells_of(points_xy):
-            self._arrays.bumps[row, column] = BUMP_PERSISTENCE
+            if self._arrays.bumps[row, column] <= DROP:
+                self._arrays.bumps[row, column] = BUMP_PERSISTENCE
             self._arrays.cells[row, column] = OCCUPIED
 
     def forget_bumps(self) -> None:

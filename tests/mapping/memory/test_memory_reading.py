@@ -13,6 +13,7 @@ import pytest
 
 from hypernav.core.errors import MemoryFolderError
 from hypernav.core.goal import Goal
+from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory import reading
 from memory_folders import STAIRS, change_index, files_of, look, opened, searched, view
 
@@ -46,6 +47,19 @@ def test_an_index_from_before_connectors_were_kept_has_none(home):
     (home / "memory.json").write_text(json.dumps(facts))
     with opened(home) as memory:
         assert memory.memory.connectors == ()
+
+
+@pytest.mark.parametrize("is_older", [True, False], ids=["unknown then", "another then"])
+def test_a_memory_may_be_used_whether_drops_are_seen_or_not(home, is_older):
+    facts = index_of(home)
+    assert facts["mapping"]["sees_drops"]
+    if is_older:
+        del facts["mapping"]["sees_drops"]
+        (home / "memory.json").write_text(json.dumps(facts))
+    with opened(home, MappingConfig(sees_drops=False)) as memory:
+        assert memory.memory.floor.map.grid.explored.any()
+        memory.save()
+    assert not index_of(home)["mapping"]["sees_drops"]
 
 
 @pytest.mark.parametrize(

@@ -185,10 +185,16 @@ def _unreadable(path: Path, error: OSError) -> MemoryFolderError:
 def _check_robot(
     folder: Path, index: Index, mapping: MappingConfig, embodiment: Embodiment
 ) -> None:
-    """Refuse maps that another robot, or other cells, would read wrongly."""
+    """Refuse maps that another robot, or other cells, would read wrongly.
+
+    ``sees_drops`` may differ: a drop on the map is forgotten where its floor is seen.
+    """
     made, now = index.robot, embodiment
     pairs = {
-        "mapping": (index.mapping.model_dump(), mapping.model_dump()),
+        "mapping": (
+            index.mapping.model_dump(exclude={"sees_drops"}),
+            mapping.model_dump(exclude={"sees_drops"}),
+        ),
         "embodiment.body": (made.body.model_dump(), now.body.model_dump()),
         "embodiment.camera": (
             {"height_m": made.camera.height_m},
