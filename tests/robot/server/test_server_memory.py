@@ -3,8 +3,10 @@
 import json
 import math
 import shutil
+import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -261,6 +263,31 @@ def test_a_floor_without_a_way_from_the_last_searchs_end_is_noted_not_refused(
         index["connectors"] = [stairs]
         (home / "memory.json").write_text(json.dumps(index))
         assert {one["no_way"] for one in things_of(link)} == ({""} if climbs else {"", note})
+
+
+def test_a_memory_that_takes_long_to_read_keeps_no_robot_waiting(tmp_path, plan, monkeypatch):
+    home, reading, may_end = tmp_path / "home", threading.Event(), threading.Event()
+
+    def slow(folder: Path) -> Index | None:
+        reading.set()
+        assert may_end.wait(30.0)
+        return read_index(folder)
+
+    with robot_server(tmp_path / "state", plan, memory=home) as link:
+        drive(link, link.open(), BoxRoom())
+        thing = things_of(link)[0]["thing"]
+        link.call("POST", "/v1/robots/anna/wait")
+        monkeypatch.setattr("hypernav.robot.server.operator.known_things.read_index", slow)
+        (home / "memory.json").write_bytes((home / "memory.json").read_bytes() + b" ")
+        with ThreadPoolExecutor(1) as pool:
+            asked = {"goal": "door", "thing": thing}
+            given = pool.submit(link.call, "POST", "/v1/robots/anna/goal", asked)
+            try:
+                assert reading.wait(30.0)
+                assert link.call("GET", "/v1/robots").status == 200
+            finally:
+                may_end.set()
+            assert given.result().status == 200
 
 
 def test_nobody_is_sent_to_a_thing_that_the_memory_does_not_have(tmp_path, plan):

@@ -1,5 +1,6 @@
 """The remembered things, as the operator sees them and sends robots to them."""
 
+import threading
 from pathlib import Path
 
 from hypernav.core.errors import MemoryFolderError, RequestRefusedError
@@ -13,7 +14,10 @@ from hypernav.robot.wire.waiting import RememberedThing
 
 
 class KnownThings:
-    """The things of a memory on disk, which is read again only when its index has changed."""
+    """The things of a memory on disk, which is read again only when its index has changed.
+
+    Any thread may ask it, and waits while another one reads.
+    """
 
     def __init__(self, folder: Path | None) -> None:
         """Begin with nothing read.
@@ -22,6 +26,7 @@ class KnownThings:
             folder: Folder of the memory; None if there is none.
         """
         self._folder = folder
+        self._lock = threading.Lock()
         self._version: tuple[int, ...] | None = None
         self._read: list[RememberedThing] | str = []
 
@@ -33,12 +38,14 @@ class KnownThings:
         """
         if self._folder is None:
             return []
-        version = _version_of(self._folder / INDEX_NAME)
-        if version is None or version != self._version:
-            self._read, self._version = _read(self._folder), version
-        if isinstance(self._read, str):
-            raise RequestRefusedError(self._read, error="memory", status=503)
-        return self._read
+        with self._lock:
+            version = _version_of(self._folder / INDEX_NAME)
+            if version is None or version != self._version:
+                self._read, self._version = _read(self._folder), version
+            known = self._read
+        if isinstance(known, str):
+            raise RequestRefusedError(known, error="memory", status=503)
+        return known
 
     def check(self, thing: ThingName) -> None:
         """Refuse to send a robot to a thing that is not known.
