@@ -33,8 +33,11 @@ HEAD_X = FIRST_X + (STEPS - 1) * TREAD_M
 
 
 @cache
-def split_level(steps: int = STEPS) -> SimulatedWorld:
-    """A room with a sofa; stairs between walls lead from it to one with a bed, 1.8 m higher."""
+def split_level(steps: int = STEPS, *, two_sofas: bool = False) -> SimulatedWorld:
+    """A room with a sofa; stairs between walls lead from it to one with a bed, 1.8 m higher.
+
+    The upper room may have a sofa, too.
+    """
     low, high = SIDES_Y
     above_m, head_x = steps * RISE_M, FIRST_X + (steps - 1) * TREAD_M
     boxes: list[Box] = [
@@ -50,6 +53,8 @@ def split_level(steps: int = STEPS) -> SimulatedWorld:
         ("sofa", (0.1, 3.0, 0.0), (1.6, 3.9, 0.7)),
         ("bed", (11.0, 0.1, above_m), (12.9, 1.7, above_m + 0.5)),
     ]
+    if two_sofas:
+        boxes.append(("sofa", (7.4, 3.0, above_m), (8.9, 3.9, above_m + 0.7)))
     boxes += [
         (
             None,
@@ -222,8 +227,9 @@ def test_the_paper_stays_on_one_floor():
 
 
 @pytest.mark.slow
-def test_a_robot_that_is_sent_to_a_thing_on_another_floor_takes_the_stairs_that_it_knows():
-    world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
+@pytest.mark.parametrize("two_sofas", [False, True])
+def test_a_robot_that_is_sent_to_a_thing_on_another_floor_takes_the_stairs_that_it_knows(two_sofas):
+    world, agent = split_level(two_sofas=two_sofas), build_search(CONFIG, GroundTruthDetector())
     memory = Memory(CONFIG.mapping, CONFIG.embodiment)
     low = Episode("x", "0", Goal("bed"), Pose2(START_X, 1.0, 0.0), start_z=0.0)
     high = replace(low, goal=Goal("sofa"), start=Pose2(10.0, 2.5, math.pi), start_z=ABOVE_M)

@@ -8,11 +8,11 @@ from hypernav.agents.phases.approach import approach
 from hypernav.agents.phases.climb import climb
 from hypernav.agents.phases.end import end
 from hypernav.agents.phases.explore import explore, look_around
+from hypernav.agents.phases.recall import errand
 from hypernav.agents.phases.second_look import second_look
 from hypernav.agents.phases.verify import verify
 from hypernav.agents.plan import Plan
 from hypernav.agents.step import Decision, Phase, Step
-from hypernav.core.goal import Goal
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.target import Target
 from hypernav.perception.local.belief import likeliest, reconsidered
@@ -58,7 +58,7 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
             plan = plan.approach(as_near_as_possible=True, steps_run_out=True)
             approaching = plan.approaching
     target = memory.search.evidence.target
-    if target is not None and _is_another(memory, target, step.goal):
+    if target is not None and _is_another(step, memory, target):
         target = None
     if target is None or target.number != approaching.candidate:
         number = None if target is None else target.number
@@ -80,13 +80,13 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
     return Phase.APPROACH, plan
 
 
-def _is_another(memory: Memory, target: Target, goal: Goal) -> bool:
+def _is_another(step: Step, memory: Memory, target: Target) -> bool:
     """Whether a target is another thing than the one that the robot was sent to."""
-    things = memory.floor.things
-    meant = memory.search.errand(things, goal)
-    if meant is None or target.is_last_chance:
+    meant = None if target.is_last_chance else errand(step, memory)
+    if meant is None:
         return False
-    return all(one.number != meant.number for one in things.at(*target.area.centre, goal))
+    there = memory.floor.things.at(*target.area.centre, step.goal)
+    return all((memory.number, one.number) != (meant[0], meant[1].number) for one in there)
 
 
 def _must_choose(step: Step, memory: Memory) -> bool:

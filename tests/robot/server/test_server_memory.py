@@ -3,8 +3,10 @@
 import json
 import math
 import shutil
+import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -237,7 +239,9 @@ def test_the_memory_is_read_for_the_operator_only_when_it_has_changed(tmp_path, 
 
 
 @pytest.mark.parametrize("climbs", [False, True])
-def test_nobody_is_sent_to_a_floor_to_which_the_robot_has_no_way(tmp_path, plan, climbs):
+def test_a_floor_without_a_way_from_the_last_searchs_end_is_noted_not_refused(
+    tmp_path, plan, climbs
+):
     home = tmp_path / "home"
     with robot_server(tmp_path / "state", plan, memory=home) as link:
         drive(link, link.open(), BoxRoom())
@@ -248,21 +252,53 @@ def test_nobody_is_sent_to_a_floor_to_which_the_robot_has_no_way(tmp_path, plan,
         (home / "memory.json").write_text(json.dumps(index))
         above = next(one for one in things_of(link) if one["thing"]["floor"] == 2)
         here = next(one for one in things_of(link) if one["thing"]["floor"] == 1)
-        why = "knows no stairs from there" if climbs else "climbs no stairs"
         assert here["no_way"] == ""
-        assert above["no_way"] == f"the robot was on floor 1 last, and {why}"
+        note = "a robot on floor 1, where the last search ended, has no way there"
+        assert above["no_way"] == note
         link.call("POST", "/v1/robots/anna/wait")
         asked = {"goal": "door", "thing": above["thing"]}
+        assert link.call("POST", "/v1/robots/anna/goal", asked).status == 200
+        stairs = {"floor": 0, "goes_up": True, "end": [1.0, 0.0], "axis": 0.0}
+        stairs |= {"passage": "used", "other_floor": 1, "sightings": 3}
+        index["connectors"] = [stairs]
+        (home / "memory.json").write_text(json.dumps(index))
+        assert {one["no_way"] for one in things_of(link)} == ({""} if climbs else {"", note})
+
+
+def test_a_memory_that_takes_long_to_read_keeps_no_robot_waiting(tmp_path, plan, monkeypatch):
+    home, reading, may_end = tmp_path / "home", threading.Event(), threading.Event()
+
+    def slow(folder: Path) -> Index | None:
+        reading.set()
+        assert may_end.wait(30.0)
+        return read_index(folder)
+
+    with robot_server(tmp_path / "state", plan, memory=home) as link:
+        drive(link, link.open(), BoxRoom())
+        thing = things_of(link)[0]["thing"]
+        link.call("POST", "/v1/robots/anna/wait")
+        monkeypatch.setattr("hypernav.robot.server.operator.known_things.read_index", slow)
+        (home / "memory.json").write_bytes((home / "memory.json").read_bytes() + b" ")
+        with ThreadPoolExecutor(1) as pool:
+            asked = {"goal": "door", "thing": thing}
+            given = pool.submit(link.call, "POST", "/v1/robots/anna/goal", asked)
+            try:
+                assert reading.wait(30.0)
+                assert link.call("GET", "/v1/robots").status == 200
+            finally:
+                may_end.set()
+            assert given.result().status == 200
+
+
+def test_nobody_is_sent_to_a_thing_that_the_memory_does_not_have(tmp_path, plan):
+    with robot_server(tmp_path / "state", plan, memory=tmp_path / "home") as link:
+        drive(link, link.open(), BoxRoom())
+        things_of(link)
+        link.call("POST", "/v1/robots/anna/wait")
+        asked = {"goal": "door", "thing": {"floor": 7, "number": 99}}
         refused = link.call("POST", "/v1/robots/anna/goal", asked)
-        assert refused.status == 409
-        assert why in refused.json["message"]
-        if climbs:
-            stairs = {"floor": 0, "goes_up": True, "end": [1.0, 0.0], "axis": 0.0}
-            stairs |= {"passage": "used", "other_floor": 1, "sightings": 3}
-            index["connectors"] = [stairs]
-            (home / "memory.json").write_text(json.dumps(index))
-            assert {one["no_way"] for one in things_of(link)} == {""}
-            assert link.call("POST", "/v1/robots/anna/goal", asked).status == 200
+        assert (refused.status, refused.json["error"]) == (409, "memory")
+        assert "no thing 99 on floor 7" in refused.json["message"]
 
 
 def test_without_a_memory_there_are_no_things(tmp_path):

@@ -9,6 +9,7 @@ from jaxtyping import Float64
 
 from hypernav.agents.phases.recall import (
     LIKELY,
+    errand,
     is_refuted,
     recalled,
     seen_in_image,
@@ -149,7 +150,7 @@ def _pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
     position = search.evidence.far_position
     if not config.pursue_far_sightings or position is None:
         return plan
-    if search.errand(memory.floor.things, step.goal) is not None:
+    if errand(step, memory) is not None:
         return plan
     # This sighting was pursued before without success: explore instead of going back.
     near_m = 2.0 * config.arrival_distance_m

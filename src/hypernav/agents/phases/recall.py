@@ -11,7 +11,7 @@ from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.thing import Thing
-from hypernav.mapping.memory.ways import known_floors
+from hypernav.mapping.memory.ways import known_floors, routes_from_here
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.mapping.sight_lines import lines_are_clear
 from hypernav.perception.image_recall import IMAGES_PER_QUESTION
@@ -61,22 +61,37 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
     )
 
 
+def errand(step: Step, memory: Memory) -> tuple[int, Thing] | None:
+    """The one thing that is meant, with the number of its floor.
+
+    Returns:
+        None if none is meant, it is gone or was gone to, or stairs that the robot has taken don't
+        lead to its floor.
+    """
+    if all(floor.search.meant is None for floor in memory.floors):
+        return None
+    goes_up = step.config.recall and step.config.use_stairs
+    for number in routes_from_here(memory) if goes_up else [memory.number]:
+        floor = memory.floors[number]
+        thing = floor.search.errand(floor.things, step.goal)
+        if thing is not None:
+            return number, thing
+    return None
+
+
 def stairs_to_errand(step: Step, memory: Memory) -> Destination | None:
     """The stairs to the one thing that is meant, where it is on another floor.
 
     Returns:
         None if none is meant there, or stairs that the robot has taken don't lead to it.
     """
-    is_meant = any(floor.search.meant is not None for floor in memory.floors)
-    if not (step.config.recall and step.config.use_stairs and is_meant):
+    meant = errand(step, memory)
+    if meant is None or meant[0] == memory.number:
         return None
-    for known in known_floors(memory):
-        floor, way = memory.floors[known.number], known.way[0]
-        thing = floor.search.errand(floor.things, step.goal)
-        if thing is not None:
-            reason = f"the {thing.label} that is meant is on another floor: {way.words}"
-            return Destination(*way.xy, reason=reason, connector=way.connector, holds=True)
-    return None
+    number, thing = meant
+    way = next(one.way[0] for one in known_floors(memory) if one.number == number)
+    reason = f"the {thing.label} that is meant is on another floor: {way.words}"
+    return Destination(*way.xy, reason=reason, connector=way.connector, holds=True)
 
 
 def seen_in_image(step: Step, memory: Memory) -> Destination | None:

@@ -1,6 +1,7 @@
 """Ways over stairs from floor to floor, as far as a memory knows them."""
 
 import math
+from collections.abc import Mapping
 
 from hypernav.core.exploring.floors import KnownFloor, WayOut
 from hypernav.mapping.memory.connectors import Connector
@@ -21,15 +22,39 @@ def ways_out(memory: Memory, *, new: bool = False) -> list[WayOut]:
 
 def known_floors(memory: Memory) -> list[KnownFloor]:
     """The other floors that stairs which the robot has taken lead to, the fewest stairs first."""
-    routes: dict[int, tuple[int, ...]] = {memory.number: ()}
-    queue = [memory.number]
+    return [
+        _known_floor(memory, floor, route)
+        for floor, route in routes_from_here(memory).items()
+        if route
+    ]
+
+
+def routes_from_here(memory: Memory) -> dict[int, tuple[int, ...]]:
+    """The `routes` over the stairs that the present search has not given up."""
+    open_ones = {
+        number: memory.connectors[number]
+        for floor in range(len(memory.floors))
+        for number in _open_from(memory, floor)
+    }
+    return routes(memory.number, open_ones)
+
+
+def routes(start: int, stairs: Mapping[int, Connector]) -> dict[int, tuple[int, ...]]:
+    """Numbers of the stairs to take to each floor that they lead to, the fewest stairs first.
+
+    Args:
+        start: Number of the floor to begin on; it is the first, with no stairs to take.
+        stairs: The stairs that may be taken, by number.
+    """
+    found: dict[int, tuple[int, ...]] = {start: ()}
+    queue = [start]
     for floor in queue:
-        for number in _open_from(memory, floor):
-            other = memory.connectors[number].other_floor
-            if other is not None and other not in routes:
-                routes[other] = (*routes[floor], number)
+        for number, one in stairs.items():
+            other = one.other_floor
+            if one.floor == floor and other is not None and other not in found:
+                found[other] = (*found[floor], number)
                 queue.append(other)
-    return [_known_floor(memory, floor, routes[floor]) for floor in queue[1:]]
+    return found
 
 
 def stairs_underfoot(memory: Memory, position: tuple[float, float]) -> int | None:

@@ -69,7 +69,10 @@ class RememberedThing(Message):
         label: The detector's word for it.
         position: Its middle ``(x, y, z)``, ``map`` frame, heights above the floor, metres.
         chance: Chance that it is what it was taken for and still there, 0 to 1.
-        no_way: Why the robot can't go there from where it was last, for people; empty if it can.
+        no_way: That a robot on the floor where the last search ended knows no stairs to the floor
+            of the thing, or climbs none, for people; else empty. No reason to refuse it as a goal:
+            another robot, or one that was carried, may be on that floor. A server whose plan goes
+            over no stairs (`search.use_stairs`) has no way to any other floor.
     """
 
     thing: ThingName

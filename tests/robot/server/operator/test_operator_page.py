@@ -452,7 +452,7 @@ def test_both_pages_tell_the_same_of_stairs(page, driver):
             assert marks
 
 
-def test_the_page_says_which_things_have_no_way_and_that_the_memory_is_broken(page, tmp_path):
+def test_the_page_notes_which_things_have_no_way_and_says_that_the_memory_is_broken(page, tmp_path):
     home = tmp_path / "home"
     with robot_server(
         tmp_path / "state", lambda request: replace(real_plan(request), memory=home), memory=home
@@ -468,9 +468,9 @@ def test_the_page_says_which_things_have_no_way_and_that_the_memory_is_broken(pa
             link.call("POST", "/v1/robots/anna/wait")
             return [one.is_enabled() for one in page.things.find_elements(By.TAG_NAME, "button")]
 
-        page.until(lambda: buttons() == [True, False])
-        why = "No way there: the robot was on floor 1 last, and climbs no stairs."
-        assert why in page.things.text
+        page.until(lambda: buttons() == [True, True])
+        note = "Note: a robot on floor 1, where the last search ended, has no way there."
+        assert note in page.things.text
         (home / "memory.json").write_text("{")
         page.until(lambda: "memory.json is broken" in page.memory.text)
         assert len(buttons()) == 2

@@ -1,10 +1,12 @@
 """The remembered things, as the operator sees them and sends robots to them."""
 
+import threading
 from pathlib import Path
 
 from hypernav.core.errors import MemoryFolderError, RequestRefusedError
 from hypernav.mapping.memory.index import Index
 from hypernav.mapping.memory.reading import read_index
+from hypernav.mapping.memory.ways import routes
 from hypernav.mapping.memory.writing import INDEX_NAME
 from hypernav.robot.server.searches import check_remembers_things
 from hypernav.robot.wire.requests import ThingName
@@ -12,7 +14,10 @@ from hypernav.robot.wire.waiting import RememberedThing
 
 
 class KnownThings:
-    """The things of a memory on disk, which is read again only when its index has changed."""
+    """The things of a memory on disk, which is read again only when its index has changed.
+
+    Any thread may ask it, and waits while another one reads.
+    """
 
     def __init__(self, folder: Path | None) -> None:
         """Begin with nothing read.
@@ -21,6 +26,7 @@ class KnownThings:
             folder: Folder of the memory; None if there is none.
         """
         self._folder = folder
+        self._lock = threading.Lock()
         self._version: tuple[int, ...] | None = None
         self._read: list[RememberedThing] | str = []
 
@@ -32,27 +38,28 @@ class KnownThings:
         """
         if self._folder is None:
             return []
-        version = _version_of(self._folder / INDEX_NAME)
-        if version is None or version != self._version:
-            self._read, self._version = _read(self._folder), version
-        if isinstance(self._read, str):
-            raise RequestRefusedError(self._read, error="memory", status=503)
-        return self._read
+        with self._lock:
+            version = _version_of(self._folder / INDEX_NAME)
+            if version is None or version != self._version:
+                self._read, self._version = _read(self._folder), version
+            known = self._read
+        if isinstance(known, str):
+            raise RequestRefusedError(known, error="memory", status=503)
+        return known
 
     def check(self, thing: ThingName) -> None:
-        """Refuse to send a robot to a thing that it can't be sent to.
+        """Refuse to send a robot to a thing that is not known.
 
         Raises:
-            RequestRefusedError: There is no memory, or the robot has no way there.
+            RequestRefusedError: There is no memory, it can't be read, or has no such thing.
         """
         check_remembers_things(self._folder)
-        for one in self.all():
-            if one.thing == thing and one.no_way:
-                raise RequestRefusedError(
-                    f"no robot can be sent to the {one.label}: {one.no_way}",
-                    error="memory",
-                    status=409,
-                )
+        if all(one.thing != thing for one in self.all()):
+            raise RequestRefusedError(
+                f"the memory has no thing {thing.number} on floor {thing.floor}, or it is gone",
+                error="memory",
+                status=409,
+            )
 
 
 def _version_of(index: Path) -> tuple[int, ...] | None:
@@ -72,7 +79,9 @@ def _read(folder: Path) -> list[RememberedThing] | str:
         return str(error)
     if index is None:
         return []
-    reached = _reached_floors(index)
+    climbs = index.robot.body.climbs_stairs
+    stairs = [one.connector() for one in index.connectors] if climbs else []
+    reached = routes(index.floor, {k: one for k, one in enumerate(stairs) if one.is_usable})
     known = [
         RememberedThing(
             thing=ThingName(floor=number + 1, number=one.number),
@@ -88,18 +97,6 @@ def _read(folder: Path) -> list[RememberedThing] | str:
     return sorted(known, key=lambda one: (one.label, -one.chance))
 
 
-def _reached_floors(index: Index) -> list[int]:
-    """Numbers of the floor that the robot was on last, and of those that it can climb to."""
-    reached = [index.floor]
-    for floor in reached if index.robot.body.climbs_stairs else ():
-        ways = [one.connector() for one in index.connectors if one.floor == floor]
-        others = {one.other_floor for one in ways if one.is_usable}
-        reached += sorted(one for one in others if one is not None and one not in reached)
-    return reached
-
-
 def _no_way(index: Index) -> str:
-    """Why the robot can't go to a floor, for people."""
-    if not index.robot.body.climbs_stairs:
-        return f"the robot was on floor {index.floor + 1} last, and climbs no stairs"
-    return f"the robot was on floor {index.floor + 1} last, and knows no stairs from there"
+    """That there is no way from the floor on which the last search ended, for people."""
+    return f"a robot on floor {index.floor + 1}, where the last search ended, has no way there"

@@ -71,7 +71,7 @@ def operator_routes(
     async def give(name: _Name, request: GoalRequest) -> GivenGoal:
         """Give a goal to a robot that waits."""
         if request.thing is not None:
-            known.check(request.thing)
+            await run_in_threadpool(known.check, request.thing)
         return waiting.give(name, Goal(request.goal), request.thing)
 
     @routes.get(THINGS)

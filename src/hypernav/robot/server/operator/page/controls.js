@@ -47,7 +47,7 @@ export class GoalBox {
     }
     select.hidden = free.length < 2;
     byId("send").disabled = free.length === 0;
-    for (const button of byId("things").querySelectorAll("button")) button.disabled = free.length === 0 || "noWay" in button.dataset;
+    for (const button of byId("things").querySelectorAll("button")) button.disabled = free.length === 0;
     byId("find-words").textContent = this.note || waitingWords(robots, free);
   }
 
@@ -109,10 +109,7 @@ export class Memory {
       const button = element("button", { type: "button", "aria-label": `Go to the ${label} on ${where}` }, "Go there");
       button.addEventListener("click", () => this.goalBox.send({ goal: label, thing }));
       const words = [element("span", { class: "when" }, where)];
-      if (noWay) {
-        button.dataset.noWay = button.title = noWay;
-        words.push(element("span", { class: "when why" }, `No way there: ${noWay}.`));
-      }
+      if (noWay) words.push(element("span", { class: "when why" }, `Note: ${noWay}.`));
       return element("li", {}, element("span", { class: "goal" }, label), ...words, button);
     }));
     this.goalBox.show(this.goalBox.robots);
