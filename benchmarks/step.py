@@ -45,9 +45,9 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
 from hypernav.mapping.blocks import blocks_of
 from hypernav.mapping.frontiers import find_frontiers
-from hypernav.mapping.integrate_kernels import count_points
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.reachable_area import ReachableArea
+from hypernav.mapping.top_down.integrate_kernels import count_points
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.local_perception import LocalPerception

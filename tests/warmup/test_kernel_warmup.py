@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from hypernav.mapping import integrate_kernels
+from hypernav.mapping.top_down import integrate_kernels
 from hypernav.warmup import background as module
 from hypernav.warmup.background import FIRST_RUN, warm_up_in_background
 from hypernav.warmup.exercises import warm_up

@@ -47,8 +47,8 @@ class HeightBand(NamedTuple):
 
 
 def memory_of(cells: int, band: HeightBand) -> int:
-    """Memory of this many cells of a map, bytes: one per voxel, and seven per cell."""
-    return cells * (band.layers + 7)
+    """Memory of this many cells of a map, bytes: one per voxel, and eight per cell."""
+    return cells * (band.layers + 8)
 
 
 class MappingConfig(RoomConfig):

@@ -1,14 +1,15 @@
 """Integration of one depth frame into the elevation map, compiled.
 
-The kernel takes plain arrays and plain tuples; see `hypernav.mapping.integrate_kernels`. All
-heights are in the ``map`` frame, metres.
+The kernel takes plain arrays and plain tuples; see `hypernav.mapping.top_down.integrate_kernels`.
+All heights are in the ``map`` frame, metres.
 """
 
 import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
-from hypernav.mapping.integrate_kernels import FREE, OCCUPIED, is_measured
+from hypernav.mapping.top_down.depth_kernels import is_measured
+from hypernav.mapping.top_down.integrate_kernels import FREE, OCCUPIED
 
 _FINE, _COARSE = 320, 160
 """Columns of pixels that are used of an image, for ground down a column; else. The two pixels of a

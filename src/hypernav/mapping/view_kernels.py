@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
-from hypernav.mapping.integrate_kernels import OCCUPIED, UNKNOWN
+from hypernav.mapping.top_down.integrate_kernels import OCCUPIED, UNKNOWN
 
 
 @njit(cache=True, nogil=True)

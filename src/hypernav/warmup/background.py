@@ -17,7 +17,7 @@ from pathlib import Path
 
 from numba.extending import is_jitted
 
-from hypernav.mapping import integrate_kernels
+from hypernav.mapping.top_down import integrate_kernels
 
 FIRST_RUN = "first run: compiling for this machine, once, takes a quarter of a minute or more …"
 

@@ -14,7 +14,7 @@ from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.floor import counted_from
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.start import check_start, fit_of
-from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.mapping.top_down.top_down_map import TopDownMap
 
 HALL = [
     *room(8.0, 6.0),

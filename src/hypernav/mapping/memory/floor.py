@@ -15,7 +15,7 @@ from hypernav.mapping.memory.looked_over import LookedOver
 from hypernav.mapping.memory.target import GoalEvidence
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import Things
-from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.mapping.top_down.top_down_map import TopDownMap
 
 _MOST_POSITIONS = 5000
 """Number of positions of earlier searches that a floor's trajectory keeps."""

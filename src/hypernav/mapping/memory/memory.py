@@ -34,7 +34,7 @@ from hypernav.mapping.memory.connectors import (
 )
 from hypernav.mapping.memory.floor import Floor, SearchMemory, counted_from
 from hypernav.mapping.memory.key_images import KeyImages
-from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.mapping.top_down.top_down_map import TopDownMap
 
 _ANOTHER_M = 1.0
 """Least height between two floors, metres; less is a step, a ramp or odometry's drift."""

@@ -31,7 +31,7 @@ from hypernav.mapping.memory.index import (
 from hypernav.mapping.memory.key_images import KeyImages, with_patches
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.writing import INDEX_NAME, foreign_files
-from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.mapping.top_down.top_down_map import TopDownMap
 
 _UNDECODABLE = (
     *(ValueError, KeyError, EOFError, RuntimeError, MapError),

@@ -20,7 +20,7 @@ from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.floor import counted_from
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.mapping.top_down.top_down_map import TopDownMap
 
 _HEADINGS = 72
 _COARSE = 4

@@ -13,7 +13,7 @@ from hypernav.mapping.inflation import inflate
 from hypernav.mapping.memory.floor import counted_from
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.sight_lines import lines_are_clear
-from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.mapping.top_down.top_down_map import TopDownMap
 
 _STRIDE = 8
 _LOWEST_M = 0.2

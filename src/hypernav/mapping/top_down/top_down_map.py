@@ -6,14 +6,11 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, Float32, Float64, UInt8, UInt32
+from jaxtyping import Float, Float64
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import MapError
-from hypernav.core.files.allowance import MOST_BYTES, megabytes
-from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import (
     BUMP_PERSISTENCE,
@@ -27,19 +24,10 @@ from hypernav.mapping.config import (
     UNEVEN_M,
     UNEVEN_SHARE,
     MappingConfig,
-    memory_of,
 )
-from hypernav.mapping.integrate_kernels import DROP, FREE, OCCUPIED, UNKNOWN, integrate_frame
-
-
-class _Arrays(NamedTuple):
-    """The arrays that the map consists of; see `integrate_kernels`."""
-
-    evidence: UInt8[np.ndarray, "rows columns layers"]
-    raised: UInt32[np.ndarray, "rows columns"]
-    seen: UInt8[np.ndarray, "rows columns"]
-    bumps: UInt8[np.ndarray, "rows columns"]
-    cells: UInt8[np.ndarray, "rows columns"]
+from hypernav.mapping.top_down.camera_rays import rays_in_voxels, reach
+from hypernav.mapping.top_down.integrate_kernels import FREE, OCCUPIED, UNKNOWN, integrate_frame
+from hypernav.mapping.top_down.map_arrays import arrays_of, empty_arrays
 
 
 class _Window(NamedTuple):
@@ -82,7 +70,7 @@ class TopDownMap:
         self._band = config.height_band(embodiment.body)
         self._first_row = 0
         self._first_column = 0
-        self._arrays = _empty_arrays(0, 0, self._band.layers)
+        self._arrays = empty_arrays(0, 0, self._band)
         self._allocate(0, 0, 1, 1)
         self._sizes = (config.cell_size_m, config.voxel_height_m, self._band.bottom_m)
         self._weights = (
@@ -162,7 +150,7 @@ class TopDownMap:
             )
         config, sensor = self.config, self.embodiment.camera
         radius_m = self.embodiment.body.radius_m
-        low, high = _reach(observation.camera, pose, sensor.max_depth_m)
+        low, high = reach(observation.camera, pose, sensor.max_depth_m)
         here = np.array(robot.xy)
         self._grow(
             np.minimum(low, here - radius_m),
@@ -170,10 +158,12 @@ class TopDownMap:
         )
         window = self._window(low, high)
         self._reserve(window, observation.depth.size)
-        camera, size = observation.camera, config.cell_size_m
+        camera, size, corner = observation.camera, config.cell_size_m, self._corner_of(window)
         integrate_frame(
             np.require(observation.depth, np.float32, ["C", "W"]),
-            self._rays(observation, window),
+            rays_in_voxels(
+                camera, pose, (*corner, self._band.bottom_m), (size, size, config.voxel_height_m)
+            ),
             (
                 *(float(number) for number in (camera.fx, camera.fy, camera.cx, camera.cy)),
                 sensor.min_depth_m,
@@ -182,7 +172,7 @@ class TopDownMap:
             tuple(pose.inverse().matrix[:3].ravel().tolist()),
             self._heights,
             tuple(window),
-            self._corner_of(window),
+            corner,
             (
                 robot.y / size - self._first_row,
                 robot.x / size - self._first_column,
@@ -219,14 +209,14 @@ class TopDownMap:
             points_xy.min(axis=0).astype(np.float64), points_xy.max(axis=0).astype(np.float64)
         )
         for row, column in self.grid.cells_of(points_xy):
-            if self._arrays.bumps[row, column] <= DROP:
+            if self._arrays.drops[row, column] == 0:
                 self._arrays.bumps[row, column] = BUMP_PERSISTENCE
             self._arrays.cells[row, column] = OCCUPIED
 
     def forget_bumps(self) -> None:
         """Forget all bumps, but no drops: such cells get the state that the images give them."""
         arrays = self._arrays
-        bumped = (arrays.bumps > 0) & (arrays.bumps <= DROP)
+        bumped = arrays.bumps > 0
         occupied = (arrays.evidence[bumped] >= OCCUPIED_EVIDENCE).any(axis=1)
         free = np.where(arrays.seen[bumped] > 0, FREE, UNKNOWN)
         arrays.cells[bumped] = np.where(occupied, OCCUPIED, free)
@@ -244,23 +234,14 @@ class TopDownMap:
         Raises:
             MapError: The arrays are not those of such a map.
         """
-        cells = state["cells"].shape if "cells" in state else ()
-        if len(cells) != 2 or min(cells) < 1 or any(side % CHUNK_CELLS for side in cells):
-            raise MapError(f"expected the cells of a map in whole chunks, got the shape {cells}")
-        if memory_of(cells[0] * cells[1], self._band) > MOST_BYTES:
-            raise MapError(f"a map of {cells[0]} × {cells[1]} cells takes too much memory")
-        wanted = _empty_arrays(*cells, self._band.layers)._asdict()
-        wanted["first"] = np.zeros(2, dtype=np.int64)
-        for name, like in wanted.items():
-            array = state.get(name)
-            if array is None or array.shape != like.shape or array.dtype != like.dtype:
-                found = "none" if array is None else f"{array.dtype} {array.shape}"
-                raise MapError(f"expected {name} as {like.dtype} {like.shape}, found {found}")
-        far = MAX_SIDE_M / self.config.cell_size_m
-        if (state["cells"] > OCCUPIED).any() or (np.abs(state["first"].astype(float)) > far).any():
-            raise MapError("a cell of the map has a state that none can have, or lies too far away")
-        self._arrays = _Arrays(**{name: state[name].copy() for name in _Arrays._fields})
-        self._first_row, self._first_column = (int(one) for one in state["first"])
+        arrays = arrays_of(state, self._band)
+        far, first = MAX_SIDE_M / self.config.cell_size_m, state.get("first")
+        if first is None or first.shape != (2,) or first.dtype != np.int64:
+            raise MapError("expected the row and column of the first cell of the map as int64 (2,)")
+        if (np.abs(first.astype(float)) > far).any():
+            raise MapError("a cell of the map lies too far away")
+        self._arrays = arrays
+        self._first_row, self._first_column = first.tolist()
 
     def _grow(self, low: Float64[np.ndarray, "2"], high: Float64[np.ndarray, "2"]) -> None:
         """Make the map hold the box between two corners ``(x, y)``, metres."""
@@ -292,12 +273,7 @@ class TopDownMap:
         new_columns = -(-(column_end - column) // chunk) * chunk
         if (new_rows, new_columns) == (rows, columns):
             return
-        if (size := memory_of(new_rows * new_columns, self._band)) > MOST_BYTES:
-            raise MapError(
-                f"a map of {new_rows} × {new_columns} cells would take {megabytes(size)}, at most "
-                f"{megabytes(MOST_BYTES)} are allowed; use a larger cell_size_m"
-            )
-        grown = _empty_arrays(new_rows, new_columns, self._band.layers)
+        grown = empty_arrays(new_rows, new_columns, self._band)
         i, j = self._first_row - row, self._first_column - column
         for new, old in zip(grown, self._arrays, strict=True):
             new[i : i + rows, j : j + columns] = old
@@ -330,42 +306,3 @@ class TopDownMap:
             self._counts = np.zeros(voxels, dtype=np.uint16)
         if self._touched.size < pixels:
             self._touched = np.zeros(pixels, dtype=np.int32)
-
-    def _rays(
-        self, observation: Observation, window: _Window
-    ) -> tuple[
-        Float32[np.ndarray, "3"], Float32[np.ndarray, "width 3"], Float32[np.ndarray, "height 3"]
-    ]:
-        """Camera position and, per pixel column and row, change per metre of depth; in voxels."""
-        config = self.config
-        camera, pose = observation.camera, observation.camera_to_map
-        per_voxel = 1.0 / np.array([config.cell_size_m, config.cell_size_m, config.voxel_height_m])
-        corner = np.array([*self._corner_of(window), self._band.bottom_m])
-        x, y = camera.ray_slopes()
-        across = x[:, None] * (pose.rotation[:, 0] * per_voxel)
-        down = y[:, None] * (pose.rotation[:, 1] * per_voxel) + pose.rotation[:, 2] * per_voxel
-        start = (pose.translation - corner) * per_voxel
-        return start.astype(np.float32), across.astype(np.float32), down.astype(np.float32)
-
-
-def _empty_arrays(rows: int, columns: int, layers: int) -> _Arrays:
-    """Arrays of zeros, for which the system hands out memory only when they are written to."""
-    return _Arrays(
-        evidence=np.zeros((rows, columns, layers), dtype=np.uint8),
-        raised=np.zeros((rows, columns), dtype=np.uint32),
-        seen=np.zeros((rows, columns), dtype=np.uint8),
-        bumps=np.zeros((rows, columns), dtype=np.uint8),
-        cells=np.zeros((rows, columns), dtype=np.uint8),
-    )
-
-
-def _reach(
-    camera: PinholeCamera, camera_to_map: Transform, max_depth_m: float
-) -> tuple[Float64[np.ndarray, "2"], Float64[np.ndarray, "2"]]:
-    """Corners ``(x, y)`` of the box on the floor plan around all that a camera measures, metres."""
-    u = np.array([0.0, camera.width, 0.0, camera.width])
-    v = np.array([0.0, 0.0, camera.height, camera.height])
-    points = np.concatenate([np.zeros((1, 3)), camera.unproject(u, v, max_depth_m)])
-    flat = camera_to_map.apply(points)[:, :2]
-    # Compiled arithmetic is single precision; a millimetre keeps its rounding inside the box.
-    return flat.min(axis=0) - 1e-3, flat.max(axis=0) + 1e-3

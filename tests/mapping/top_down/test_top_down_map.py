@@ -15,7 +15,7 @@ from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import BUMP_PERSISTENCE, MAX_EVIDENCE, MappingConfig
-from hypernav.mapping.top_down_map import TopDownMap
+from hypernav.mapping.top_down.top_down_map import TopDownMap
 
 CONFIG = MappingConfig()
 EMBODIMENT = Embodiment()
@@ -342,6 +342,17 @@ def test_a_drop_is_forgotten_where_floor_is_seen():
     for _ in range(3):
         world_map.integrate(view_of([FLOOR], HERE))
     assert states(world_map, DROP) == {Cell.FREE}
+
+
+def test_of_an_older_map_drops_and_bumps_are_known():
+    world_map = map_of(UPSTAIRS, TOWARDS_STAIRS)
+    world_map.mark_occupied(EDGE)
+    state = world_map.state
+    older = {name: array for name, array in state.items() if name != "drops"}
+    older["bumps"] = np.where(state["drops"] > 0, 128 + state["drops"], state["bumps"])
+    read = TopDownMap(CONFIG, EMBODIMENT)
+    read.restore(older)
+    assert all(np.array_equal(read.state[name], array) for name, array in state.items())
 
 
 def test_unseen_ground_right_before_a_drop_is_none():

@@ -10,9 +10,9 @@ type in it is renamed:
 
 - ``arrays``, the map, rows along y and columns along x: ``evidence`` uint8 (rows, columns, layers)
   of every voxel of the height band; ``raised`` uint32 bit mask of the layers that have evidence;
-  ``seen`` uint8, 1 where the cell was seen to be free floor or the robot stood; ``bumps`` uint8,
-  clear views until a bump or, from `DROP` on, a drop is forgotten; ``cells`` uint8, the outcome,
-  values of `Cell`
+  ``seen`` uint8, 1 where the cell was seen to be free floor or the robot stood; ``bumps`` and
+  ``drops`` uint8, clear views until the robot's bump there, or a drop, is forgotten: no cell has
+  both; ``cells`` uint8, the outcome, values of `Cell`
 - ``window``: row and column in the map, rows, columns
 - ``lens``: fx, fy, cx, cy, pixels, then limits of the sensor's range, both exclusive, metres
 - ``pose``: the upper three rows of the matrix from the ``map`` to the optical frame, flat
@@ -28,19 +28,10 @@ import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
-from hypernav.core.geometry import depth as depth_rule
+from hypernav.mapping.top_down.depth_kernels import in_sight, is_measured, sees_floor, sees_through
+from hypernav.mapping.top_down.drop_kernels import DROP_VIEWS, shows_below
 
 UNKNOWN, FREE, OCCUPIED = 0, 1, 2
-DROP = 128
-"""Value of ``bumps`` above which the robot has not bumped: the image showed no floor."""
-_DROP_VIEWS = 3
-"""Number of frames that must show the floor of a cell before a drop is forgotten."""
-BELIEVED_RANGES = 3.0
-"""Depth, as a multiple of the sensor's largest depth, from which it is not believed."""
-BELIEVED_M = 65.5
-"""Depth, metres, from which it is a code, no measurement: the largest of 16 bits is 65.535 m."""
-
-is_measured = register_jitable(no_cfunc_wrapper=True)(depth_rule.is_measured)
 
 
 @register_jitable(no_cfunc_wrapper=True)
@@ -89,7 +80,7 @@ def count_points(depth, nearest, farthest, start, across, down, columns, layers,
 @register_jitable(no_cfunc_wrapper=True)
 def add_hits(counts, touched, n, window, weights, arrays):
     """Add evidence to the voxels that enough of the counted points hit."""
-    evidence, raised, _, _, cells = arrays
+    evidence, raised, _, _, _, cells = arrays
     fewest, hit, _, enough, most = weights
     row0, column0, _, columns = window
     layers = evidence.shape[2]
@@ -108,146 +99,15 @@ def add_hits(counts, touched, n, window, weights, arrays):
 
 
 @register_jitable(no_cfunc_wrapper=True)
-def state_of(evidence, seen, bumps, row, column, enough):
+def state_of(arrays, row, column, enough):
     """State of a cell, from all that is known about it."""
-    if bumps[row, column] > 0:
+    evidence, _, seen, bumps, drops, _ = arrays
+    if bumps[row, column] > 0 or drops[row, column] > 0:
         return OCCUPIED
     for k in range(evidence.shape[2]):
         if evidence[row, column, k] >= enough:
             return OCCUPIED
     return FREE if seen[row, column] > 0 else UNKNOWN
-
-
-@register_jitable(no_cfunc_wrapper=True)
-def depth_at(depth, u, v):
-    """Depth of the pixel that holds (u, v), metres; 0 outside the image."""
-    if u < 0.0 or v < 0.0 or u >= depth.shape[1] or v >= depth.shape[0]:
-        return 0.0
-    return depth[int(v), int(u)]
-
-
-@register_jitable(no_cfunc_wrapper=True)
-def ends_behind(depth, lens, u, v, behind):
-    """Whether the pixel that holds (u, v) measured something beyond `behind` metres of depth."""
-    d = depth_at(depth, u, v)
-    return is_measured(d, lens[4], lens[5]) and d > behind
-
-
-@register_jitable(no_cfunc_wrapper=True)
-def passes(depth, lens, u, v, behind):
-    """Whether the ray of the pixel that holds (u, v) ends beyond `behind` metres of depth.
-
-    A measurement beyond the sensor's range is too inexact to be drawn, but it is certain that its
-    ray came so far. Otherwise a person who stood before a distant wall would never be cleared.
-    """
-    d = depth_at(depth, u, v)
-    is_far = is_measured(d, lens[5], min(BELIEVED_RANGES * lens[5], BELIEVED_M))
-    return (is_far or is_measured(d, lens[4], lens[5])) and d > behind
-
-
-@register_jitable(no_cfunc_wrapper=True)
-def sees_floor(depth, lens, pose, x, y, heights):
-    """Whether a cell is seen free, at the lowest of the ``heights`` that the image shows.
-
-    Far away that is just above the floor. Near the robot, where the floor lies below the image's
-    lower edge, it is higher: else a robot with a high camera would never see the floor of the blind
-    zone around it as free.
-
-    Returns:
-        2 if seen free down to the floor, 1 if as low as the image shows, 0 if not seen free.
-    """
-    for j in range(heights.shape[0]):
-        h = heights[j]
-        z = pose[8] * x + pose[9] * y + pose[10] * h + pose[11]
-        if z <= 0.0:  # a camera that looks up has the floor before it behind its image plane
-            continue
-        if z >= lens[5]:
-            return 0
-        v = lens[1] * (pose[4] * x + pose[5] * y + pose[6] * h + pose[7]) / z + lens[3]
-        if v < depth.shape[0]:
-            u = lens[0] * (pose[0] * x + pose[1] * y + pose[2] * h + pose[3]) / z + lens[2]
-            if not ends_behind(depth, lens, u, v, z):
-                return 0
-            return 2 if j == 0 else 1
-    return 0
-
-
-@register_jitable(no_cfunc_wrapper=True)
-def is_below(depth, lens, pose, u, v, fall, share):
-    """Whether a pixel shows a point a share of ``fall`` below the floor."""
-    d = depth_at(depth, u, v)
-    if not is_measured(d, lens[4], lens[5]):
-        return False
-    x, y = (u - lens[2]) / lens[0] * d - pose[3], (v - lens[3]) / lens[1] * d - pose[7]
-    h = pose[2] * x + pose[6] * y + pose[10] * (d - pose[11])
-    if h >= 0.0:
-        return False
-    floor_depth = d * fall[0] / (fall[0] - h)
-    return h < -share * (fall[1] + fall[2] * floor_depth)
-
-
-@register_jitable(no_cfunc_wrapper=True)
-def shows_below(depth, lens, pose, x, y, fall):
-    """What the pixel of a point on the floor shows, or the lowest one in its direction.
-
-    Returns:
-        2 if it and those around it show what lies below the floor, 1 if it may, 0 if it does not.
-    """
-    z = pose[8] * x + pose[9] * y + pose[11]
-    if z <= 0.0:
-        return 0
-    u = lens[0] * (pose[0] * x + pose[1] * y + pose[3]) / z + lens[2]
-    v = lens[1] * (pose[4] * x + pose[5] * y + pose[7]) / z + lens[3]
-    v = min(v, depth.shape[0] - 1.5)
-    if not is_below(depth, lens, pose, u, v, fall, 0.5):
-        return 0
-    for i in range(-1, 2):  # single pixels err
-        for j in range(-1, 2):
-            if not is_below(depth, lens, pose, u + j, v + i, fall, 1.0):
-                return 1
-    return 2
-
-
-@register_jitable(no_cfunc_wrapper=True)
-def sees_through(depth, lens, pose, x, y, h, sizes, margins):
-    """Whether all rays around a voxel's middle end well behind it.
-
-    The corners of the voxel's outline are tested as well as its middle: a thin object that fills
-    only a part of the voxel still blocks it.
-    """
-    z = pose[8] * x + pose[9] * y + pose[10] * h + pose[11]
-    if z <= sizes[0] or z >= lens[5]:
-        return False
-    behind = z + margins[0] + margins[1] * z
-    u = lens[0] * (pose[0] * x + pose[1] * y + pose[2] * h + pose[3]) / z + lens[2]
-    v = lens[1] * (pose[4] * x + pose[5] * y + pose[6] * h + pose[7]) / z + lens[3]
-    if not passes(depth, lens, u, v, behind):
-        return False
-    du, dv = lens[0] * sizes[0] / 2 / z, lens[1] * sizes[1] / 2 / z
-    for corner in range(4):
-        u_corner = u + du if corner & 1 else u - du
-        v_corner = v + dv if corner & 2 else v - dv
-        if not passes(depth, lens, u_corner, v_corner, behind):
-            return False
-    return True
-
-
-@register_jitable(no_cfunc_wrapper=True)
-def in_sight(width, lens, pose, x, y, low, high):
-    """Whether a part of a cell's column between two heights, metres, may lie in the image."""
-    left, right = 0, 0
-    for h in (low, high):
-        z = pose[8] * x + pose[9] * y + pose[10] * h + pose[11]
-        if z <= 0.0:
-            continue
-        u = lens[0] * (pose[0] * x + pose[1] * y + pose[2] * h + pose[3]) + lens[2] * z
-        if u < 0.0:
-            left += 1
-        elif u >= width * z:
-            right += 1
-        elif z < lens[5]:
-            return True
-    return left == 1 and right == 1
 
 
 @register_jitable(no_cfunc_wrapper=True)
@@ -259,7 +119,7 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, fa
     above the floor first, then up the height band and, for a camera above it, up to the camera.
     After the ``window`` come x and y of its corner, metres. The ``arrays`` are changed in place.
     """
-    evidence, raised, seen, bumps, cells = arrays
+    evidence, raised, seen, bumps, drops, cells = arrays
     row0, column0, rows, columns, x0, y0 = window
     layers = evidence.shape[2]
     top = max(sizes[2] + layers * sizes[1], heights[-1])
@@ -277,14 +137,16 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, fa
             if floor > 0 and fall[1] < np.inf:
                 below = shows_below(depth, lens, pose, x, y, fall)
             if below == 2 and (floor == 2 or seen[row, column] == 0):
-                bumps[row, column] = DROP + _DROP_VIEWS
+                drops[row, column], bumps[row, column] = DROP_VIEWS, 0
                 changed = True
             elif floor == 2 or (floor == 1 and below == 0):
                 changed = seen[row, column] == 0
                 seen[row, column] = 1
-                if floor == 2 and below == 0 and bumps[row, column] > 0:
-                    bumps[row, column] -= 1 if bumps[row, column] != DROP + 1 else DROP + 1
-                    changed = True
+                if floor == 2 and below == 0 and cells[row, column] == OCCUPIED:
+                    for views in (bumps, drops):
+                        if views[row, column] > 0:
+                            views[row, column] -= 1
+                            changed = True
             mask = raised[row, column]
             for k in range(layers if mask != 0 else 0):
                 bit = np.uint32(1) << np.uint32(k)
@@ -298,7 +160,7 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, fa
                         raised[row, column] &= ~bit
                     changed = True
             if changed:
-                cells[row, column] = state_of(evidence, seen, bumps, row, column, weights[3])
+                cells[row, column] = state_of(arrays, row, column, weights[3])
 
 
 @register_jitable(no_cfunc_wrapper=True)
@@ -307,7 +169,7 @@ def free_footprint(robot, arrays):
 
     With a radius of 0, none are freed.
     """
-    evidence, raised, seen, bumps, cells = arrays
+    evidence, raised, seen, bumps, drops, cells = arrays
     row, column, radius = robot
     if radius <= 0.0:
         return
@@ -318,7 +180,7 @@ def free_footprint(robot, arrays):
                 for k in range(evidence.shape[2]):
                     evidence[i, j, k] = 0
                 raised[i, j] = 0
-                bumps[i, j] = 0
+                bumps[i, j] = drops[i, j] = 0
                 seen[i, j] = 1
                 cells[i, j] = FREE
 

@@ -1,0 +1,1 @@
+"""The map of free and occupied cells, drawn from depth images frame by frame."""
