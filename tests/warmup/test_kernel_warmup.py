@@ -37,6 +37,33 @@ def test_it_leaves_no_kernel_of_navigation_meshes_to_be_compiled():
     assert ended.stdout.split() == ["wall_distance"]  # which no search asks for
 
 
+def test_a_first_search_compiles_no_kernel_of_the_warm_up_for_other_types(tmp_path):
+    script = (
+        "import sys\n"
+        "from hypernav import find\n"
+        "from hypernav.warmup.exercises import warm_up\n"
+        "from numba.extending import is_jitted\n"
+        "def compiled():\n"
+        "    modules = [one for name, one in sys.modules.items() if name.startswith('hypernav')]\n"
+        "    things = {id(one): one for module in modules for one in vars(module).values()}\n"
+        "    kernels = filter(is_jitted, things.values())\n"
+        "    return {one: set(one.signatures) for one in kernels if one.signatures}\n"
+        "warm_up()\n"
+        "before = compiled()\n"
+        "for _ in find('bed', seed=2): pass\n"
+        "after = compiled()\n"
+        "print(len(before), *[one.__name__ for one in before if after[one] != before[one]])"
+    )
+    environment = {**os.environ, "HYPERNAV_CACHE": str(tmp_path)}  # the house is made anew
+    ended = subprocess.run(
+        [sys.executable, "-c", script],
+        env=environment, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    number, *again = ended.stdout.split()
+    assert int(number) > 20
+    assert again == []
+
+
 def test_a_machine_that_has_compiled_is_told_nothing_and_starts_no_process(monkeypatch):
     monkeypatch.setattr(module, "is_compiled", lambda: True)
     monkeypatch.setattr(subprocess, "Popen", None)

@@ -162,6 +162,8 @@ def _first_halving(
     height, width = codes.shape[:2]
     if opaque is None and height % 2 == 0 and width % 2 == 0:
         light = np.empty((size[1], size[0], 3), np.float32)
+        codes = codes.view()
+        codes.flags.writeable = False  # or the kernel is compiled for both kinds of textures
         halve(codes, SRGB_TO_LINEAR, light)
         return light, np.ones((size[1], size[0]), np.float32)
     rows = _STRIP_ROWS if height % 2 == 0 and width % 2 == 0 else height
