@@ -301,6 +301,19 @@ def test_nobody_is_sent_to_a_thing_that_the_memory_does_not_have(tmp_path, plan)
         assert "no thing 99 on floor 7" in refused.json["message"]
 
 
+@pytest.mark.parametrize("unknown", [{"floor": 7, "number": 0}, {"floor": 1, "number": 99}])
+def test_no_search_begins_for_a_thing_that_the_memory_does_not_have(tmp_path, plan, unknown):
+    with robot_server(tmp_path / "state", plan, memory=tmp_path / "home") as link:
+        drive(link, link.open(), BoxRoom())
+        known = things_of(link)[0]["thing"]
+        request = {"goal": "door", "labels": True, "embodiment": BoxRoom().embodiment.model_dump()}
+        refused = link.call("POST", "/v1/searches", request | {"thing": unknown})
+        assert (refused.status, refused.json["error"]) == (409, "memory")
+        assert f"no thing {unknown['number']} on floor" in refused.json["message"]
+        opened = link.call("POST", "/v1/searches", request | {"thing": known})
+        assert opened.status == 201  # and the memory was let go
+
+
 def test_without_a_memory_there_are_no_things(tmp_path):
     with robot_server(tmp_path / "state", scripted_plan) as link:
         assert link.call("GET", "/v1/things").json == []

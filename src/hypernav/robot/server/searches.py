@@ -12,13 +12,14 @@ from pathlib import Path
 from hypernav.core.errors import HyPerNavError, RequestRefusedError, RunFolderError
 from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.goal import Goal
+from hypernav.mapping.memory.memory import Memory
 from hypernav.robot.server.agents import AgentPlan, PlanAgent, check_labels
 from hypernav.robot.server.decisions import Decisions
 from hypernav.robot.server.limits import Pace, ServerLimits
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.state.journal import Journal, SearchRecord
 from hypernav.robot.wire.replies import SearchEnding
-from hypernav.robot.wire.requests import OpenSearch
+from hypernav.robot.wire.requests import OpenSearch, ThingName
 from hypernav.robot.wire.values import SEARCHES
 
 _LOG = logging.getLogger(__name__)
@@ -79,8 +80,9 @@ class Searches:
         """Begin a search, or return that of the same key.
 
         Raises:
-            RequestRefusedError: Images are too large, there are too many searches, or the key is
-                that of a search for another goal or by another robot.
+            RequestRefusedError: Images are too large, there are too many searches, the key is that
+                of a search for another goal or by another robot, or the memory is in use or does
+                not have the thing.
             HyPerNavError: No such agent can be built, or the goal can never be found.
         """
         stops = self._stops
@@ -157,6 +159,8 @@ class Searches:
             memory = plan.open_memory()
             if memory is not None:
                 failed.callback(memory.leave)
+                if request.thing is not None:
+                    _check_knows(memory.memory, request.thing)
             record = SearchRecord(
                 id=name,
                 opened_s=time.time(),
@@ -276,6 +280,22 @@ def check_remembers_things(memory: Path | None) -> None:
             error="memory",
             status=409,
         )
+
+
+def no_such_thing(thing: ThingName) -> RequestRefusedError:
+    """Refusal of a thing that the memory does not have, or knows to be gone."""
+    return RequestRefusedError(
+        f"the memory has no thing {thing.number} on floor {thing.floor}, or it is gone",
+        error="memory",
+        status=409,
+    )
+
+
+def _check_knows(memory: Memory, thing: ThingName) -> None:
+    floors = memory.floors[thing.floor - 1 : thing.floor]
+    known = floors[0].things.find(thing.number) if floors else None
+    if known is None or known.is_gone:
+        raise no_such_thing(thing)
 
 
 def _busy(message: str) -> RequestRefusedError:

@@ -8,7 +8,7 @@ from hypernav.mapping.memory.index import Index
 from hypernav.mapping.memory.reading import read_index
 from hypernav.mapping.memory.ways import routes
 from hypernav.mapping.memory.writing import INDEX_NAME
-from hypernav.robot.server.searches import check_remembers_things
+from hypernav.robot.server.searches import check_remembers_things, no_such_thing
 from hypernav.robot.wire.requests import ThingName
 from hypernav.robot.wire.waiting import RememberedThing
 
@@ -55,11 +55,7 @@ class KnownThings:
         """
         check_remembers_things(self._folder)
         if all(one.thing != thing for one in self.all()):
-            raise RequestRefusedError(
-                f"the memory has no thing {thing.number} on floor {thing.floor}, or it is gone",
-                error="memory",
-                status=409,
-            )
+            raise no_such_thing(thing)
 
 
 def _version_of(index: Path) -> tuple[int, ...] | None:
