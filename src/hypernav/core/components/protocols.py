@@ -70,7 +70,11 @@ class Detector(Protocol):
     """Finds the goal in an image."""
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
-        """All candidates, best first; an empty list if the goal is not seen."""
+        """All candidates, the likeliest by the detector's own judgement first, whatever the scores.
+
+        Where two boxes show one thing, or one alone is wanted, the first counts. An empty list if
+        the goal is not seen.
+        """
         ...
 
 

@@ -142,7 +142,9 @@ class VlmDetector:
         return report
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
-        """Boxes of the goal in the image, pixels, in the model's order, not by score.
+        """Boxes of the goal in the image, pixels, in the model's order.
+
+        The scores of crops don't change it: only the largest boxes have one.
 
         Raises:
             ModelUnavailableError: The model did not answer within the configured patience.
