@@ -35,6 +35,7 @@ _PACE = 2.0
 """Simulated seconds per real second, slow enough for people to follow and to stop it."""
 _PAUSE_S = 1.0
 _SAY_EVERY_S = 5.0
+_ANY = Goal("a thing that the operator names")
 
 
 def run(options: Wait) -> int:
@@ -59,7 +60,8 @@ def run(options: Wait) -> int:
         world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
         with closing(world), closing(HttpServer(address)) as server:
             base = SimulatedBase(world, renderer, pace=_PACE)
-            start = _start(options, world, rng)
+            # Once: its odometry goes on from search to search, as that of a real robot.
+            base.place(Episode(options.scene, "", _ANY, _start(options, world, rng)), rng)
             said_s = -_SAY_EVERY_S
             while True:
                 status.update(f"{options.name} waits for a goal from {escape(str(address))}/")
@@ -75,7 +77,6 @@ def run(options: Wait) -> int:
                     continue
                 if given.goal is None or given.key is None:
                     continue
-                base.place(Episode(options.scene, "", Goal(given.goal), start), rng)
                 try:
                     ending = _search(options, server, address, base, given, status)
                 except RequestRefusedError as refused:
@@ -83,7 +84,6 @@ def run(options: Wait) -> int:
                     time.sleep(_PAUSE_S)
                 else:
                     console.print(f"{given.goal}: {ending or 'stopped'}", markup=False)
-                start = base.pose
 
 
 def _start(options: Wait, world: SimulatedWorld, rng: np.random.Generator) -> Pose2:
