@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import UInt8
 
 from hypernav.show.drawing import palette, shapes
-from hypernav.show.drawing.map_painter import draw_arrow
+from hypernav.show.drawing.robot_arrow import draw_arrow
 from hypernav.show.drawing.text import draw_text, text_width
 
 _Drawing = Callable[[UInt8[np.ndarray, "_ _ 3"], float, float, float], None]

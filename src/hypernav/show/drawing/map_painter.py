@@ -1,6 +1,5 @@
 """Paints the map as an image, layer by layer."""
 
-import math
 from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
@@ -24,12 +23,11 @@ from hypernav.show.drawing.number_placement import (
     number_position,
     number_size,
 )
+from hypernav.show.drawing.robot_arrow import draw_arrow
 from hypernav.show.drawing.text import draw_text, text_width
 
 _SHADES_OF_TIME = 24
 _SCALE_BARS_M = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0)
-# Tip, left wing, notch, right wing, as shares of the arrow's radius; x is ahead.
-_ARROW = np.array([[1.0, 0.0], [-0.76, 0.64], [-0.38, 0.0], [-0.76, -0.64]])
 
 XY = tuple[float, float]
 """A point in the ``map`` frame, metres."""
@@ -318,22 +316,3 @@ class MapPainter:
 
     def _mark_disc(self, x: float, y: float) -> Disc:
         return Disc(*self.view.pixel_of(x, y), max(13.0 * self._unit, 8.0))
-
-
-def draw_arrow(
-    image: UInt8[np.ndarray, "_ _ 3"], at: tuple[float, float], yaw: float, radius: float
-) -> None:
-    """Draw a robot, in place.
-
-    Args:
-        image: RGB.
-        at: Centre of the arrow, pixels.
-        yaw: Heading, radians counter-clockwise from the image's right.
-        radius: Radius of the disc that holds the arrow, pixels.
-    """
-    c, s = math.cos(yaw), math.sin(yaw)
-    turned = np.stack([_ARROW @ (c, -s), -(_ARROW @ (s, c))], axis=1)
-    rim = np.array(at) + turned * (radius - 1.0)
-    shapes.polygon(image, [rim], palette.FREE)
-    shapes.line(image, rim, palette.FREE, 3.0, closed=True)
-    shapes.polygon(image, [np.array(at) + turned * (radius - 3.0)], palette.ROBOT)
