@@ -38,16 +38,18 @@ def view_of(
 ) -> Observation:
     """What a robot sees of solid boxes; depth is 0 where nothing is within range."""
     camera_to_map = robot.to_transform() @ optical_to_base(height_m, pitch_deg)
-    rays = camera.rays() @ camera_to_map.rotation.T
-    depth = np.full(rays.shape[:2], np.inf)
+    rays = np.moveaxis(camera.rays() @ camera_to_map.rotation.T, 2, 0)
+    depth = np.full(rays.shape[1:], np.inf)
+    at = camera_to_map.translation
     with np.errstate(divide="ignore", invalid="ignore"):
         for low, high in boxes:
-            to_low = (np.array(low) - camera_to_map.translation) / rays
-            to_high = (np.array(high) - camera_to_map.translation) / rays
-            enter = np.nanmax(np.minimum(to_low, to_high), axis=2)
-            leave = np.nanmin(np.maximum(to_low, to_high), axis=2)
-            hit = (enter <= leave) & (enter > 0.0)
-            depth = np.where(hit & (enter < depth), enter, depth)
+            enter, leave = np.full((2, *depth.shape), np.nan)
+            for axis, ray in enumerate(rays):  # fmax and fmin pass over the NaN of a side in line
+                to_low, to_high = (low[axis] - at[axis]) / ray, (high[axis] - at[axis]) / ray
+                np.fmax(enter, np.minimum(to_low, to_high), out=enter)
+                np.fmin(leave, np.maximum(to_low, to_high), out=leave)
+            hit = (enter <= leave) & (enter > 0.0) & (enter < depth)
+            depth[hit] = enter[hit]
     depth[depth > max_depth_m] = 0.0
     return frame(depth.astype(np.float32), robot, camera, height_m, pitch_deg)
 

@@ -3,6 +3,10 @@
 import os
 from pathlib import Path
 
+# As many processes as cores run tests: threads of BLAS would only wait for each other, busily.
+# Before the first import of NumPy, which reads it; processes that tests start inherit it.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import pytest
 from hypothesis import settings
 

@@ -2,13 +2,15 @@
 
 jaxtyping's own import hook gives every function a scope of axis names and checks all arguments
 twice, which took two fifths of the time of the tests. Most functions name no axis: beartype alone
-checks these as strictly.
+checks these as strictly. The others get a scope and no more: jaxtyping's decorator sorts the
+arguments of every call for the message of an error, too.
 """
 
 import ast
 import sys
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import is_dataclass
+from functools import wraps
 from importlib.abc import MetaPathFinder
 from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from inspect import isgeneratorfunction
@@ -19,6 +21,7 @@ from beartype import BeartypeConf, beartype
 from jaxtyping import AbstractArray, jaxtyped
 
 _typed = beartype(conf=BeartypeConf(is_pep484_tower=True))  # int is accepted for float
+_AXIS_NAMES = jaxtyped("context")
 _DECORATOR = "runtime_checks.checked"
 
 
@@ -40,8 +43,20 @@ def checked(subject: Any) -> Any:
         # The other form stops checking every shape that a generator function yields, everywhere.
         return jaxtyped(typechecker=_typed)(subject)
     if any(_names_axes(hint) for hint in subject.__annotations__.values()):
-        return jaxtyped(typechecker=None)(_typed(subject))
+        return _in_scope_of_its_own(_typed(subject))
     return _typed(subject)
+
+
+def _in_scope_of_its_own(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A function whose axis names stand for the same sizes throughout one call."""
+
+    @wraps(function)
+    def scoped(*args: Any, **kwargs: Any) -> Any:
+        __tracebackhide__ = True
+        with _AXIS_NAMES:
+            return function(*args, **kwargs)
+
+    return scoped
 
 
 def _names_axes(hint: Any) -> bool:

@@ -156,6 +156,7 @@ def test_an_installed_package_brings_a_detector(folder: Path, monkeypatch: pytes
     assert type(parts.components[0]).__name__ == "Sees"
 
 
+@pytest.mark.slow
 def test_a_component_is_closed_when_an_evaluation_ends(folder: Path):
     glb = room_glb(folder / "room.glb")
     quick = ("--goals", "bed", "--workers", "1", "--max-steps", "3", "--quiet")

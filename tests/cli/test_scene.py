@@ -24,6 +24,7 @@ def hypernav(*arguments):
     return stop.value.code
 
 
+@pytest.mark.slow
 def test_a_mesh_is_written_for_the_robot_that_is_asked_for(scan, tmp_path, capsys):
     out = tmp_path / "new" / "scan.navmesh"
     robot = ("--radius", 0.17, "--height", 1.41)

@@ -172,6 +172,7 @@ def test_the_papers_goals_go_by_the_words_of_the_files(benchmark_data):
     assert [episode.goal.text for episode in chosen] == ["plant"]
 
 
+@pytest.mark.slow
 def test_the_papers_segmenter_has_to_be_named_and_what_stands_in_is_said(
     benchmark_data, tmp_path, capsys
 ):
@@ -192,6 +193,7 @@ def test_the_papers_segmenter_has_to_be_named_and_what_stands_in_is_said(
     assert "its success distance and its camera are not stated" in warned
 
 
+@pytest.mark.slow
 def test_a_run_in_which_nothing_could_be_scored_fails_in_one_line(own_data, tmp_path, capsys):
     mesh = own_data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.glb"
     whole = mesh.read_bytes()
@@ -206,6 +208,7 @@ def test_a_run_in_which_nothing_could_be_scored_fails_in_one_line(own_data, tmp_
     assert hypernav(*command) == 0
 
 
+@pytest.mark.slow
 def test_a_run_does_not_go_on_in_another_scene_of_the_same_name(own_data, tmp_path, capsys):
     navmesh = own_data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.basis.navmesh"
     quick = ("--max-steps", "2", "--workers", "1", "--quiet", "--episodes", "0:1", *SMALL)

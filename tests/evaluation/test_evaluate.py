@@ -49,6 +49,7 @@ def test_an_agent_of_ones_own_gets_a_run_and_a_report(tmp_path):
     assert "ground-truth detection" not in page
 
 
+@pytest.mark.slow
 def test_a_bug_in_an_agent_is_no_result_and_its_traceback_is_kept(tmp_path):
     progress = evaluate(plan(tmp_path), tmp_path / "run", Buggy)
     assert progress.records == []

@@ -107,6 +107,7 @@ def test_a_run_says_what_it_leaves_out_and_keeps_it(benchmark_data, tmp_path, ca
     assert [r.group for r in read_records(out)] == ["object", "description", "object"]
 
 
+@pytest.mark.slow
 def test_goal_types_are_chosen_and_image_goals_refused(benchmark_data, tmp_path, capsys):
     quick = ("--workers", "1", "--max-steps", "1", "--quiet", *SMALL, "--out", tmp_path / "run")
     where = ("eval", f"goat:{benchmark_data}#val_seen", *quick)

@@ -44,6 +44,7 @@ def ran(folder: Path, confusion: Confusion, episodes: int = 1) -> list[SearchedE
     return run_searches(agents, config, wanted, folder / searches.SEARCHES, lambda _: None)
 
 
+@pytest.mark.slow
 def test_who_knows_everything_finds_the_goal_and_who_denies_it_only_unasked(tmp_path: Path):
     perfect = predictions_of(ran(tmp_path, confusion_of(PERFECT)))
     assert [one.preset for one in perfect] == ["default", "paper"]
@@ -58,6 +59,7 @@ def test_who_knows_everything_finds_the_goal_and_who_denies_it_only_unasked(tmp_
     assert all("choose block" not in one.asked_without["block"] for one in perfect)
 
 
+@pytest.mark.slow
 def test_finished_searches_are_not_run_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     first = ran(tmp_path, confusion_of(PERFECT))
     more = ran(tmp_path, confusion_of(PERFECT), episodes=2)

@@ -84,6 +84,7 @@ def test_the_same_building_has_the_same_lives():
     assert house_episodes(scene, building, "lives") == house_episodes(scene, building, "lives")
 
 
+@pytest.mark.slow
 def test_a_split_visits_buildings_in_turn_life_by_life(tmp_path):
     split = load_split("houses-life-train", numbers=range(5000, 5002), count=3, cache=tmp_path)
     lives = [(e.info or {})["life"] for e in split.episodes]

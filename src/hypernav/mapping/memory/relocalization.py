@@ -31,6 +31,8 @@ _POINTS = 300
 """Number of points of each kind, about, by which a place is shifted."""
 _SHIFTS = ((0.1, 3.0), (0.05, 1.5), (0.025, 0.75), (0.0125, 0.375))
 """Metres and degrees by which a place is shifted, in turn."""
+_AROUND = np.array(list(product((1.0, 0.0, -1.0), repeat=3)))
+"""Shifts to all neighbours of a place, and none, in steps."""
 _NEAR_M = 0.1
 """Distance from a remembered obstacle at which a seen one agrees with it by exp(-0.5)."""
 _CONTRADICTS_M = 0.3
@@ -50,6 +52,7 @@ _Points = Float64[np.ndarray, "_ 2"]
 _Field = Float32[np.ndarray, "_ _"]
 _Place = tuple[float, float, float]
 """Position of the robot in the map, metres, and turn of its own frame, radians."""
+_Places = Float64[np.ndarray, "places 3"]
 
 
 @dataclass(frozen=True)
@@ -219,23 +222,30 @@ class _Fields:
         cells = cv2.distanceTransform((~mask).view(np.uint8), cv2.DIST_L2, 5)
         return np.asarray(cells * np.float32(self.size_m))
 
-    def fit(self, seen: _Seen, place: _Place) -> float:
+    def fits(self, seen: _Seen, places: _Places) -> Float64[np.ndarray, "places"]:
         """How well all points agree with the floor, at most 1; unknown ground says nothing."""
         told = zip(seen.kinds, seen.weights, self.by_kind, strict=True)
-        return sum(n * self._sum(field, one, place) for one, n, field in told) / seen.count
+        sums = [weight * self._sums(field, points, places) for points, weight, field in told]
+        return np.sum(sums, axis=0) / seen.count
 
     def evidence(self, seen: _Seen, place: _Place) -> float:
         """See `Relocalization.evidence`; an obstacle that nothing remembered is near counts."""
-        known = sum(self._sum(self.known, one, place) for one in (seen.tall, seen.low))
-        return (1.0 + _LONE) * self.fit(seen, place) - _LONE * known / seen.count
+        at = np.array([place])
+        known = sum(self._sums(self.known, one, at) for one in (seen.tall, seen.low))
+        evidence = (1.0 + _LONE) * self.fits(seen, at) - _LONE * known / seen.count
+        return float(evidence[0])
 
-    def _sum(self, field: _Field, points: _Points, place: _Place) -> float:
-        """Sum of a field over points from the robot."""
-        at = _turned(points, place[2]) + (np.array(place[:2]) - self.origin)
-        columns, rows = np.floor(at / self.size_m).astype(np.int64).T
+    def _sums(
+        self, field: _Field, points: _Points, places: _Places
+    ) -> Float64[np.ndarray, "places"]:
+        """Sums of a field over points from the robot, for every place of it."""
+        turned = np.stack([_turned(points, yaw) for yaw in places[:, 2]])
+        at = turned + (places[:, None, :2] - self.origin)
+        columns, rows = np.moveaxis(np.floor(at / self.size_m).astype(np.int64), 2, 0)
         height, width = field.shape
         inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
-        return float(field[rows[inside], columns[inside]].sum(dtype=np.float64))
+        values = field[np.where(inside, rows, 0), np.where(inside, columns, 0)]
+        return values.sum(axis=1, dtype=np.float64, where=inside)
 
 
 def _agreement(away_m: _Field) -> _Field:
@@ -279,20 +289,18 @@ def _counts(points: _Points, size_m: float, reach: int) -> Float32[np.ndarray, "
 
 def _shifted(fields: _Fields, seen: _Seen, place: _Place) -> _Place:
     """A place shifted to where it agrees best."""
-    best = fields.fit(seen, place)
+    at = np.array(place)
+    best = fields.fits(seen, at[None])[0]
     for step_m, step_deg in _SHIFTS:
-        steps = (step_m, step_m, math.radians(step_deg))
+        steps = _AROUND * (step_m, step_m, math.radians(step_deg))
         while True:
-            x, y, yaw = place
-            near = [
-                (x + i * steps[0], y + j * steps[1], yaw + k * steps[2])
-                for i, j, k in product((-1, 0, 1), repeat=3)
-            ]
-            fit, shifted = max((fields.fit(seen, one), one) for one in near)
-            if fit <= best:
+            near = at + steps
+            fits = fields.fits(seen, near)
+            if fits.max() <= best:
                 break
-            best, place = fit, shifted
-    return place
+            best, at = fits.max(), near[fits.argmax()]
+    x, y, yaw = at.tolist()
+    return (x, y, yaw)
 
 
 def _turned(points: _Points, yaw: float) -> _Points:
