@@ -1,7 +1,8 @@
 """Numba's kernels, compiled once for all processes of the tests before the first test.
 
 Otherwise each process compiles what its first tests need. Two processes share the work, which
-takes each of them half a minute where nothing is compiled.
+takes each of them half a minute where nothing is compiled. Numba looks at the file of a kernel
+alone: kernels that call one of another file would stay what they were when that one changes.
 """
 
 import subprocess
@@ -17,32 +18,48 @@ _STEPS = 15
 
 def compile_missing_kernels() -> None:
     """Fill the cache, if it lacks a kernel module. What cannot be compiled fails in its test."""
-    if not any(map(_is_missing, sorted(_SOURCE.rglob("*_kernels.py")))):
+    sources = sorted(_SOURCE.rglob("*_kernels.py"))
+    _forget_older_than(max(source.stat().st_mtime for source in sources))
+    if not any(map(_is_missing, sources)):
         return
     processes = [subprocess.Popen([sys.executable, __file__, part]) for part in _PARTS]
     for process in processes:
         process.wait()
 
 
+def _forget_older_than(changed: float) -> None:
+    """Forget what was compiled before any kernel module changed."""
+    for index in _SOURCE.rglob("__pycache__/*.nbi"):
+        if index.stat().st_mtime < changed:
+            index.unlink()
+
+
 def _is_missing(source: Path) -> bool:
-    """Whether nothing of a kernel module has been kept since the module changed."""
+    """Whether nothing of a kernel module has been kept."""
     if "cache=True" not in source.read_text():
         return False
     python = f"py{sys.version_info.major}{sys.version_info.minor}"
-    indices = (source.parent / "__pycache__").glob(f"{source.stem}.*.{python}.nbi")
-    return not any(index.stat().st_mtime >= source.stat().st_mtime for index in indices)
+    return not any((source.parent / "__pycache__").glob(f"{source.stem}.*.{python}.nbi"))
 
 
 def _compile_worlds() -> None:
-    """Draw, and walk on a mesh."""
+    """Draw, walk on a mesh, and compute one of a hill."""
+    from hypernav.core.embodiment import BodyConfig
     from hypernav.warmup.exercises import draw_tile, walk_on_mesh
+    from hypernav.worlds.navmesh.files.settings import settings_for
+    from hypernav.worlds.navmesh.recast.build import compute_navmesh
 
     draw_tile()
     walk_on_mesh()
+    hill = [[0.0, 0.0, 0.0], [0.0, 0.0, 9.0], [9.0, 0.0, 9.0], [9.0, 0.0, 0.0], [4.5, 2.0, 4.5]]
+    sides = [[k, (k + 1) % 4, 4] for k in range(4)]
+    compute_navmesh(
+        np.array(hill, np.float32), np.array(sides, np.int32), settings_for(BodyConfig())
+    )
 
 
 def _compile_searches() -> None:
-    """Search with each method that has kernels of its own, and walk in a scene without mesh."""
+    """Search with each method that has kernels of its own, with a robot that climbs, and walk."""
     from hypernav.build.agents import build_agent
     from hypernav.build.component_specs import ComponentSpecs
     from hypernav.core.goal import Goal
@@ -51,8 +68,9 @@ def _compile_searches() -> None:
     from small_worlds import small_config, two_rooms
 
     search_room()
-    for method in ("vlfm", "vlmnav"):
-        agent = build_agent(small_config(), ComponentSpecs(agent=method)).agent
+    climbing = small_config(embodiment={"body": {"max_step_m": 0.2}})
+    for method in ("vlfm", "vlmnav", "hypernav"):
+        agent = build_agent(climbing, ComponentSpecs(agent=method)).agent
         agent.reset(Goal("nothing of the kind"))
         room = BoxRoom()
         for _ in range(_STEPS):
