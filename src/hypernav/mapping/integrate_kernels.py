@@ -21,7 +21,9 @@ type in it is renamed:
   cell is occupied, largest evidence
 - ``margins``: metres, and metres per metre, that a ray must end behind a voxel to have passed it
 - ``fall``: height of the camera above the floor, then how far below it, in metres and in metres per
-  metre of depth, a point shows that its ray has passed no floor; infinite if drops don't matter
+  metre of depth, a point shows that its ray has passed no floor, infinite if drops don't matter;
+  then how far, in metres, ground may be below it and belong to it: infinite if drops are obstacles,
+  else they stay unknown
 """
 
 import numpy as np
@@ -35,6 +37,8 @@ DROP = 128
 """Value of ``bumps`` above which the robot has not bumped: the image showed no floor."""
 _DROP_VIEWS = 3
 """Number of frames that must show the floor of a cell before a drop is forgotten."""
+_STEEP = 0.5
+"""Rise per metre from which a surface is no ground."""
 BELIEVED_RANGES = 3.0
 """Depth, as a multiple of the sensor's largest depth, from which it is not believed."""
 BELIEVED_M = 65.5
@@ -173,16 +177,22 @@ def sees_floor(depth, lens, pose, x, y, heights):
 
 
 @register_jitable(no_cfunc_wrapper=True)
-def is_below(depth, lens, pose, u, v, fall, share):
-    """Whether a pixel shows a point a share of ``fall`` below the floor."""
+def height_at(depth, lens, pose, u, v):
+    """Height above the floor of what a pixel shows, metres; infinite where it measured nothing."""
     d = depth_at(depth, u, v)
     if not is_measured(d, lens[4], lens[5]):
-        return False
+        return np.inf
     x, y = (u - lens[2]) / lens[0] * d - pose[3], (v - lens[3]) / lens[1] * d - pose[7]
-    h = pose[2] * x + pose[6] * y + pose[10] * (d - pose[11])
+    return pose[2] * x + pose[6] * y + pose[10] * (d - pose[11])
+
+
+@register_jitable(no_cfunc_wrapper=True)
+def is_below(depth, lens, pose, u, v, fall, share):
+    """Whether a pixel shows a point a share of ``fall`` below the floor."""
+    h = height_at(depth, lens, pose, u, v)
     if h >= 0.0:
         return False
-    floor_depth = d * fall[0] / (fall[0] - h)
+    floor_depth = depth_at(depth, u, v) * fall[0] / (fall[0] - h)
     return h < -share * (fall[1] + fall[2] * floor_depth)
 
 
@@ -201,6 +211,13 @@ def shows_below(depth, lens, pose, x, y, fall):
     v = min(v, depth.shape[0] - 1.5)
     if not is_below(depth, lens, pose, u, v, fall, 0.5):
         return 0
+    if fall[3] < np.inf:
+        upper = height_at(depth, lens, pose, u, v - 1.0)
+        lower = height_at(depth, lens, pose, u, v + 1.0)
+        farther = depth_at(depth, u, v - 1.0) - depth_at(depth, u, v + 1.0)
+        is_ground = abs(upper - lower) < _STEEP * abs(farther)
+        if is_ground and max(upper, lower) > -fall[3]:
+            return 0  # a lower level of this floor
     for i in range(-1, 2):  # single pixels err
         for j in range(-1, 2):
             if not is_below(depth, lens, pose, u + j, v + i, fall, 1.0):
@@ -277,7 +294,10 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, fa
             if floor > 0 and fall[1] < np.inf:
                 below = shows_below(depth, lens, pose, x, y, fall)
             if below == 2 and (floor == 2 or seen[row, column] == 0):
-                bumps[row, column] = DROP + _DROP_VIEWS
+                if fall[3] == np.inf:
+                    bumps[row, column] = DROP + _DROP_VIEWS
+                else:
+                    seen[row, column] = 0
                 changed = True
             elif floor == 2 or (floor == 1 and below == 0):
                 changed = seen[row, column] == 0
