@@ -157,7 +157,7 @@ class Memory:
         if shows_steps and not self.on_stairs:
             ground = self.ground_around(here, down=True)
             seen = connectors_in(ground, self.number, self.ground_z)
-            seen = reliable(seen, self.connectors, here)
+            seen = reliable(seen, self.connectors, here, ground, self.ground_z)
             self.connectors = with_sightings(self.connectors, seen)
         return self.floor
 
