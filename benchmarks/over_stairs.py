@@ -3,6 +3,7 @@
 python benchmarks/over_stairs.py storeys-train#3000:3010 --last 230 --every 10
 python benchmarks/over_stairs.py storeys-train#3000:3010 --last 230 --every 10 \
         --set search.use_stairs=false
+python benchmarks/over_stairs.py storeys-train#3020:3045 --last 700 --one-of-each below
 python benchmarks/over_stairs.py storeys-val --workers 14
 """
 
@@ -13,7 +14,7 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import tyro
 
@@ -32,7 +33,10 @@ _ABOVE_FLOOR_M = 0.3
 """Height above a floor below which things that stand on it begin, metres."""
 
 
-def direction(episode: Episode) -> str:
+Where = Literal["same", "above", "below"]
+
+
+def direction(episode: Episode) -> Where:
     """Where the goal of a search is, seen from its start."""
     scene = cached_building(Building("storeys", int(episode.scene_id.split(":")[1])))
     goal_z = next(
@@ -43,6 +47,15 @@ def direction(episode: Episode) -> str:
     start = bisect(scene.storeys, (episode.start_z or 0.0) + _ABOVE_FLOOR_M)
     goal = bisect(scene.storeys, goal_z + _ABOVE_FLOOR_M)
     return "same" if goal == start else "above" if goal > start else "below"
+
+
+def chosen_of_each(episodes: Sequence[Episode], where: Where) -> list[Episode]:
+    """One search of each building for a goal that is there, in turn another one."""
+    buildings: dict[str, list[Episode]] = defaultdict(list)
+    for one in episodes:
+        if direction(one) == where:
+            buildings[one.scene_id].append(one)
+    return [group[(4 * k + 1) % len(group)] for k, group in enumerate(buildings.values())]
 
 
 @dataclass(frozen=True)
@@ -71,6 +84,7 @@ def main(
     first: int = 0,
     last: int = 300,
     every: int = 1,
+    one_of_each: Where | None = None,
     workers: int = 1,
     set: tuple[str, ...] = (),
 ) -> None:
@@ -81,6 +95,7 @@ def main(
         first: Number of the first search.
         last: Number of searches from which they are taken.
         every: Distance between two of them.
+        one_of_each: Where the goals of those searches are of which one in each building is run.
         workers: Number of processes; one runs all searches of a building.
         set: Changes of the `default` preset.
     """
@@ -89,6 +104,8 @@ def main(
     config = layered(base.model_copy(update={"embodiment": robot}), assignments=set)
     buildings: dict[str, list[Episode]] = defaultdict(list)
     episodes = load_episodes(split)[first:last:every]
+    if one_of_each is not None:
+        episodes = chosen_of_each(episodes, one_of_each)
     for one in episodes:
         buildings[one.scene_id].append(one)
     if workers == 1:

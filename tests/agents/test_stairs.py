@@ -221,6 +221,25 @@ def test_a_robot_that_gets_onto_stairs_on_its_way_takes_them():
     assert agent.memory.ground_z == 0.0
 
 
+def test_a_robot_that_gets_onto_stairs_down_that_it_has_not_seen_takes_them():
+    world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
+    agent.reset(Goal("umbrella"))
+    away = Pose2(HEAD_X + 0.3, sum(SIDES_Y) / 2.0, 0.0)
+    observation = world.reset(Episode("x", "0", Goal("umbrella"), away, start_z=ABOVE_M))
+    agent.act(observation)
+    for _ in range(6):
+        observation = world.step(Action.TURN_LEFT)
+    while world.position[2] > ABOVE_M - 1.5 * RISE_M:
+        observation = world.step(Action.MOVE_FORWARD)
+    assert not agent.memory.connectors
+    agent.act(observation)
+    assert "on stairs by the way" in agent.last_step.events
+    assert agent.last_step.mode is Mode.CLIMB
+    (stairs,) = agent.memory.connectors
+    assert not stairs.goes_up
+    assert stairs.is_new
+
+
 def test_the_paper_stays_on_one_floor():
     assert not preset("paper").search.use_stairs
     assert preset("default").search.use_stairs

@@ -78,3 +78,13 @@ def test_a_step_keeps_off_a_corner_that_it_would_only_pass():
     with_post = ground.without(post, pose.xy)
     assert step_over_ground(ground, pose, end_of(ground), MOTION) is Action.MOVE_FORWARD
     assert step_over_ground(with_post, pose, end_of(ground), MOTION) is Action.TURN_RIGHT
+
+
+def test_a_robot_goes_on_where_the_way_gets_narrow():
+    ground, robot = flight(), Pose2(1.0, 0.0, 0.0)
+    rows, columns = ground.grid.cells.shape
+    x, y = np.moveaxis(
+        ground.positions(np.ones((rows, columns), np.bool_)).reshape(rows, columns, 2), 2, 0
+    )
+    narrow = ground.without((x > 1.2) & (np.abs(y) > 0.2), robot.xy)
+    assert step_over_ground(narrow, robot, end_of(narrow), MOTION) is Action.MOVE_FORWARD

@@ -184,20 +184,22 @@ class SearchAgent:
 
 
 def _off_the_floor(robot: Pose2, memory: Memory, plan: Plan, events: list[str]) -> Plan:
-    """The plan of a robot that is on stairs unplanned: they are known, or its ground from now on.
+    """The plan of a robot that is on stairs unplanned: it takes them, or they are its ground.
 
-    The head of stairs is not always where it seemed to be.
+    The head of stairs is not always where it seemed to be, or was never seen.
     """
     if _stands(robot, plan):
         memory.settle(robot)
         return plan
     number = stairs_underfoot(memory, robot.xy)
     if number is None:
+        number = memory.gets_onto_stairs_down(robot)
+    destination, then = plan.destination, None
+    if number is not None and destination is not None and destination.connector == number:
+        then = destination.then
+    elif number is None or not memory.connectors[number].is_new:
         return plan
     events.append("on stairs by the way")
-    destination, then = plan.destination, None
-    if destination is not None and destination.connector == number:
-        then = destination.then
     flight = replace(memory.connectors[number], end=robot.xy, axis=robot.yaw)
     climbing = Climbing(number, flight=flight, then=then)
     return replace(plan.explore(destination=None), climbing=climbing)

@@ -28,6 +28,8 @@ often bumps into what its camera cannot see."""
 UNEVEN_M, UNEVEN_SHARE = 0.05, 0.05
 """How far floor may seem lower than a step of the robot's before it is a drop: in metres, and as a
 share of its depth, since a camera that points a little lower than is known lowers all floor."""
+STAIRS_M = 0.45
+"""Height above or below the floor, metres, to which stairs lead at least: three steps."""
 CHUNK_CELLS = 128
 """Side of the chunks that the map grows by, so that it seldom has to be copied."""
 MAX_SIDE_M = 500.0
@@ -73,7 +75,8 @@ class MappingConfig(RoomConfig):
             frame draws stays (paper: local maps are merged).
         free_footprint: Whether the cells that the robot stands on become free.
         sees_drops: Whether cells without floor, as at the head of stairs, are obstacles for a robot
-            that does not climb stairs. The low part of a ramp down is one, too. The paper has none.
+            that does not climb stairs, and unknown to one that does. So is the low part of a ramp
+            down. The paper has none.
         frontier_min_size_m: Length of the shortest frontier, metres; shorter ones are noise, or too
             narrow for a robot.
         block_size_m: Side of a block, metres.

@@ -55,26 +55,44 @@ def step_over_ground(
     here = ground.nearest_reached(robot.xy)
     if here is None:
         return None
-    turn = math.radians(motion.turn_angle_deg)
-    turns = motion.turns_of_a_circle
-    most_left_m = math.inf
+    turns = _best_turns(ground, robot, to_go, here, motion, _EDGE_COST, touching=touching)
+    if turns is None:  # the way may lead through where it is narrow
+        turns = _best_turns(ground, robot, to_go, here, motion, 0.0, touching=touching)
+    if turns is None:
+        return None
+    if turns == 0:
+        return Action.MOVE_FORWARD
+    return Action.TURN_LEFT if turns > 0 else Action.TURN_RIGHT
+
+
+def _best_turns(
+    ground: Ground,
+    robot: Pose2,
+    to_go: np.ndarray,
+    here: tuple[int, int],
+    motion: MotionConfig,
+    edge_cost: float,
+    *,
+    touching: bool,
+) -> int | None:
+    """Number of turns to the left before the best step; None if no step brings the robot nearer."""
+    turn, turns = math.radians(motion.turn_angle_deg), motion.turns_of_a_circle
+    least_m = math.inf
     if not touching:
-        most_left_m = float(to_go[here]) + _edge_cost(ground.clearance_m[here]) - _LEAST_GAIN_M
+        least_m = float(to_go[here]) + edge_cost * _narrow_m(ground.clearance_m[here])
     best, best_turns = math.inf, None
     for k in sorted(range(-(turns // 2) + 1, turns // 2 + 1), key=abs):
         pose = Pose2(robot.x, robot.y, wrap_angle(robot.yaw + k * turn))
-        left_m = _left_after(ground, pose, to_go, motion.forward_m)
+        left_m = _left_after(ground, pose, to_go, motion.forward_m, edge_cost)
         cost = left_m + _TURN_M * abs(k) * (motion.turn_angle_deg / 30.0)
-        if left_m < most_left_m and cost < best:
+        if left_m < least_m - _LEAST_GAIN_M and cost < best:
             best, best_turns = cost, k
-    if best_turns is None:
-        return None
-    if best_turns == 0:
-        return Action.MOVE_FORWARD
-    return Action.TURN_LEFT if best_turns > 0 else Action.TURN_RIGHT
+    return best_turns
 
 
-def _left_after(ground: Ground, pose: Pose2, to_go: np.ndarray, forward_m: float) -> float:
+def _left_after(
+    ground: Ground, pose: Pose2, to_go: np.ndarray, forward_m: float, edge_cost: float
+) -> float:
     """What is left to go after a step, metres, dearer near edges; infinite if it is not open."""
     end = pose.ahead(forward_m)
     count = max(math.ceil(forward_m / ground.grid.resolution_m), 1)
@@ -83,8 +101,9 @@ def _left_after(ground: Ground, pose: Pose2, to_go: np.ndarray, forward_m: float
     if not ground.grid.contains(line).all() or not ground.reached[tuple(line.T)].all():
         return math.inf
     on_line = tuple(line.T)
-    return float(to_go[on_line][-1]) + _edge_cost(ground.clearance_m[on_line].min())
+    return float(to_go[on_line][-1]) + edge_cost * _narrow_m(ground.clearance_m[on_line].min())
 
 
-def _edge_cost(clearance_m: np.floating) -> float:
-    return _EDGE_COST * max(_MIDDLE_M - float(clearance_m), 0.0)
+def _narrow_m(clearance_m: np.floating) -> float:
+    """How much nearer to an edge than wanted a clearance is, metres."""
+    return max(_MIDDLE_M - float(clearance_m), 0.0)

@@ -150,11 +150,23 @@ def edge(axis: float, *, x: float = 0.0) -> Connector:
 
 def test_an_edge_that_is_too_near_to_be_seen_whole_counts_if_it_agrees_with_what_is_known():
     known, near, far = [edge(0.0)], (0.5, 0.0), (2.0, 0.0)
-    assert reliable([edge(0.2), edge(1.0)], known, near) == [edge(0.2)]
-    assert reliable([edge(0.2), edge(1.0)], known, far) == [edge(0.2), edge(1.0)]
-    assert reliable([edge(0.0, x=3.0)], known, (3.0, 0.5)) == []
+    ground = memory_after([FLOOR], Pose2(0.5, 0.0, 0.0)).ground_around(near, down=True)
+    assert reliable([edge(0.2), edge(1.0)], known, near, ground, 0.0) == [edge(0.2)]
+    assert reliable([edge(0.2), edge(1.0)], known, far, ground, 0.0) == [edge(0.2), edge(1.0)]
+    assert reliable([edge(0.0, x=3.0)], known, (3.0, 0.5), ground, 0.0) == []
     up = Connector(0, True, (0.0, 0.0), 0.0)
-    assert reliable([up], [], near) == [up]
+    assert reliable([up], [], near, ground, 0.0) == [up]
+
+
+def test_a_near_edge_counts_if_steps_beyond_it_were_seen():
+    steps_and_wall = stairs_down()[:-1]
+    gallery: SolidBox = ((FIRST_X, SIDES_Y[1], -3.0), (12.0, 10.0, 0.0))
+    across = [Pose2(FIRST_X + 0.2, SIDES_Y[1] + away_m, -math.pi / 2.0) for away_m in (2.4, 2.0)]
+    before, near = (FIRST_X - 0.4, MIDDLE_Y), Connector(0, False, (FIRST_X, MIDDLE_Y), 0.0)
+    ground = memory_after([*steps_and_wall, gallery], *across).ground_around(before, down=True)
+    assert reliable([near], [], before, ground, 0.0) == [near]
+    unseen = memory_after(stairs_down(), *before_stairs(2.0, 0.4)).ground_around(before, down=True)
+    assert reliable([near], [], before, unseen, 0.0) == []
 
 
 def test_the_axis_is_the_mean_of_sightings_that_agree():

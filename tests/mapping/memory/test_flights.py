@@ -98,6 +98,25 @@ def test_a_flight_that_begins_here_is_not_taken_for_another_one():
     ground = memory.ground_around(robot.xy, down=True)
     here = replace(FLIGHT, end=(robot.x, robot.y - 1.2), axis=-math.pi / 2.0)
     assert flight_down(ground, robot, 0.0, here, FLIGHT) is here
+    across = replace(FLIGHT, axis=math.pi / 2.0)
+    assert flight_down(ground, robot, 0.0, across, FLIGHT) is across
+
+
+def test_from_a_landing_presumed_stairs_count_beside_the_few_steps_that_are_seen():
+    memory = seen_from(stairs_down(), *before_the_edge()[:2])
+    robot = before_the_edge()[1]
+    ground = memory.ground_around(robot.xy, down=True)
+    presumed = ground.presumed & ground.reached
+    few = np.zeros_like(presumed)
+    few[tuple(np.argwhere(presumed)[:12].T)] = True
+    partly = replace(
+        ground,
+        measured=np.where(few, np.float32(-0.18), ground.measured),
+        seen=ground.seen | few,
+        presumed=ground.presumed & ~few,
+    )
+    to = stairs_ahead(partly, robot, 0.0, None, goes_up=False, on_slope=False)
+    assert (to & partly.presumed).sum() > few.sum()
 
 
 def test_the_flight_of_a_connector_leads_where_the_robot_goes():

@@ -363,14 +363,36 @@ def test_unseen_ground_right_before_a_drop_is_none():
     assert states(came_by, EDGE) == {Cell.FREE}
 
 
-def test_a_robot_that_climbs_and_that_of_the_paper_see_no_drops():
-    climbing = TopDownMap(CONFIG, Embodiment(body=BodyConfig(max_step_m=0.2)))
+CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
+
+
+def map_of_a_climber(boxes, poses):
+    world_map = TopDownMap(CONFIG, CLIMBER)
+    for pose in poses:
+        world_map.integrate(view_of(boxes, pose))
+    return world_map
+
+
+def test_the_robot_of_the_paper_sees_no_drops():
     published = TopDownMap(MappingConfig(sees_drops=False), EMBODIMENT)
     for pose in TOWARDS_STAIRS:
-        for world_map in (climbing, published):
-            world_map.integrate(view_of(UPSTAIRS, pose))
+        published.integrate(view_of(UPSTAIRS, pose))
     assert states(published, DROP[:6]) == {Cell.FREE}
-    assert Cell.OCCUPIED not in states(climbing, DROP[:6])
+
+
+def test_to_a_robot_that_climbs_a_drop_is_unknown():
+    assert states(map_of_a_climber(UPSTAIRS, TOWARDS_STAIRS), DROP) == {Cell.UNKNOWN}
+
+
+def test_the_wall_of_a_stairwell_shows_from_afar_that_there_is_no_floor():
+    far = [Pose2(-1.0, 0.0, 0.0)]
+    assert states(map_of_a_climber(UPSTAIRS, far), np.array([[3.0, 0.0]])) == {Cell.UNKNOWN}
+
+
+def test_ground_two_steps_lower_is_floor_to_a_robot_that_climbs():
+    lower = [((-30.0, -30.0, -1.0), (2.0, 30.0, 0.0)), ((2.0, -30.0, -1.0), (30.0, 30.0, -0.35))]
+    world_map = map_of_a_climber(lower, TOWARDS_STAIRS)
+    assert states(world_map, np.array([[2.8, 0.0], [3.4, 0.2]])) == {Cell.FREE}
 
 
 def test_a_step_down_and_a_floor_that_odometry_raises_are_no_drops():

@@ -16,12 +16,11 @@ import numpy as np
 from jaxtyping import Bool
 
 from hypernav.core.geometry.transforms import wrap_angle
+from hypernav.mapping.config import STAIRS_M
 from hypernav.mapping.ground import Ground
 
 LEVEL_M = 0.08
 """Greatest height above or below a floor, metres, that belongs to it: rugs and sills do."""
-_RISE_M = 0.45
-"""Height above or below the floor, metres, to which stairs lead at least: three steps."""
 _LEAST_M2 = 0.1
 """Ground that far from the floor's height, within the robot's reach, square metres."""
 _DROP_M2 = 0.25
@@ -37,7 +36,7 @@ _WHOLE_M = 1.0
 _SAME_AXIS = 0.35
 """Greatest difference between the directions of two sightings of one edge, radians."""
 _SPECK_CELLS = 10
-_SIGHTINGS = 2
+SIGHTINGS = 2
 """Images that must show a connector before the robot relies on it."""
 
 
@@ -75,7 +74,7 @@ class Connector:
     @property
     def is_usable(self) -> bool:
         """Whether the robot may rely on it."""
-        return self.passage is not Passage.REFUTED and self.sightings >= _SIGHTINGS
+        return self.passage is not Passage.REFUTED and self.sightings >= SIGHTINGS
 
     @property
     def is_new(self) -> bool:
@@ -110,22 +109,42 @@ class Connector:
 
 
 def reliable(
-    seen: Sequence[Connector], known: Sequence[Connector], position: tuple[float, float]
+    seen: Sequence[Connector],
+    known: Sequence[Connector],
+    position: tuple[float, float],
+    ground: Ground,
+    floor_z: float,
 ) -> list[Connector]:
     """The sightings without those of edges of the floor that are too near to be seen whole.
 
-    Of these a camera sees the ends only. They count if they lead where a known connector does.
+    Of these a camera sees the ends only. They count if steps beyond them were seen, from farther
+    away, or if they lead where a known connector does.
+
+    Args:
+        seen: The sightings.
+        known: The known connectors.
+        position: The robot ``(x, y)``, metres.
+        ground: Ground around the robot.
+        floor_z: Height of the floor, metres.
     """
     return [
         one
         for one in seen
         if one.goes_up
         or math.dist(one.end, position) >= _WHOLE_M
+        or _shows_steps(ground, one, floor_z)
         or any(
             one.is_same(other) and abs(wrap_angle(one.axis - other.axis)) <= _SAME_AXIS
             for other in known
         )
     ]
+
+
+def _shows_steps(ground: Ground, down: Connector, floor_z: float) -> bool:
+    """Whether ground below the floor was seen right beyond the end of stairs down."""
+    with np.errstate(invalid="ignore"):
+        below = ground.reached & ground.seen & (ground.measured <= floor_z - LEVEL_M)
+    return ground.area_m2(below & (ground.distances_m(down.end) <= _ALONG_M)) >= _LEAST_M2
 
 
 def with_sightings(known: Sequence[Connector], seen: Sequence[Connector]) -> tuple[Connector, ...]:
@@ -170,11 +189,11 @@ def with_crossing(
     connectors = list(known)
     there = connectors[number]
     connectors[number] = replace(there, passage=Passage.USED, other_floor=floor)
-    back = Connector(floor, not there.goes_up, end, axis, sightings=_SIGHTINGS)
+    back = Connector(floor, not there.goes_up, end, axis, sightings=SIGHTINGS)
     same = next((k for k, one in enumerate(connectors) if one.is_same(back)), len(connectors))
     seen = connectors[same] if same < len(connectors) else back
     connectors[same:] = [
-        replace(seen, passage=Passage.USED, other_floor=there.floor, sightings=_SIGHTINGS),
+        replace(seen, passage=Passage.USED, other_floor=there.floor, sightings=SIGHTINGS),
         *connectors[same + 1 :],
     ]
     return tuple(connectors)
@@ -192,7 +211,7 @@ def connectors_in(ground: Ground, floor: int, floor_z: float) -> list[Connector]
     with np.errstate(invalid="ignore"):
         above = reached & ground.seen & (heights >= floor_z + LEVEL_M)
         below = reached & (ground.presumed | (ground.seen & (heights <= floor_z - LEVEL_M)))
-        high, low = heights >= floor_z + _RISE_M, ground.seen & (heights <= floor_z - _RISE_M)
+        high, low = heights >= floor_z + STAIRS_M, ground.seen & (heights <= floor_z - STAIRS_M)
     found = list[Connector]()
     for part in _parts(above):
         if min(ground.area_m2(part & high), ground.area_m2(part & ~high)) >= _LEAST_M2:

@@ -20,7 +20,6 @@ _AHEAD_M = 0.9
 _LEAST_AHEAD_M = 0.3
 _NEXT_M = 2.5
 """Length of the axis, metres, on which presumed stairs must begin for the robot to follow it."""
-_SAME_DROP_M = 0.3
 _SAME_TREAD_M = 0.06
 _BESIDE_AXIS_M = 0.15
 """Distance from the axis within which the robot's aim on stairs that it does not see lies."""
@@ -77,8 +76,13 @@ def flight_down(
         if not one.goes_up and abs(quarters - round(quarters)) <= _ASKEW:
             found.append(replace(one, axis=first.axis + round(quarters) * math.pi / 2.0))
     if before is not None and robot.distance_to(*before.end) <= _BEGINS_M:
-        found = [one for one in found if one.is_same(before)] or [before]
+        found = [one for one in found if one.is_same(before) and _agree(one, before)] or [before]
     return min(found, key=lambda one: robot.distance_to(*one.end), default=None)
+
+
+def _agree(one: Connector, other: Connector) -> bool:
+    """Whether two of these flights lead in the same direction."""
+    return abs(wrap_angle(one.axis - other.axis)) < math.pi / 4.0
 
 
 def on_flight(
@@ -123,12 +127,14 @@ def stairs_ahead(
             on_axis &= (ahead_m > _LEAST_AHEAD_M) & (ahead_m < (_AHEAD_M if on_slope else _NEXT_M))
             if on_axis.sum() >= _LEAST_CELLS:
                 return on_axis & (ahead_m >= min(_AHEAD_M, float(ahead_m[on_axis].max())) - 0.1)
-    if beyond.sum() < _LEAST_CELLS:
-        beyond = presumed
+    is_few = beyond.sum() < _LEAST_CELLS
+    if not is_few:
+        best = np.where(beyond, rise, -np.inf).max()
+        beyond &= rise >= best - _SAME_TREAD_M
+    if is_few or not on_slope:
+        beyond |= presumed
     if not beyond.any():
         return beyond
-    best = np.where(beyond, rise, -np.inf).max()
-    beyond &= rise >= best - np.where(ground.presumed, _SAME_DROP_M, _SAME_TREAD_M)
     away = ground.distances_m(robot.xy)
     return beyond & (away >= min(_AHEAD_M, float(away[beyond].max())))
 

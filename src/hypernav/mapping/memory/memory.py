@@ -21,10 +21,11 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
-from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.config import UNEVEN_M, MappingConfig
 from hypernav.mapping.elevation_map import ElevationMap
 from hypernav.mapping.ground import Ground
 from hypernav.mapping.memory.connectors import (
+    SIGHTINGS,
     Connector,
     Passage,
     connectors_in,
@@ -157,7 +158,7 @@ class Memory:
         if shows_steps and not self.on_stairs:
             ground = self.ground_around(here, down=True)
             seen = connectors_in(ground, self.number, self.ground_z)
-            seen = reliable(seen, self.connectors, here)
+            seen = reliable(seen, self.connectors, here, ground, self.ground_z)
             self.connectors = with_sightings(self.connectors, seen)
         return self.floor
 
@@ -265,6 +266,19 @@ class Memory:
             self.elevation.mark_occupied(points_xy)
         if not self.on_stairs:
             self.floor.map.mark_occupied(points_xy)
+
+    def gets_onto_stairs_down(self, robot: Pose2) -> int | None:
+        """Note stairs down that the robot got onto without having seen them; return their number.
+
+        None if it is at most a step below its ground, or has tried these stairs already.
+        """
+        if self.z >= self.ground_z - self.embodiment.body.max_step_m - UNEVEN_M:
+            return None
+        stairs = Connector(self.number, False, robot.xy, robot.yaw, sightings=SIGHTINGS)
+        if any(one.is_same(stairs) for one in self.connectors):
+            return None
+        self.connectors = (*self.connectors, stairs)
+        return len(self.connectors) - 1
 
     def give_up(self, number: int) -> None:
         """Note that an attempt to take a connector has failed; this search makes no other one.

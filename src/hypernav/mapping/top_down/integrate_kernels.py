@@ -21,7 +21,9 @@ type in it is renamed:
   cell is occupied, largest evidence
 - ``margins``: metres, and metres per metre, that a ray must end behind a voxel to have passed it
 - ``fall``: height of the camera above the floor, then how far below it, in metres and in metres per
-  metre of depth, a point shows that its ray has passed no floor; infinite if drops don't matter
+  metre of depth, a point shows that its ray has passed no floor, infinite if drops don't matter;
+  then how far, in metres, ground may be below it and belong to it: infinite if drops are obstacles,
+  else they stay unknown
 """
 
 import numpy as np
@@ -137,7 +139,10 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, fa
             if floor > 0 and fall[1] < np.inf:
                 below = shows_below(depth, lens, pose, x, y, fall)
             if below == 2 and (floor == 2 or seen[row, column] == 0):
-                drops[row, column], bumps[row, column] = DROP_VIEWS, 0
+                if fall[3] == np.inf:
+                    drops[row, column], bumps[row, column] = DROP_VIEWS, 0
+                else:
+                    seen[row, column] = 0
                 changed = True
             elif floor == 2 or (floor == 1 and below == 0):
                 changed = seen[row, column] == 0

@@ -21,6 +21,7 @@ from hypernav.mapping.config import (
     OCCUPIED_EVIDENCE,
     PASS_MARGIN_M,
     PASS_MARGIN_RATIO,
+    STAIRS_M,
     UNEVEN_M,
     UNEVEN_SHARE,
     MappingConfig,
@@ -48,8 +49,9 @@ class TopDownMap:
     disappears.
 
     For a robot that does not climb stairs, a cell is occupied that the image shows to have no
-    floor. Right before the robot, below the image, a cell of which nothing is known has none where
-    the lowest pixel in its direction shows none.
+    floor; for one that does it stays unknown, since stairs may lead down there. Right before the
+    robot, below the image, a cell of which nothing is known has none where the lowest pixel in its
+    direction shows none.
 
     The map has no fixed size: it grows by chunks of cells, in all directions, aligned to the
     ``map`` frame.
@@ -82,8 +84,11 @@ class TopDownMap:
         )
         self._margins = (PASS_MARGIN_M, PASS_MARGIN_RATIO)
         body = embodiment.body
-        sees_drops = config.sees_drops and not body.climbs_stairs
-        self._drop_m = body.max_step_m + UNEVEN_M if sees_drops else math.inf
+        self._fall = (math.inf, UNEVEN_SHARE, math.inf)
+        if config.sees_drops and body.climbs_stairs:
+            self._fall = (2.0 * UNEVEN_M, UNEVEN_SHARE / 2.0, STAIRS_M)
+        elif config.sees_drops:
+            self._fall = (body.max_step_m + UNEVEN_M, UNEVEN_SHARE, math.inf)
         above_bottom_m = embodiment.camera.height_m - self._band.bottom_m
         to_camera = math.ceil(above_bottom_m / config.voxel_height_m)
         layers = np.arange(max(self._band.layers, to_camera)) + 0.5
@@ -182,7 +187,7 @@ class TopDownMap:
             self._sizes,
             self._weights,
             self._margins,
-            (float(pose.translation[2]), self._drop_m, UNEVEN_SHARE),
+            (float(pose.translation[2]), *self._fall),
             self._counts,
             self._touched,
             tuple(self._arrays),
