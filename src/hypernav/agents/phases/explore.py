@@ -112,12 +112,16 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
 
 
 def _explored(step: Step, memory: Memory) -> Destination | None:
-    """The explorer's next destination; where all is known, what this search has not looked at."""
+    """The explorer's next destination; where all is known, what this search has not looked at.
+
+    Stairs to what nobody has seen come before that.
+    """
     search, explorer = memory.search, step.use.explorer
     with step.clock("global"):
         destination = explorer.next_destination(step.view(memory))
         may_look_again = step.config.recall and search.looked_over is not None
-        if destination is None and may_look_again and not search.looks_again:
+        leads_on = step.config.use_stairs and bool(ways_out(memory))
+        if destination is None and may_look_again and not (search.looks_again or leads_on):
             search.looks_again = True
             step.events.append("all is known, looking again")
             destination = explorer.next_destination(step.view(memory))
