@@ -7,14 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.agents.phases.recall import (
-    LIKELY,
-    errand,
-    is_refuted,
-    recalled,
-    seen_in_image,
-    stairs_to_errand,
-)
+from hypernav.agents.phases.recall import errand, is_refuted, recalled, remembered
 from hypernav.agents.plan import Climbing, Plan, patience_of
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
@@ -70,11 +63,7 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
                 turns = step.motion.turns_of_a_circle
                 return Phase.LOOK_AROUND, replace(plan, turns_left=turns, full_turn=True)
             destination = (
-                stairs_to_errand(step, memory)
-                or recalled(step, memory, LIKELY)
-                or seen_in_image(step, memory)
-                or _explored(step, memory)
-                or recalled(step, memory, 0.0)
+                remembered(step, memory) or _explored(step, memory) or recalled(step, memory, 0.0)
             )
             if destination is None:
                 memory.search.is_explored = True
