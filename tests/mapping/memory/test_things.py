@@ -106,6 +106,7 @@ def test_a_miss_says_less_of_a_thing_that_was_often_overlooked():
     [
         (Pose2(2.0, 3.0, np.pi), "it is behind the robot"),
         (Pose2(0.3, 0.3, 0.6), "it is too far away"),
+        (Pose2(7.0, 3.0, np.pi), "it was seen from the other side alone, and may be behind a wall"),
     ],
 )
 def test_an_image_that_need_not_show_a_thing_is_no_miss(robot, why):

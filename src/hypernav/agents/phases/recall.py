@@ -189,6 +189,7 @@ def _way_to(
 ) -> tuple[tuple[float, float], float]:
     """The reachable position beside a thing, in sight of it, and the length of the path there.
 
+    It lies on a side that the thing was seen from: the map may not show what hides it from others.
     Where there is none, the position is one that the robot has seen it from.
     """
     grid = reach.grid
@@ -200,6 +201,7 @@ def _way_to(
         is_clear = lines_are_clear(
             memory.floor.map.eye_level(around), points, inside, through=_filled(thing, grid)
         )
+        is_clear &= thing.was_seen_from(points)
         rows, columns, points = rows[is_clear], columns[is_clear], points[is_clear]
     if not len(points):
         return thing.seen_from, 2.0 * step.robot.distance_to(*thing.seen_from)
@@ -220,8 +222,9 @@ def _near(thing: Thing, grid: OccupancyGrid) -> np.ndarray:
 
 
 def _filled(thing: Thing, grid: OccupancyGrid) -> Float64[np.ndarray, "n 2"]:
-    """Middles of the cells that a thing's box covers, ``(x, y)``, metres."""
+    """Middles of the cells of a thing and of what it stands on, ``(x, y)``, metres."""
     size = grid.resolution_m
-    x = np.arange(thing.low[0] - size / 2.0, thing.high[0] + size, size)
-    y = np.arange(thing.low[1] - size / 2.0, thing.high[1] + size, size)
+    beside_m = size / 2.0 if thing.low[2] < _ON_FLOOR_M else _UNDER_IT_M
+    x = np.arange(thing.low[0] - beside_m, thing.high[0] + beside_m + size / 2.0, size)
+    y = np.arange(thing.low[1] - beside_m, thing.high[1] + beside_m + size / 2.0, size)
     return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)

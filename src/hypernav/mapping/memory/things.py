@@ -260,14 +260,22 @@ def _middle_depth(box: Box, observation: Observation, camera: CameraConfig) -> f
 
 
 def _that_should_show(things: Iterable[Thing], observation: Observation) -> list[Thing]:
-    """The things that an image should show, near and large enough to be detected."""
+    """The things that an image should show, near and large enough to be detected.
+
+    What was seen from other sides alone may be hidden from this one, by what is on no map.
+    """
     near = [one for one in things if _is_near(one, observation)]
     if not near:
         return []
     # Low down the floor behind it is near enough to have depth, if the thing is not there.
     heights = [one.low[2] + _LOW_SHARE * one.size[2] for one in near]
     visible = are_visible(np.stack([one.outline for one in near]), np.array(heights), observation)
-    return [one for one, is_visible in zip(near, visible.tolist(), strict=True) if is_visible]
+    here = np.array([observation.robot.xy])
+    return [
+        one
+        for one, is_visible in zip(near, visible.tolist(), strict=True)
+        if is_visible and one.was_seen_from(here)[0]
+    ]
 
 
 def _is_near(one: Thing, observation: Observation) -> bool:
