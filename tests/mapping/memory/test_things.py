@@ -131,6 +131,25 @@ def test_a_detector_that_looks_for_beds_alone_misses_no_sofa():
     assert one.known[0].missed == 1
 
 
+def test_one_that_is_not_the_red_sofa_is_not_missed_and_known_as_another():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0))
+    image, red = view_of([*HALL, SOFA], Pose2(2.0, 3.0, 0.0)), Goal("red sofa")
+    things = things.after_image(image, [], SENSOR, search=1, only=red)
+    assert things.known[0].missed == 0
+    assert things.others_in(image, red) == {0}
+    assert things.others_in(image, Goal("sofa")) == set()
+    assert after(things, Pose2(2.0, 3.0, 0.0)).others_in(image, red) == set()
+
+
+def test_where_something_has_the_goal_s_own_name_others_of_its_kind_are_no_candidates():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0), label="ceiling lamp")
+    assert [one.label for one, _ in things.fitting(Goal("table lamp"))] == ["ceiling lamp"]
+    lower = ((4.0, 0.2, 0.0), (5.0, 1.4, 0.8))
+    things = after(things, Pose2(2.0, 3.0, 0.0), solid=lower, label="table lamp")
+    assert [one.label for one, _ in things.fitting(Goal("table lamp"))] == ["table lamp"]
+    assert len(things.fitting(Goal("lamp"))) == 2
+
+
 def test_a_later_search_that_sees_it_as_large_moves_it():
     things = after(Things(), Pose2(2.0, 3.0, 0.0))
     nearer = ((3.8, 2.3, 0.0), (4.8, 3.5, 0.8))

@@ -239,7 +239,9 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
         plan = plan.explore(pursued=(*plan.exploring.pursued, destination.xy))
     elif destination.thing is not None:
         search.gone_to.add(destination.thing)
-        search.looks_again = True  # it may have been moved, and not far
+        thing = memory.floor.things.find(destination.thing)
+        if thing is None or thing.fits(step.goal) == 1.0:
+            search.looks_again = True  # it may have been moved, and not far
     elif destination.image is not None:
         left = (one for one in search.images_to_visit if one != destination.image)
         search.images_to_visit = tuple(left)

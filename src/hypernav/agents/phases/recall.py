@@ -177,11 +177,11 @@ def seen_in_image(step: Step, memory: Memory) -> Destination | None:
 
 
 def is_refuted(memory: Memory, plan: Plan) -> bool:
-    """Whether images from the way have shown that the remembered thing is no longer there."""
+    """Whether images from the way have shown that the remembered thing is gone, or another one."""
     if plan.destination is None or plan.destination.thing is None:
         return False
     thing = memory.floor.things.find(plan.destination.thing)
-    return thing is None or thing.is_gone
+    return thing is None or thing.is_gone or thing.number in memory.search.gone_to
 
 
 def _way_to(
