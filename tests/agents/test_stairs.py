@@ -13,6 +13,7 @@ from hypernav.build.presets import preset, with_changes
 from hypernav.core.actions import Action
 from hypernav.core.chat import Question
 from hypernav.core.episodes.episode import Episode
+from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -246,8 +247,17 @@ def test_the_paper_stays_on_one_floor():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("two_sofas", [False, True])
-def test_a_robot_that_is_sent_to_a_thing_on_another_floor_takes_the_stairs_that_it_knows(two_sofas):
+@pytest.mark.parametrize(
+    ("is_sent", "two_sofas", "reason"),
+    [
+        (True, False, "the sofa that is meant is on another floor: stairs down"),
+        (True, True, "the sofa that is meant is on another floor: stairs down"),
+        (False, False, "a sofa was seen on another floor: stairs down"),
+    ],
+)
+def test_a_robot_takes_the_stairs_that_it_knows_to_a_thing_on_another_floor(
+    is_sent, two_sofas, reason
+):
     world, agent = split_level(two_sofas=two_sofas), build_search(CONFIG, GroundTruthDetector())
     memory = Memory(CONFIG.mapping, CONFIG.embodiment)
     low = Episode("x", "0", Goal("bed"), Pose2(START_X, 1.0, 0.0), start_z=0.0)
@@ -259,12 +269,39 @@ def test_a_robot_that_is_sent_to_a_thing_on_another_floor_takes_the_stairs_that_
         if episode is high:
             memory.begin_at(observation)
             (sofa,) = [one for one in memory.floors[0].things.known if one.label == "sofa"]
-            memory.go_first_to(0, sofa.number)
+            if is_sent:
+                memory.go_first_to(0, sofa.number)
         trace = list[StepTrace]()
         while len(trace) < 150 and (action := agent.act(observation)) not in (None, Action.STOP):
             trace.append(agent.last_step)
             observation = world.step(action)
     world.keep_map_frame(None)
-    assert trace[0].reason == "the sofa that is meant is on another floor: stairs down"
+    assert trace[0].reason == reason
     assert agent.last_step.action is Action.STOP
     assert memory.number == 0
+
+
+class KnowsAll:
+    """An explorer with nothing left to explore on this floor."""
+
+    def next_destination(self, view: ExplorationView) -> None:
+        return None
+
+
+@pytest.mark.slow
+def test_where_a_floor_is_known_stairs_to_what_is_unseen_come_before_looking_again():
+    world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
+    memory = Memory(CONFIG.mapping, CONFIG.embodiment)
+    episode = Episode("x", "0", Goal("piano"), Pose2(START_X, 1.0, 0.0), start_z=0.0)
+    agent.reset(episode.goal, memory)
+    observation = world.reset(episode)
+    while memory.number == 0 and (action := agent.act(observation)) is not None:
+        observation = world.step(action)
+    assert memory.number == 1
+    agent.components = replace(agent.components, explorer=KnowsAll())
+    agent.reset(episode.goal, memory)
+    observation = world.reset(episode)
+    memory.begin_at(observation)
+    agent.act(observation)
+    assert agent.last_step.events == []
+    assert agent.last_step.reason == "nothing is left to explore on this floor: stairs up"

@@ -140,6 +140,31 @@ def test_a_thing_that_was_never_seen_is_looked_for_again_where_all_is_known(memo
     assert over.cells[grid.explored].mean() > 0.7
 
 
+def test_another_of_the_goal_s_kind_does_not_make_the_robot_look_at_all_again(memory):
+    steps, _, known = searched(two_rooms(), "red sofa", IN_BEDROOM, memory)
+    events = [event for step in steps for event in step.events]
+    assert steps[0].reason == "a sofa was seen there before"
+    assert events.index("remembered thing is gone") < events.index("all is known, looking again")
+    assert not any(one.missed for one in known.floor.things.known)
+
+
+def test_a_thing_is_gone_to_on_the_side_that_it_was_seen_from():
+    """What hides it from the others, such as the wall that it hangs on, may be on no map."""
+    boxes = [*room_boxes(9.0, 4.0), ("bed", (4.2, 1.6, 0.0), (4.8, 2.4, 0.5))]
+    world = SimulatedWorld(scene_of(*boxes, name="hall"), CONFIG.world, CONFIG.embodiment)
+    _, _, memory = searched(world, "piano", Pose2(2.0, 1.0, 1.5), None)
+    (bed,) = memory.floor.things.known
+    for x in (1.0, 8.0):
+        (seen_from,) = world.map_to_scene.inverse().apply(np.array([[x, 2.0, 0.0]]))
+        things = replace(bed, views=((*seen_from[:2], 1.0),))
+        known = memory.copy()
+        known.floor.things = replace(known.floor.things, known=(things,))
+        steps, _, _ = searched(world, "bed", Pose2(2.0, 2.0, 3.14), known)
+        assert steps[0].destination is not None
+        (there,) = world.map_to_scene.apply(np.array([[*steps[0].destination, 0.0]]))
+        assert (there[0] > 4.5) == (x > 4.5)
+
+
 TWO_SOFAS = [
     *room_boxes(9.0, 4.0),
     ("sofa", (0.1, 1.2, 0.0), (0.9, 2.8, 0.7)),

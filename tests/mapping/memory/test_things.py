@@ -106,6 +106,7 @@ def test_a_miss_says_less_of_a_thing_that_was_often_overlooked():
     [
         (Pose2(2.0, 3.0, np.pi), "it is behind the robot"),
         (Pose2(0.3, 0.3, 0.6), "it is too far away"),
+        (Pose2(7.0, 3.0, np.pi), "it was seen from the other side alone, and may be behind a wall"),
     ],
 )
 def test_an_image_that_need_not_show_a_thing_is_no_miss(robot, why):
@@ -128,6 +129,25 @@ def test_a_detector_that_looks_for_beds_alone_misses_no_sofa():
     assert one.known[0].missed == 0
     one = things.after_image(image, [], SENSOR, search=1, only=Goal("couch"))
     assert one.known[0].missed == 1
+
+
+def test_one_that_is_not_the_red_sofa_is_not_missed_and_known_as_another():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0))
+    image, red = view_of([*HALL, SOFA], Pose2(2.0, 3.0, 0.0)), Goal("red sofa")
+    things = things.after_image(image, [], SENSOR, search=1, only=red)
+    assert things.known[0].missed == 0
+    assert things.others_in(image, red) == {0}
+    assert things.others_in(image, Goal("sofa")) == set()
+    assert after(things, Pose2(2.0, 3.0, 0.0)).others_in(image, red) == set()
+
+
+def test_where_something_has_the_goal_s_own_name_others_of_its_kind_are_no_candidates():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0), label="ceiling lamp")
+    assert [one.label for one, _ in things.fitting(Goal("table lamp"))] == ["ceiling lamp"]
+    lower = ((4.0, 0.2, 0.0), (5.0, 1.4, 0.8))
+    things = after(things, Pose2(2.0, 3.0, 0.0), solid=lower, label="table lamp")
+    assert [one.label for one, _ in things.fitting(Goal("table lamp"))] == ["table lamp"]
+    assert len(things.fitting(Goal("lamp"))) == 2
 
 
 def test_a_later_search_that_sees_it_as_large_moves_it():

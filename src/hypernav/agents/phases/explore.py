@@ -7,14 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.agents.phases.recall import (
-    LIKELY,
-    errand,
-    is_refuted,
-    recalled,
-    seen_in_image,
-    stairs_to_errand,
-)
+from hypernav.agents.phases.recall import errand, is_refuted, recalled, remembered
 from hypernav.agents.plan import Climbing, Plan, patience_of
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
@@ -70,11 +63,7 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
                 turns = step.motion.turns_of_a_circle
                 return Phase.LOOK_AROUND, replace(plan, turns_left=turns, full_turn=True)
             destination = (
-                stairs_to_errand(step, memory)
-                or recalled(step, memory, LIKELY)
-                or seen_in_image(step, memory)
-                or _explored(step, memory)
-                or recalled(step, memory, 0.0)
+                remembered(step, memory) or _explored(step, memory) or recalled(step, memory, 0.0)
             )
             if destination is None:
                 memory.search.is_explored = True
@@ -112,12 +101,16 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
 
 
 def _explored(step: Step, memory: Memory) -> Destination | None:
-    """The explorer's next destination; where all is known, what this search has not looked at."""
+    """The explorer's next destination; where all is known, what this search has not looked at.
+
+    Stairs to what nobody has seen come before that.
+    """
     search, explorer = memory.search, step.use.explorer
     with step.clock("global"):
         destination = explorer.next_destination(step.view(memory))
         may_look_again = step.config.recall and search.looked_over is not None
-        if destination is None and may_look_again and not search.looks_again:
+        leads_on = step.config.use_stairs and bool(ways_out(memory))
+        if destination is None and may_look_again and not (search.looks_again or leads_on):
             search.looks_again = True
             step.events.append("all is known, looking again")
             destination = explorer.next_destination(step.view(memory))
@@ -246,7 +239,9 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
         plan = plan.explore(pursued=(*plan.exploring.pursued, destination.xy))
     elif destination.thing is not None:
         search.gone_to.add(destination.thing)
-        search.looks_again = True  # it may have been moved, and not far
+        thing = memory.floor.things.find(destination.thing)
+        if thing is None or thing.fits(step.goal) == 1.0:
+            search.looks_again = True  # it may have been moved, and not far
     elif destination.image is not None:
         left = (one for one in search.images_to_visit if one != destination.image)
         search.images_to_visit = tuple(left)

@@ -9,6 +9,8 @@ from hypernav.agents.plan import Plan
 from hypernav.agents.step import Step
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.goal import Goal
+from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.ways import known_floors, routes_from_here
@@ -16,10 +18,26 @@ from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.mapping.sight_lines import lines_are_clear
 from hypernav.perception.image_recall import IMAGES_PER_QUESTION
 
-LIKELY = 0.25
+_LIKELY = 0.25
 """Chance to be the goal from which a remembered thing is gone to before anything is explored."""
+_WORTH_STAIRS = 0.5
+"""Chance from which that is so over stairs: more than a thing of the goal's kind alone has."""
 _BESIDE_M = 1.0
 """Distance from a thing within which the robot goes, in sight of it, metres."""
+_ON_FLOOR_M = 0.3
+"""Height of a thing's lowest point, metres, from which it stands on something or hangs."""
+_UNDER_IT_M = 0.3
+"""Distance from such a thing, metres, up to which what it stands on reaches and hides nothing."""
+
+
+def remembered(step: Step, memory: Memory) -> Destination | None:
+    """Where the memory sends the robot before anything is explored; None if nowhere."""
+    return (
+        stairs_to_errand(step, memory)
+        or recalled(step, memory, _LIKELY)
+        or seen_in_image(step, memory)
+        or stairs_to_recalled(step, memory)
+    )
 
 
 def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
@@ -33,15 +51,10 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
     search, floor = memory.search, memory.floor
     if not step.config.recall or not search.remembered:
         return None
-    fitting = floor.things.fitting(step.goal)
     meant = search.errand(floor.things, step.goal)
-    likely = [one for one in fitting if meant is not None and one[0].number == meant.number] or [
-        (thing, chance)
-        for thing, chance in fitting
-        if chance >= least
-        and thing.number in search.remembered
-        and thing.number not in search.gone_to
-    ]
+    fitting = floor.things.fitting(step.goal)
+    likely = [one for one in fitting if meant is not None and one[0].number == meant.number]
+    likely = likely or _left(floor, step.goal, least)
     if not likely:
         return None
     with step.clock("plan"):
@@ -94,6 +107,35 @@ def stairs_to_errand(step: Step, memory: Memory) -> Destination | None:
     return Destination(*way.xy, reason=reason, connector=way.connector, holds=True)
 
 
+def stairs_to_recalled(step: Step, memory: Memory) -> Destination | None:
+    """The stairs to the nearest floor where a remembered thing may be the goal.
+
+    Returns:
+        None if there is none, or stairs that the robot has taken don't lead to it.
+    """
+    if not (step.config.recall and step.config.use_stairs):
+        return None
+    for one in known_floors(memory):
+        left = _left(memory.floors[one.number], step.goal, _WORTH_STAIRS)
+        if left:
+            way, label = one.way[0], left[0][0].label
+            reason = f"a {label} was seen on another floor: {way.words}"
+            return Destination(*way.xy, reason=reason, connector=way.connector, holds=True)
+    return None
+
+
+def _left(floor: Floor, goal: Goal, least: float) -> list[tuple[Thing, float]]:
+    """What is remembered of a floor, may be the goal and was not gone to, with its chances."""
+    search = floor.search
+    return [
+        (thing, chance)
+        for thing, chance in floor.things.fitting(goal)
+        if chance >= least
+        and thing.number in search.remembered
+        and thing.number not in search.gone_to
+    ]
+
+
 def seen_in_image(step: Step, memory: Memory) -> Destination | None:
     """The nearest position where a key image was taken in which a chat model sees the goal.
 
@@ -135,11 +177,11 @@ def seen_in_image(step: Step, memory: Memory) -> Destination | None:
 
 
 def is_refuted(memory: Memory, plan: Plan) -> bool:
-    """Whether images from the way have shown that the remembered thing is no longer there."""
+    """Whether images from the way have shown that the remembered thing is gone, or another one."""
     if plan.destination is None or plan.destination.thing is None:
         return False
     thing = memory.floor.things.find(plan.destination.thing)
-    return thing is None or thing.is_gone
+    return thing is None or thing.is_gone or thing.number in memory.search.gone_to
 
 
 def _way_to(
@@ -147,6 +189,7 @@ def _way_to(
 ) -> tuple[tuple[float, float], float]:
     """The reachable position beside a thing, in sight of it, and the length of the path there.
 
+    It lies on a side that the thing was seen from: the map may not show what hides it from others.
     Where there is none, the position is one that the robot has seen it from.
     """
     grid = reach.grid
@@ -158,6 +201,7 @@ def _way_to(
         is_clear = lines_are_clear(
             memory.floor.map.eye_level(around), points, inside, through=_filled(thing, grid)
         )
+        is_clear &= thing.was_seen_from(points)
         rows, columns, points = rows[is_clear], columns[is_clear], points[is_clear]
     if not len(points):
         return thing.seen_from, 2.0 * step.robot.distance_to(*thing.seen_from)
@@ -178,8 +222,9 @@ def _near(thing: Thing, grid: OccupancyGrid) -> np.ndarray:
 
 
 def _filled(thing: Thing, grid: OccupancyGrid) -> Float64[np.ndarray, "n 2"]:
-    """Middles of the cells that a thing's box covers, ``(x, y)``, metres."""
+    """Middles of the cells of a thing and of what it stands on, ``(x, y)``, metres."""
     size = grid.resolution_m
-    x = np.arange(thing.low[0] - size / 2.0, thing.high[0] + size, size)
-    y = np.arange(thing.low[1] - size / 2.0, thing.high[1] + size, size)
+    beside_m = size / 2.0 if thing.low[2] < _ON_FLOOR_M else _UNDER_IT_M
+    x = np.arange(thing.low[0] - beside_m, thing.high[0] + beside_m + size / 2.0, size)
+    y = np.arange(thing.low[1] - beside_m, thing.high[1] + beside_m + size / 2.0, size)
     return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)

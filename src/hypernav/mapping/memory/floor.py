@@ -50,7 +50,7 @@ class SearchMemory:
         number: Number of the search in this memory.
         lasts: Whether later searches are to know what it has seen.
         remembered: Numbers of the things that were known before it began.
-        gone_to: Numbers of those that it has gone to, or given up.
+        gone_to: Numbers of those that it has gone to, given up, or seen not to be the goal.
         given_up: Numbers of the connectors of this floor that it has tried to take in vain.
         images_to_ask: Numbers of the key images that a chat model is to be asked about, in the
             order in which it is; None before the first question.

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
@@ -33,6 +33,9 @@ _APART_M = 1.0
 """Distance between two positions, metres, from which their images are different views."""
 _GONE = 0.2
 """Chance below which a thing counts as gone."""
+
+_SAME_SIDE = math.cos(math.radians(30.0))
+"""Cosine of the angle between two directions from a thing that lie on the same side of it."""
 
 Corner = tuple[float, float, float]
 View = tuple[float, float, float]
@@ -124,6 +127,19 @@ class Thing:
     def is_gone(self) -> bool:
         """Whether it was missed so often that it probably is no longer there."""
         return self.missed > 0 and self.chance < _GONE
+
+    def was_seen_from(self, positions: Float64[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n"]:
+        """Whether it was seen from about the direction in which each position lies from it.
+
+        What hides it from other sides, such as the wall that it hangs on, may be on no map.
+
+        Args:
+            positions: Positions ``(x, y)``, metres.
+        """
+        middle = np.array(self.position[:2])
+        here, seen = positions - middle, np.array(self.views)[:, :2] - middle
+        lengths = np.linalg.norm(here, axis=1)[:, None] * np.linalg.norm(seen, axis=1)
+        return (here @ seen.T >= _SAME_SIDE * lengths).any(axis=1)
 
     def fits(self, goal: Goal) -> float:
         """How well its label fits a goal: 1 as far as asked, 0.5 only its kind, 0 not at all."""

@@ -36,6 +36,8 @@ _LEAST_PX = 20.0
 """Size in the image, pixels, below which it says nothing that a thing was not detected."""
 _NEAR_M = 4.0
 """Distance beyond which no image can be expected to show a thing, metres."""
+_WHOLLY, _ITS_KIND = 1.0, 0.5
+"""How well a thing's label may fit a goal; see `Thing.fits`."""
 _LARGER = 4.0
 """Times that a thing must be larger in an image than in all key images for one more of it."""
 
@@ -89,15 +91,30 @@ class Things:
         return next((one for one in self.known if one.number == number), None)
 
     def fitting(self, goal: Goal) -> list[tuple[Thing, float]]:
-        """The things that may be a goal and are not gone, each with the chance that it is."""
-        there = [one for one in self._of_labels_of(goal) if not one.is_gone]
+        """The things that may be a goal and are not gone, each with the chance that it is.
+
+        Where the detector has the goal's own word, other things of its kind are no candidates: a
+        ceiling lamp is no table lamp.
+        """
+        named = self._that_fit(goal, _WHOLLY) or self._that_fit(goal, _ITS_KIND)
+        there = [one for one in named if not one.is_gone]
         chances = [(one, one.chance * one.fits(goal)) for one in there]
         return [(one, chance) for one, chance in chances if chance > 0.0]
 
-    def _of_labels_of(self, goal: Goal) -> list[Thing]:
-        """The things with labels that fit a goal; there are far fewer labels than things."""
+    def others_in(self, observation: Observation, goal: Goal) -> set[int]:
+        """Numbers of the things of a goal's kind that the latest image shows not to be the goal.
+
+        Args:
+            observation: The latest image, in which the goal alone was looked for.
+            goal: Goal, of which more than its kind was said.
+        """
+        alike = [one for one in self._that_fit(goal, _ITS_KIND) if one.number not in self.shown]
+        return {one.number for one in _that_should_show(alike, observation)}
+
+    def _that_fit(self, goal: Goal, *fits: float) -> list[Thing]:
+        """The things that fit a goal so well; there are far fewer labels than things."""
         labels = {one.label for one in self.known}
-        fitting = {label for label in labels if fit(label, goal) > 0.0}
+        fitting = {label for label in labels if fit(label, goal) in fits}
         return [one for one in self.known if one.label in fitting] if fitting else []
 
     def after_image(
@@ -116,8 +133,8 @@ class Things:
             detections: All that was detected in it.
             camera: Camera, whose range of depth counts.
             search: Number of the present search.
-            only: Goal, if the detector looks for nothing else; then only things that fit it can be
-                missed.
+            only: Goal, if the detector looks for nothing else; then only things that fit all of it
+                can be missed.
         """
         after = self._with_seen(_seen_things(detections, observation, camera, search))
         return after._with_missed(observation, only)._at_most(MOST_THINGS)
@@ -145,7 +162,7 @@ class Things:
 
     def _with_missed(self, observation: Observation, only: Goal | None) -> "Things":
         """The things after an image, with those missed that it should show and doesn't."""
-        looked_for = self.known if only is None else self._of_labels_of(only)
+        looked_for = self.known if only is None else self._that_fit(only, _WHOLLY)
         unseen = [one for one in looked_for if one.number not in self.shown]
         missed = {one.number for one in _that_should_show(unseen, observation)}
         if not missed:
@@ -260,14 +277,22 @@ def _middle_depth(box: Box, observation: Observation, camera: CameraConfig) -> f
 
 
 def _that_should_show(things: Iterable[Thing], observation: Observation) -> list[Thing]:
-    """The things that an image should show, near and large enough to be detected."""
+    """The things that an image should show, near and large enough to be detected.
+
+    What was seen from other sides alone may be hidden from this one, by what is on no map.
+    """
     near = [one for one in things if _is_near(one, observation)]
     if not near:
         return []
     # Low down the floor behind it is near enough to have depth, if the thing is not there.
     heights = [one.low[2] + _LOW_SHARE * one.size[2] for one in near]
     visible = are_visible(np.stack([one.outline for one in near]), np.array(heights), observation)
-    return [one for one, is_visible in zip(near, visible.tolist(), strict=True) if is_visible]
+    here = np.array([observation.robot.xy])
+    return [
+        one
+        for one, is_visible in zip(near, visible.tolist(), strict=True)
+        if is_visible and one.was_seen_from(here)[0]
+    ]
 
 
 def _is_near(one: Thing, observation: Observation) -> bool:

@@ -162,6 +162,8 @@ class LocalPerception:
             search=search.number,
             only=only,
         )
+        if only is not None:
+            search.gone_to |= things.others_in(observation, goal)
         return things.refuted_at(refuted, goal, search.number) if refuted else things
 
     def _mask(
