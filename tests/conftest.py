@@ -40,6 +40,10 @@ check_modules(_checked_modules())
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    from hypernav.warmup.stale_kernels import forget_stale_kernels  # After the hook above.
+
+    if not hasattr(config, "workerinput"):
+        forget_stale_kernels()
     if config.getoption(
         "numprocesses", None
     ):  # not in a worker, and not where there is one process

@@ -1,8 +1,7 @@
 """Numba's kernels, compiled once for all processes of the tests before the first test.
 
 Otherwise each process compiles what its first tests need. Two processes share the work, which
-takes each of them half a minute where nothing is compiled. Numba looks at the file of a kernel
-alone: kernels that call one of another file would stay what they were when that one changes.
+takes each of them half a minute where nothing is compiled.
 """
 
 import subprocess
@@ -18,20 +17,11 @@ _STEPS = 15
 
 def compile_missing_kernels() -> None:
     """Fill the cache, if it lacks a kernel module. What cannot be compiled fails in its test."""
-    sources = sorted(_SOURCE.rglob("*_kernels.py"))
-    _forget_older_than(max(source.stat().st_mtime for source in sources))
-    if not any(map(_is_missing, sources)):
+    if not any(map(_is_missing, sorted(_SOURCE.rglob("*_kernels.py")))):
         return
     processes = [subprocess.Popen([sys.executable, __file__, part]) for part in _PARTS]
     for process in processes:
         process.wait()
-
-
-def _forget_older_than(changed: float) -> None:
-    """Forget what was compiled before any kernel module changed."""
-    for index in _SOURCE.rglob("__pycache__/*.nbi"):
-        if index.stat().st_mtime < changed:
-            index.unlink()
 
 
 def _is_missing(source: Path) -> bool:

@@ -86,5 +86,5 @@ def test_a_robot_goes_on_where_the_way_gets_narrow():
     x, y = np.moveaxis(
         ground.positions(np.ones((rows, columns), np.bool_)).reshape(rows, columns, 2), 2, 0
     )
-    narrow = ground.without((x > 1.2) & (np.abs(y) > 0.2), robot.xy)
+    narrow = ground.without((x > 1.4) & (np.abs(y) > 0.2), robot.xy)
     assert step_over_ground(narrow, robot, end_of(narrow), MOTION) is Action.MOVE_FORWARD

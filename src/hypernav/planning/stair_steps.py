@@ -56,7 +56,7 @@ def step_over_ground(
     if here is None:
         return None
     turns = _best_turns(ground, robot, to_go, here, motion, _EDGE_COST, touching=touching)
-    if turns is None:  # the way may lead through where it is narrow
+    if turns is None and not touching:  # the way may lead through where it is narrow
         turns = _best_turns(ground, robot, to_go, here, motion, 0.0, touching=touching)
     if turns is None:
         return None

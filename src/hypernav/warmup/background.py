@@ -18,6 +18,7 @@ from pathlib import Path
 from numba.extending import is_jitted
 
 from hypernav.mapping.top_down import integrate_kernels
+from hypernav.warmup.stale_kernels import forget_stale_kernels
 
 FIRST_RUN = "first run: compiling for this machine, once, takes a quarter of a minute or more …"
 
@@ -48,6 +49,7 @@ def warm_up_in_background(say: Callable[[str], object]) -> Iterator[None]:
     Args:
         say: Function that is called with the message that this run takes longer.
     """
+    forget_stale_kernels()
     if is_compiled():
         yield
         return

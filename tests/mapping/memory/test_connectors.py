@@ -10,7 +10,13 @@ from box_views import FLOOR, SolidBox, room, view_of
 from hypernav.core.embodiment import BodyConfig, Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.connectors import Connector, Passage, reliable, with_sightings
+from hypernav.mapping.memory.connectors import (
+    Connector,
+    Passage,
+    reliable,
+    relied_on,
+    with_sightings,
+)
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.ways import ways_out
 from stair_views import FIRST_X, SIDES_Y, stairs_down, stairs_up
@@ -176,3 +182,21 @@ def test_the_axis_is_the_mean_of_sightings_that_agree():
     assert known.axis == pytest.approx(0.1)
     (known,) = with_sightings([known], [edge(1.5)])
     assert known.axis == 1.5
+
+
+def test_stairs_that_the_robot_is_on_count_however_seldom_they_were_seen():
+    here = Connector(0, False, (3.0, 1.0), 0.0)
+    once = replace(here, end=(3.4, 1.0), axis=0.2, sightings=1)
+    known, number = relied_on([once], here)
+    assert (number, [one.end for one in known]) == (0, [once.end])
+    assert known[0].is_new
+    known, number = relied_on([], here)
+    assert number == 0
+    assert known[0].is_new
+
+
+@pytest.mark.parametrize("passage", [Passage.USED, Passage.REFUTED])
+def test_stairs_that_were_tried_are_not_relied_on_anew(passage):
+    floor = 1 if passage is Passage.USED else None
+    tried = Connector(0, False, (3.0, 1.0), 0.0, passage=passage, other_floor=floor)
+    assert relied_on([tried], replace(tried, passage=Passage.UNTRIED)) == ((tried,), None)

@@ -119,6 +119,16 @@ def test_from_a_landing_presumed_stairs_count_beside_the_few_steps_that_are_seen
     assert (to & partly.presumed).sum() > few.sum()
 
 
+@pytest.mark.parametrize("goes_up", [True, False])
+def test_a_few_cells_off_the_floor_are_no_stairs(goes_up):
+    ground = seen_from([FLOOR], HEAD).ground_around(HEAD.xy, down=False)
+    few = np.zeros_like(ground.seen)
+    few[tuple(np.argwhere(ground.seen & ground.reached)[-5:].T)] = True
+    height = np.float32(0.2 if goes_up else -0.2)
+    specks = replace(ground, measured=np.where(few, height, ground.measured))
+    assert not stairs_ahead(specks, HEAD, 0.0, None, goes_up=goes_up, on_slope=False).any()
+
+
 def test_the_flight_of_a_connector_leads_where_the_robot_goes():
     assert flight_from(FLIGHT, goes_up=False) is FLIGHT
     back = flight_from(FLIGHT, goes_up=True)

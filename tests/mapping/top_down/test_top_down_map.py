@@ -384,6 +384,22 @@ def test_to_a_robot_that_climbs_a_drop_is_unknown():
     assert states(map_of_a_climber(UPSTAIRS, TOWARDS_STAIRS), DROP) == {Cell.UNKNOWN}
 
 
+def test_holes_in_the_depth_leave_a_drop_unknown_to_a_robot_that_climbs():
+    x, y = np.meshgrid(np.arange(2.3, 4.5, 0.05), np.arange(-0.4, 0.4, 0.05))
+    well = np.stack([x.ravel(), y.ravel()], axis=1)
+    rng = np.random.default_rng(0)
+    world_map, whole = TopDownMap(CONFIG, CLIMBER), TopDownMap(CONFIG, CLIMBER)
+    for pose in TOWARDS_STAIRS:
+        view = view_of(UPSTAIRS, pose)
+        whole.integrate(view)
+        view.depth[rng.random(view.depth.shape) < 0.02] = 0.0
+        world_map.integrate(view)
+    some, all_ = (
+        sum(one.grid.state_at(*at) is Cell.UNKNOWN for at in well) for one in (world_map, whole)
+    )
+    assert some > 0.9 * all_
+
+
 def test_the_wall_of_a_stairwell_shows_from_afar_that_there_is_no_floor():
     far = [Pose2(-1.0, 0.0, 0.0)]
     assert states(map_of_a_climber(UPSTAIRS, far), np.array([[3.0, 0.0]])) == {Cell.UNKNOWN}

@@ -36,7 +36,7 @@ _WHOLE_M = 1.0
 _SAME_AXIS = 0.35
 """Greatest difference between the directions of two sightings of one edge, radians."""
 _SPECK_CELLS = 10
-SIGHTINGS = 2
+_SIGHTINGS = 2
 """Images that must show a connector before the robot relies on it."""
 
 
@@ -74,7 +74,7 @@ class Connector:
     @property
     def is_usable(self) -> bool:
         """Whether the robot may rely on it."""
-        return self.passage is not Passage.REFUTED and self.sightings >= SIGHTINGS
+        return self.passage is not Passage.REFUTED and self.sightings >= _SIGHTINGS
 
     @property
     def is_new(self) -> bool:
@@ -117,8 +117,8 @@ def reliable(
 ) -> list[Connector]:
     """The sightings without those of edges of the floor that are too near to be seen whole.
 
-    Of these a camera sees the ends only. They count if steps beyond them were seen, from farther
-    away, or if they lead where a known connector does.
+    Of these a camera sees the ends only. They count if ground below the floor was seen
+    near them, from farther away, or if they lead where a known connector does.
 
     Args:
         seen: The sightings.
@@ -141,7 +141,7 @@ def reliable(
 
 
 def _shows_steps(ground: Ground, down: Connector, floor_z: float) -> bool:
-    """Whether ground below the floor was seen right beyond the end of stairs down."""
+    """Whether ground below the floor was seen near the end of stairs down."""
     with np.errstate(invalid="ignore"):
         below = ground.reached & ground.seen & (ground.measured <= floor_z - LEVEL_M)
     return ground.area_m2(below & (ground.distances_m(down.end) <= _ALONG_M)) >= _LEAST_M2
@@ -170,6 +170,21 @@ def _mean_axis(known: Connector, seen: Connector) -> float:
     return wrap_angle(known.axis + turned / (known.sightings + 1))
 
 
+def relied_on(
+    known: Sequence[Connector], stairs: Connector
+) -> tuple[tuple[Connector, ...], int | None]:
+    """The known connectors with stairs that the robot is on, and their number.
+
+    It may rely on them, however seldom they were seen. No number is given for what it has tried.
+    """
+    number = next((k for k, one in enumerate(known) if one.is_same(stairs)), len(known))
+    there = known[number] if number < len(known) else stairs
+    there = replace(there, sightings=max(there.sightings, _SIGHTINGS))
+    if not there.is_new:
+        return tuple(known), None
+    return (*known[:number], there, *known[number + 1 :]), number
+
+
 def with_crossing(
     known: Sequence[Connector],
     number: int,
@@ -189,11 +204,11 @@ def with_crossing(
     connectors = list(known)
     there = connectors[number]
     connectors[number] = replace(there, passage=Passage.USED, other_floor=floor)
-    back = Connector(floor, not there.goes_up, end, axis, sightings=SIGHTINGS)
+    back = Connector(floor, not there.goes_up, end, axis, sightings=_SIGHTINGS)
     same = next((k for k, one in enumerate(connectors) if one.is_same(back)), len(connectors))
     seen = connectors[same] if same < len(connectors) else back
     connectors[same:] = [
-        replace(seen, passage=Passage.USED, other_floor=there.floor, sightings=SIGHTINGS),
+        replace(seen, passage=Passage.USED, other_floor=there.floor, sightings=_SIGHTINGS),
         *connectors[same + 1 :],
     ]
     return tuple(connectors)

@@ -127,12 +127,13 @@ def stairs_ahead(
             on_axis &= (ahead_m > _LEAST_AHEAD_M) & (ahead_m < (_AHEAD_M if on_slope else _NEXT_M))
             if on_axis.sum() >= _LEAST_CELLS:
                 return on_axis & (ahead_m >= min(_AHEAD_M, float(ahead_m[on_axis].max())) - 0.1)
-    is_few = beyond.sum() < _LEAST_CELLS
-    if not is_few:
+    if beyond.sum() < _LEAST_CELLS:
+        beyond = presumed
+    else:
         best = np.where(beyond, rise, -np.inf).max()
         beyond &= rise >= best - _SAME_TREAD_M
-    if is_few or not on_slope:
-        beyond |= presumed
+        if not on_slope:
+            beyond |= presumed
     if not beyond.any():
         return beyond
     away = ground.distances_m(robot.xy)

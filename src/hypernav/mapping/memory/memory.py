@@ -25,11 +25,11 @@ from hypernav.mapping.config import UNEVEN_M, MappingConfig
 from hypernav.mapping.elevation_map import ElevationMap
 from hypernav.mapping.ground import Ground
 from hypernav.mapping.memory.connectors import (
-    SIGHTINGS,
     Connector,
     Passage,
     connectors_in,
     reliable,
+    relied_on,
     with_crossing,
     with_sightings,
 )
@@ -268,17 +268,17 @@ class Memory:
             self.floor.map.mark_occupied(points_xy)
 
     def gets_onto_stairs_down(self, robot: Pose2) -> int | None:
-        """Note stairs down that the robot got onto without having seen them; return their number.
+        """Rely on stairs down that the robot got onto, seen too seldom or never; say which.
 
-        None if it is at most a step below its ground, or has tried these stairs already.
+        Returns:
+            Their number; None if the robot is at most a step below its ground, or has tried stairs
+            here already.
         """
         if self.z >= self.ground_z - self.embodiment.body.max_step_m - UNEVEN_M:
             return None
-        stairs = Connector(self.number, False, robot.xy, robot.yaw, sightings=SIGHTINGS)
-        if any(one.is_same(stairs) for one in self.connectors):
-            return None
-        self.connectors = (*self.connectors, stairs)
-        return len(self.connectors) - 1
+        stairs = Connector(self.number, False, robot.xy, robot.yaw)
+        self.connectors, number = relied_on(self.connectors, stairs)
+        return None if number in self.search.given_up else number
 
     def give_up(self, number: int) -> None:
         """Note that an attempt to take a connector has failed; this search makes no other one.

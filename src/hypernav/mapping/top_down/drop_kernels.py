@@ -66,6 +66,10 @@ def shows_below(depth, lens, pose, x, y, fall):
         return 0
     for i in range(-1, 2):  # single pixels err
         for j in range(-1, 2):
+            if fall[3] < np.inf and not is_measured(
+                depth_at(depth, u + j, v + i), lens[4], lens[5]
+            ):
+                continue  # a hole beside it says nothing
             if not is_below(depth, lens, pose, u + j, v + i, fall, 1.0):
                 return 1
     return 2
