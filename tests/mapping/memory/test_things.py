@@ -150,6 +150,21 @@ def test_where_something_has_the_goal_s_own_name_others_of_its_kind_are_no_candi
     assert len(things.fitting(Goal("lamp"))) == 2
 
 
+@pytest.mark.parametrize(
+    ("change", "labels"),
+    [({"missed": 5}, ["ceiling lamp"]), ({"score": 0.31}, ["ceiling lamp", "table lamp"])],
+)
+def test_others_of_its_kind_are_candidates_where_what_has_its_name_is_gone_or_hardly_likely(
+    change, labels
+):
+    things = after(Things(), Pose2(2.0, 3.0, 0.0), label="ceiling lamp")
+    lower = ((4.0, 0.2, 0.0), (5.0, 1.4, 0.8))
+    things = after(things, Pose2(2.0, 3.0, 0.0), solid=lower, label="table lamp")
+    ceiling, table = things.known
+    things = replace(things, known=(ceiling, replace(table, **change)))
+    assert [one.label for one, _ in things.fitting(Goal("table lamp"))] == labels
+
+
 def test_a_later_search_that_sees_it_as_large_moves_it():
     things = after(Things(), Pose2(2.0, 3.0, 0.0))
     nearer = ((3.8, 2.3, 0.0), (4.8, 3.5, 0.8))

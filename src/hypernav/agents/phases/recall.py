@@ -13,13 +13,12 @@ from hypernav.core.goal import Goal
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.thing import Thing
+from hypernav.mapping.memory.things import LIKELY
 from hypernav.mapping.memory.ways import known_floors, routes_from_here
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.mapping.sight_lines import lines_are_clear
 from hypernav.perception.image_recall import IMAGES_PER_QUESTION
 
-_LIKELY = 0.25
-"""Chance to be the goal from which a remembered thing is gone to before anything is explored."""
 _WORTH_STAIRS = 0.5
 """Chance from which that is so over stairs: more than a thing of the goal's kind alone has."""
 _BESIDE_M = 1.0
@@ -34,7 +33,7 @@ def remembered(step: Step, memory: Memory) -> Destination | None:
     """Where the memory sends the robot before anything is explored; None if nowhere."""
     return (
         stairs_to_errand(step, memory)
-        or recalled(step, memory, _LIKELY)
+        or recalled(step, memory, LIKELY)
         or seen_in_image(step, memory)
         or stairs_to_recalled(step, memory)
     )
