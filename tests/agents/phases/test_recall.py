@@ -203,6 +203,19 @@ def test_being_sent_to_what_is_forgotten_or_gone_is_a_search_like_any(memory):
     assert run.result().metrics.success
 
 
+def test_a_robot_is_sent_to_one_thing_though_another_has_the_goal_s_own_name(memory):
+    (sofa,) = [one for one in memory.floor.things.known if one.label == "sofa"]
+    red = replace(sofa, number=9_999, label="red sofa")
+    things = memory.floor.things
+    memory.floor.things = replace(things, known=(*things.known, red))
+    agent, world = build_search(CONFIG, GroundTruthDetector(), ExchangeLog()), two_rooms()
+    with in_frame_of_start(world):
+        run = EpisodeRun(agent, world, episode_from(IN_BEDROOM, "red sofa"), memory=memory)
+        memory.go_first_to(0, sofa.number)
+        step = next(iter(run)).trace
+    assert step.reason == "a sofa was seen there before"
+
+
 def sent_to_the_sofa(memory, change) -> EpisodeResult:
     """The search of a robot that is sent to the sofa, after a change of what is remembered."""
     agent, world = build_search(CONFIG, GroundTruthDetector(), ExchangeLog()), two_rooms()

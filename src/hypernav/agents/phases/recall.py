@@ -51,9 +51,7 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
     if not step.config.recall or not search.remembered:
         return None
     meant = search.errand(floor.things, step.goal)
-    fitting = floor.things.fitting(step.goal)
-    likely = [one for one in fitting if meant is not None and one[0].number == meant.number]
-    likely = likely or _left(floor, step.goal, least)
+    likely = [(meant, 1.0)] if meant is not None else _left(floor, step.goal, least)
     if not likely:
         return None
     with step.clock("plan"):
