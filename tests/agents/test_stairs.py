@@ -271,6 +271,9 @@ def test_a_robot_takes_the_stairs_that_it_knows_to_a_thing_on_another_floor(
             (sofa,) = [one for one in memory.floors[0].things.known if one.label == "sofa"]
             if is_sent:
                 memory.go_first_to(0, sofa.number)
+            floor, couch = memory.floors[0], replace(sofa, number=999, label="couch", score=0.8)
+            floor.things = replace(floor.things, known=(couch, *floor.things.known))
+            floor.search.remembered |= {999}
         trace = list[StepTrace]()
         while len(trace) < 150 and (action := agent.act(observation)) not in (None, Action.STOP):
             trace.append(agent.last_step)

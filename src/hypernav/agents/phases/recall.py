@@ -115,7 +115,7 @@ def stairs_to_recalled(step: Step, memory: Memory) -> Destination | None:
     for one in known_floors(memory):
         left = _left(memory.floors[one.number], step.goal, _WORTH_STAIRS)
         if left:
-            way, label = one.way[0], left[0][0].label
+            way, label = one.way[0], max(left, key=lambda pair: pair[1])[0].label
             reason = f"a {label} was seen on another floor: {way.words}"
             return Destination(*way.xy, reason=reason, connector=way.connector, holds=True)
     return None
