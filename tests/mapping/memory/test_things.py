@@ -10,6 +10,7 @@ from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.mapping.memory.floor import SearchMemory
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import MOST_THINGS, Things
 
@@ -139,6 +140,35 @@ def test_one_that_is_not_the_red_sofa_is_not_missed_and_known_as_another():
     assert things.others_in(image, red) == {0}
     assert things.others_in(image, Goal("sofa")) == set()
     assert after(things, Pose2(2.0, 3.0, 0.0)).others_in(image, red) == set()
+
+
+def test_what_lies_where_the_goal_was_detected_may_be_it():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0))
+    image, detections = looks_at(Pose2(2.0, 3.0, 0.0), label="red sofa")
+    red = Goal("red sofa")
+    things = things.after_image(image, detections, SENSOR, search=2, only=red)
+    assert [one.label for one in things.known] == ["sofa", "red sofa"]
+    assert things.others_in(image, red) == set()
+
+
+def test_one_image_alone_rules_out_no_thing_that_was_surely_seen():
+    things, red = Things(), Goal("red sofa")
+    for x in (1.0, 1.5, 2.0):
+        things = after(things, Pose2(x, 3.0, 0.0))
+    search = SearchMemory()
+    search.note_others({0}, things, red)
+    assert search.gone_to == set()
+    for _ in range(2):
+        search.note_others({0}, things, red)
+    assert search.gone_to == {0}
+
+
+def test_no_image_rules_out_the_one_that_is_meant():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0))
+    search = SearchMemory(meant=things.known[0])
+    for _ in range(5):
+        search.note_others({0}, things, Goal("red sofa"))
+    assert search.gone_to == set()
 
 
 def test_where_something_has_the_goal_s_own_name_others_of_its_kind_are_no_candidates():

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.agents.phases.recall import errand, is_refuted, recalled, remembered
+from hypernav.agents.phases.recall import errand, recalled, refutation, remembered
 from hypernav.agents.plan import Climbing, Plan, patience_of
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
@@ -162,8 +162,9 @@ def _without_finished(step: Step, memory: Memory, plan: Plan) -> Plan:
     destination, config = plan.destination, step.config
     if destination is None or destination.connector is not None:
         return plan
-    if is_refuted(memory, plan):
-        return _ended("remembered thing is gone", step, memory, plan)
+    refuted = refutation(memory, plan)
+    if refuted is not None:
+        return _ended(refuted, step, memory, plan)
     if step.robot.distance_to(*destination.xy) < _arrival_m(destination, step):
         if _facing_turn(destination, step) is None:
             return _ended("destination reached", step, memory, plan)

@@ -173,12 +173,14 @@ def seen_in_image(step: Step, memory: Memory) -> Destination | None:
     )
 
 
-def is_refuted(memory: Memory, plan: Plan) -> bool:
-    """Whether images from the way have shown that the remembered thing is gone, or another one."""
+def refutation(memory: Memory, plan: Plan) -> str | None:
+    """What images from the way have shown of the remembered thing; None if it may be the goal."""
     if plan.destination is None or plan.destination.thing is None:
-        return False
+        return None
     thing = memory.floor.things.find(plan.destination.thing)
-    return thing is None or thing.is_gone or thing.number in memory.search.gone_to
+    if thing is None or thing.is_gone:
+        return "remembered thing is gone"
+    return "remembered thing is another" if thing.number in memory.search.gone_to else None
 
 
 def _way_to(

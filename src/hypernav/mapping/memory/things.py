@@ -106,11 +106,18 @@ class Things:
     def others_in(self, observation: Observation, goal: Goal) -> set[int]:
         """Numbers of the things of a goal's kind that the latest image shows not to be the goal.
 
+        What lies where something was detected may be that, by another name.
+
         Args:
             observation: The latest image, in which the goal alone was looked for.
             goal: Goal, of which more than its kind was said.
         """
-        alike = [one for one in self._that_fit(goal, _ITS_KIND) if one.number not in self.shown]
+        shown = [one for one in self.known if one.number in self.shown]
+        alike = [
+            one
+            for one in self._that_fit(goal, _ITS_KIND)
+            if not any(overlap(one, other) for other in shown)
+        ]
         return {one.number for one in _that_should_show(alike, observation)}
 
     def _that_fit(self, goal: Goal, *fits: float) -> list[Thing]:
