@@ -47,7 +47,7 @@ class SearchMemory:
         visits: Destinations ``(x, y)`` that were reached or given up, the oldest first, metres.
         looked: Where the robot has looked from its position; None before the first look.
         notes: What explorers have noted, by keys of their own: plain values that can be copied.
-        is_explored: Whether nothing was left to explore.
+        is_explored: Whether nothing was left to explore, nor to look at again.
         number: Number of the search in this memory.
         lasts: Whether later searches are to know what it has seen.
         remembered: Numbers of the things that were known before it began.
@@ -145,6 +145,7 @@ class Floor:
         sightings: Things that were seen on it, other than the goal, for explorers' questions.
         things: All things that were seen on it, for later searches.
         search: What the present search has learned on it.
+        was_explored: Whether a search, this one or an earlier one, has explored it to its end.
     """
 
     z: float
@@ -153,6 +154,7 @@ class Floor:
     sightings: Sightings = field(default_factory=Sightings)
     things: Things = field(default_factory=Things)
     search: SearchMemory = field(default_factory=SearchMemory)
+    was_explored: bool = False
 
     def integrate(self, observation: Observation) -> None:
         """Add a frame, with heights counted from the ground, to map and trajectory."""
