@@ -271,6 +271,9 @@ def test_a_robot_takes_the_stairs_that_it_knows_to_a_thing_on_another_floor(
             (sofa,) = [one for one in memory.floors[0].things.known if one.label == "sofa"]
             if is_sent:
                 memory.go_first_to(0, sofa.number)
+            floor, couch = memory.floors[0], replace(sofa, number=999, label="couch", score=0.8)
+            floor.things = replace(floor.things, known=(couch, *floor.things.known))
+            floor.search.remembered |= {999}
         trace = list[StepTrace]()
         while len(trace) < 150 and (action := agent.act(observation)) not in (None, Action.STOP):
             trace.append(agent.last_step)
@@ -281,6 +284,10 @@ def test_a_robot_takes_the_stairs_that_it_knows_to_a_thing_on_another_floor(
     assert memory.number == 0
 
 
+PIANO = Episode("x", "0", Goal("piano"), Pose2(START_X, 1.0, 0.0), start_z=0.0)
+"""A search for what is on neither floor."""
+
+
 class KnowsAll:
     """An explorer with nothing left to explore on this floor."""
 
@@ -288,20 +295,55 @@ class KnowsAll:
         return None
 
 
-@pytest.mark.slow
-def test_where_a_floor_is_known_stairs_to_what_is_unseen_come_before_looking_again():
+@pytest.fixture(scope="module")
+def barely_entered() -> Memory:
+    """What a robot knows that has explored the lower room, and has just come up."""
     world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
     memory = Memory(CONFIG.mapping, CONFIG.embodiment)
-    episode = Episode("x", "0", Goal("piano"), Pose2(START_X, 1.0, 0.0), start_z=0.0)
-    agent.reset(episode.goal, memory)
-    observation = world.reset(episode)
+    agent.reset(PIANO.goal, memory)
+    observation = world.reset(PIANO)
     while memory.number == 0 and (action := agent.act(observation)) is not None:
         observation = world.step(action)
     assert memory.number == 1
+    assert [one.was_explored for one in memory.floors] == [True, False]
+    return memory
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("was_explored", [False, True])
+def test_where_a_floor_is_known_stairs_to_what_is_unseen_come_before_looking_again(
+    barely_entered, was_explored
+):
+    world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
+    memory = barely_entered.copy()
+    memory.floors[1].was_explored = was_explored
     agent.components = replace(agent.components, explorer=KnowsAll())
-    agent.reset(episode.goal, memory)
-    observation = world.reset(episode)
+    agent.reset(PIANO.goal, memory)
+    observation = world.reset(PIANO)
     memory.begin_at(observation)
     agent.act(observation)
-    assert agent.last_step.events == []
     assert agent.last_step.reason == "nothing is left to explore on this floor: stairs up"
+    assert agent.last_step.events == (["all is known, looking again"] if was_explored else [])
+
+
+@pytest.mark.slow
+def test_a_robot_comes_back_to_look_again_and_stays_for_it_where_all_is_known(barely_entered):
+    world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
+    memory = barely_entered.copy()
+    again = list[list[int]]()
+    for _ in range(2):
+        agent.reset(PIANO.goal, memory)
+        observation = world.reset(PIANO)
+        memory.begin_at(observation)
+        again.append([])
+        for _ in range(400):
+            action = agent.act(observation)
+            if "all is known, looking again" in agent.last_step.events:
+                again[-1].append(memory.number)
+            if action is None:
+                break
+            observation = world.step(action)
+        assert agent.last_step.reason == "nothing is left to explore"
+        assert all(one.was_explored for one in memory.floors)
+    assert again[0][-1] == 0
+    assert again[1] == [0, 1]

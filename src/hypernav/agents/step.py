@@ -19,7 +19,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.ways import known_floors, ways_out
+from hypernav.mapping.memory.ways import known_floors, new_ways
 from hypernav.perception.image_recall import ImageRecall
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.config import PlanningConfig
@@ -125,7 +125,7 @@ class Step:
             things=floor.sightings.things,
             floor=memory.number,
             notes=floor.search.notes,
-            ways_out=ways_out(memory, new=True) if self.config.use_stairs else (),
+            ways_out=new_ways(memory) if self.config.use_stairs else (),
             elsewhere=known_floors(memory) if self.config.use_stairs else (),
         )
 

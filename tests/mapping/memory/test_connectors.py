@@ -18,7 +18,7 @@ from hypernav.mapping.memory.connectors import (
     with_sightings,
 )
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.ways import ways_out
+from hypernav.mapping.memory.ways import new_ways, ways_out, ways_to_unseen
 from stair_views import FIRST_X, SIDES_Y, stairs_down, stairs_up
 
 CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
@@ -127,9 +127,36 @@ def test_used_stairs_are_known_from_both_ends_and_lead_on_until_all_is_explored(
     assert (there.floor, there.other_floor, there.goes_up) == (0, 1, True)
     assert (back.floor, back.other_floor, back.goes_up) == (1, 0, False)
     assert [one.connector for one in ways_out(memory)] == [1]
-    assert not ways_out(memory, new=True)
-    memory.floors[0].search.is_explored = True
+    assert not new_ways(memory)
+    memory.floors[0].was_explored = memory.floors[0].search.is_explored = True
     assert not ways_out(memory)
+
+
+def test_a_floor_that_an_earlier_search_explored_is_not_unseen_and_yet_left_to_this_one():
+    memory = memory_after([FLOOR, *stairs_up()], *before_stairs(3.0, 2.5))
+    memory.number = memory.add_floor(1.8)
+    memory.crossed(0)
+    memory.floors[0].was_explored = True
+    memory.begin_search(sees_stairs=True)
+    assert not ways_to_unseen(memory)
+    assert [one.connector for one in ways_out(memory)] == [1]
+
+
+def test_the_way_to_what_is_unseen_is_the_one_over_the_fewest_stairs():
+    """Else a robot between two such ways might go to and fro."""
+    memory = memory_after([FLOOR], Pose2(0.0, 0.0, 0.0))
+    memory.add_floor(1.8)
+    up = Connector(0, True, (1.0, 0.0), 0.0, Passage.USED, other_floor=1, sightings=2)
+    back = replace(up, floor=1, goes_up=False, other_floor=0)
+    new = Connector(0, False, (5.0, 0.0), 0.0, sightings=2)
+    memory.connectors = (up, back, replace(new, floor=1, goes_up=True))
+    memory.floors[0].was_explored = memory.floors[1].was_explored = True
+    assert [one.connector for one in ways_to_unseen(memory)] == [0]
+    memory.connectors = (*memory.connectors, new)
+    assert [one.connector for one in ways_to_unseen(memory)] == [3]
+    memory.give_up(3)
+    memory.floors[1].search.given_up.add(2)
+    assert not ways_to_unseen(memory)
 
 
 def test_stairs_that_were_taken_stay_a_way_though_a_search_fails_on_them():

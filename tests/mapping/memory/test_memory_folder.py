@@ -42,6 +42,7 @@ def run(memory, start: Pose2 = LIVING_ROOM, goal: str = "bed", most: int = 60, w
 def home(tmp_path) -> Path:
     """A folder with the memory of a search for the bed."""
     with open_memory(tmp_path / "home", CONFIG) as memory:
+        memory.memory.floor.was_explored = True
         run(memory)
     return tmp_path / "home"
 
@@ -61,6 +62,7 @@ def is_same(a: Memory, b: Memory) -> None:
         assert one.things.known == other.things.known
         assert one.things.count == other.things.count
         assert one.sightings == other.sightings
+        assert one.was_explored == other.was_explored
         assert one.z == other.z
     assert a.images is not None
     assert b.images is not None
@@ -78,6 +80,7 @@ def is_same(a: Memory, b: Memory) -> None:
 
 def test_loading_gives_what_was_saved(tmp_path):
     with open_memory(tmp_path, CONFIG) as first:
+        first.memory.floor.was_explored = True
         run(first)
     with open_memory(tmp_path, CONFIG) as second:
         is_same(first.memory, second.memory)
@@ -188,6 +191,7 @@ def test_a_damaged_map_is_drawn_anew_and_things_and_images_are_kept(home, damage
         (line,) = memory.left_out
         assert line.startswith("the map of floor 0 is damaged (")
         assert not memory.memory.floor.map.grid.explored.any()
+        assert not memory.memory.floor.was_explored
         assert memory.memory.floor.things.known
         assert all(len(one.patches) for one in images_of(memory).kept)
         actions = run(memory, DOOR, "bed")

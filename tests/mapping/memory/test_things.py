@@ -10,6 +10,7 @@ from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.mapping.memory.floor import SearchMemory
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import MOST_THINGS, Things
 
@@ -141,6 +142,35 @@ def test_one_that_is_not_the_red_sofa_is_not_missed_and_known_as_another():
     assert after(things, Pose2(2.0, 3.0, 0.0)).others_in(image, red) == set()
 
 
+def test_what_lies_where_the_goal_was_detected_may_be_it():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0))
+    image, detections = looks_at(Pose2(2.0, 3.0, 0.0), label="red sofa")
+    red = Goal("red sofa")
+    things = things.after_image(image, detections, SENSOR, search=2, only=red)
+    assert [one.label for one in things.known] == ["sofa", "red sofa"]
+    assert things.others_in(image, red) == set()
+
+
+def test_one_image_alone_rules_out_no_thing_that_was_surely_seen():
+    things, red = Things(), Goal("red sofa")
+    for x in (1.0, 1.5, 2.0):
+        things = after(things, Pose2(x, 3.0, 0.0))
+    search = SearchMemory()
+    search.note_others({0}, things, red)
+    assert search.gone_to == set()
+    for _ in range(2):
+        search.note_others({0}, things, red)
+    assert search.gone_to == {0}
+
+
+def test_no_image_rules_out_the_one_that_is_meant():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0))
+    search = SearchMemory(meant=things.known[0])
+    for _ in range(5):
+        search.note_others({0}, things, Goal("red sofa"))
+    assert search.gone_to == set()
+
+
 def test_where_something_has_the_goal_s_own_name_others_of_its_kind_are_no_candidates():
     things = after(Things(), Pose2(2.0, 3.0, 0.0), label="ceiling lamp")
     assert [one.label for one, _ in things.fitting(Goal("table lamp"))] == ["ceiling lamp"]
@@ -148,6 +178,21 @@ def test_where_something_has_the_goal_s_own_name_others_of_its_kind_are_no_candi
     things = after(things, Pose2(2.0, 3.0, 0.0), solid=lower, label="table lamp")
     assert [one.label for one, _ in things.fitting(Goal("table lamp"))] == ["table lamp"]
     assert len(things.fitting(Goal("lamp"))) == 2
+
+
+@pytest.mark.parametrize(
+    ("change", "labels"),
+    [({"missed": 5}, ["ceiling lamp"]), ({"score": 0.31}, ["ceiling lamp", "table lamp"])],
+)
+def test_others_of_its_kind_are_candidates_where_what_has_its_name_is_gone_or_hardly_likely(
+    change, labels
+):
+    things = after(Things(), Pose2(2.0, 3.0, 0.0), label="ceiling lamp")
+    lower = ((4.0, 0.2, 0.0), (5.0, 1.4, 0.8))
+    things = after(things, Pose2(2.0, 3.0, 0.0), solid=lower, label="table lamp")
+    ceiling, table = things.known
+    things = replace(things, known=(ceiling, replace(table, **change)))
+    assert [one.label for one, _ in things.fitting(Goal("table lamp"))] == labels
 
 
 def test_a_later_search_that_sees_it_as_large_moves_it():

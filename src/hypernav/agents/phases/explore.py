@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.agents.phases.recall import errand, is_refuted, recalled, remembered
+from hypernav.agents.phases.recall import errand, recalled, refutation, remembered
 from hypernav.agents.plan import Climbing, Plan, patience_of
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
@@ -16,7 +16,7 @@ from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Mode
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.ways import ways_out
+from hypernav.mapping.memory.ways import ways_out, ways_to_unseen
 
 _CHOICES_PER_STEP = 4
 _AROUND_M = 0.75
@@ -66,7 +66,8 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
                 remembered(step, memory) or _explored(step, memory) or recalled(step, memory, 0.0)
             )
             if destination is None:
-                memory.search.is_explored = True
+                memory.floor.was_explored = True
+                memory.search.is_explored = not _may_look_again(step, memory)
                 destination = _way_out(step, memory)
             if destination is None:
                 return Phase.END, plan
@@ -103,18 +104,23 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
 def _explored(step: Step, memory: Memory) -> Destination | None:
     """The explorer's next destination; where all is known, what this search has not looked at.
 
-    Stairs to what nobody has seen come before that.
+    Stairs to what nobody has seen come before that; the robot comes back for it.
     """
     search, explorer = memory.search, step.use.explorer
     with step.clock("global"):
         destination = explorer.next_destination(step.view(memory))
-        may_look_again = step.config.recall and search.looked_over is not None
-        leads_on = step.config.use_stairs and bool(ways_out(memory))
-        if destination is None and may_look_again and not (search.looks_again or leads_on):
+        leads_on = step.config.use_stairs and bool(ways_to_unseen(memory))
+        if destination is None and _may_look_again(step, memory) and not leads_on:
             search.looks_again = True
             step.events.append("all is known, looking again")
             destination = explorer.next_destination(step.view(memory))
     return destination
+
+
+def _may_look_again(step: Step, memory: Memory) -> bool:
+    """Whether this search knows parts of the floor from earlier ones alone, and leaves them out."""
+    search = memory.search
+    return step.config.recall and search.looked_over is not None and not search.looks_again
 
 
 def _way_out(step: Step, memory: Memory) -> Destination | None:
@@ -162,8 +168,9 @@ def _without_finished(step: Step, memory: Memory, plan: Plan) -> Plan:
     destination, config = plan.destination, step.config
     if destination is None or destination.connector is not None:
         return plan
-    if is_refuted(memory, plan):
-        return _ended("remembered thing is gone", step, memory, plan)
+    refuted = refutation(memory, plan)
+    if refuted is not None:
+        return _ended(refuted, step, memory, plan)
     if step.robot.distance_to(*destination.xy) < _arrival_m(destination, step):
         if _facing_turn(destination, step) is None:
             return _ended("destination reached", step, memory, plan)

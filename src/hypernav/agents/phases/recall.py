@@ -13,13 +13,12 @@ from hypernav.core.goal import Goal
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.thing import Thing
+from hypernav.mapping.memory.things import LIKELY
 from hypernav.mapping.memory.ways import known_floors, routes_from_here
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.mapping.sight_lines import lines_are_clear
 from hypernav.perception.image_recall import IMAGES_PER_QUESTION
 
-_LIKELY = 0.25
-"""Chance to be the goal from which a remembered thing is gone to before anything is explored."""
 _WORTH_STAIRS = 0.5
 """Chance from which that is so over stairs: more than a thing of the goal's kind alone has."""
 _BESIDE_M = 1.0
@@ -34,7 +33,7 @@ def remembered(step: Step, memory: Memory) -> Destination | None:
     """Where the memory sends the robot before anything is explored; None if nowhere."""
     return (
         stairs_to_errand(step, memory)
-        or recalled(step, memory, _LIKELY)
+        or recalled(step, memory, LIKELY)
         or seen_in_image(step, memory)
         or stairs_to_recalled(step, memory)
     )
@@ -52,9 +51,7 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
     if not step.config.recall or not search.remembered:
         return None
     meant = search.errand(floor.things, step.goal)
-    fitting = floor.things.fitting(step.goal)
-    likely = [one for one in fitting if meant is not None and one[0].number == meant.number]
-    likely = likely or _left(floor, step.goal, least)
+    likely = [(meant, 1.0)] if meant is not None else _left(floor, step.goal, least)
     if not likely:
         return None
     with step.clock("plan"):
@@ -118,7 +115,7 @@ def stairs_to_recalled(step: Step, memory: Memory) -> Destination | None:
     for one in known_floors(memory):
         left = _left(memory.floors[one.number], step.goal, _WORTH_STAIRS)
         if left:
-            way, label = one.way[0], left[0][0].label
+            way, label = one.way[0], max(left, key=lambda pair: pair[1])[0].label
             reason = f"a {label} was seen on another floor: {way.words}"
             return Destination(*way.xy, reason=reason, connector=way.connector, holds=True)
     return None
@@ -176,12 +173,14 @@ def seen_in_image(step: Step, memory: Memory) -> Destination | None:
     )
 
 
-def is_refuted(memory: Memory, plan: Plan) -> bool:
-    """Whether images from the way have shown that the remembered thing is gone, or another one."""
+def refutation(memory: Memory, plan: Plan) -> str | None:
+    """What images from the way have shown of the remembered thing; None if it may be the goal."""
     if plan.destination is None or plan.destination.thing is None:
-        return False
+        return None
     thing = memory.floor.things.find(plan.destination.thing)
-    return thing is None or thing.is_gone or thing.number in memory.search.gone_to
+    if thing is None or thing.is_gone:
+        return "remembered thing is gone"
+    return "remembered thing is another" if thing.number in memory.search.gone_to else None
 
 
 def _way_to(

@@ -1,6 +1,7 @@
 """One floor as the robot knows it, and what the present search has learned on it."""
 
 import math
+from collections import Counter
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -46,11 +47,12 @@ class SearchMemory:
         visits: Destinations ``(x, y)`` that were reached or given up, the oldest first, metres.
         looked: Where the robot has looked from its position; None before the first look.
         notes: What explorers have noted, by keys of their own: plain values that can be copied.
-        is_explored: Whether nothing was left to explore.
+        is_explored: Whether nothing was left to explore, nor to look at again.
         number: Number of the search in this memory.
         lasts: Whether later searches are to know what it has seen.
         remembered: Numbers of the things that were known before it began.
         gone_to: Numbers of those that it has gone to, given up, or seen not to be the goal.
+        unlike: Number of images, by the number of a thing, that show it not to be the goal.
         given_up: Numbers of the connectors of this floor that it has tried to take in vain.
         images_to_ask: Numbers of the key images that a chat model is to be asked about, in the
             order in which it is; None before the first question.
@@ -72,6 +74,7 @@ class SearchMemory:
     lasts: bool = False
     remembered: frozenset[int] = frozenset()
     gone_to: set[int] = field(default_factory=set)
+    unlike: Counter[int] = field(default_factory=Counter)
     given_up: set[int] = field(default_factory=set)
     images_to_ask: tuple[int, ...] | None = None
     images_to_visit: tuple[int, ...] = ()
@@ -92,6 +95,21 @@ class SearchMemory:
         there = (things.find(self.meant.number), *things.at(x, y, goal))
         now = next((one for one in there if one is not None and not one.is_gone), None)
         return None if now is None or now.number in self.gone_to else now
+
+    def note_others(self, others: set[int], things: Things, goal: Goal) -> None:
+        """Note which things an image showed not to be the goal.
+
+        As many images rule one out as would make it gone, were it missed in them. The one that is
+        meant is what a person said it is.
+        """
+        meant = self.errand(things, goal)
+        self.unlike.update(others - ({meant.number} if meant is not None else set()))
+        self.gone_to |= {
+            one.number
+            for one in things.known
+            if self.unlike[one.number]
+            and replace(one, missed=one.missed + self.unlike[one.number]).is_gone
+        }
 
     def note_view(self, robot: Pose2) -> None:
         """Note from where the present frame is taken."""
@@ -127,6 +145,7 @@ class Floor:
         sightings: Things that were seen on it, other than the goal, for explorers' questions.
         things: All things that were seen on it, for later searches.
         search: What the present search has learned on it.
+        was_explored: Whether a search, this one or an earlier one, has explored it to its end.
     """
 
     z: float
@@ -135,6 +154,7 @@ class Floor:
     sightings: Sightings = field(default_factory=Sightings)
     things: Things = field(default_factory=Things)
     search: SearchMemory = field(default_factory=SearchMemory)
+    was_explored: bool = False
 
     def integrate(self, observation: Observation) -> None:
         """Add a frame, with heights counted from the ground, to map and trajectory."""

@@ -94,6 +94,8 @@ class FloorRecord(_Record):
         thing_count: Number of things so far.
         sightings: Things of the explorers' questions.
         named: Numbers of things that a detector has named.
+        was_explored: Whether a search has explored it to its end; files from before this was kept
+            don't tell.
     """
 
     z: float
@@ -102,6 +104,7 @@ class FloorRecord(_Record):
     thing_count: int = Field(ge=0)
     sightings: tuple[SightingRecord, ...]
     named: tuple[int, ...]
+    was_explored: bool = False
 
     def all_things(self) -> Things:
         """Its things."""

@@ -267,6 +267,7 @@ def _restore(floor: Floor, folder: Path, record: FloorRecord) -> dict[int, np.nd
     patches = dict(zip(state["image_numbers"].tolist(), pieces, strict=True))
     floor.map.restore(state)
     floor.trajectory = [(x, y) for x, y in trajectory.tolist()]
+    floor.was_explored = record.was_explored
     return patches
 
 

@@ -36,6 +36,8 @@ _LEAST_PX = 20.0
 """Size in the image, pixels, below which it says nothing that a thing was not detected."""
 _NEAR_M = 4.0
 """Distance beyond which no image can be expected to show a thing, metres."""
+LIKELY = 0.25
+"""Chance to be the goal from which a thing is gone to before anything is explored."""
 _WHOLLY, _ITS_KIND = 1.0, 0.5
 """How well a thing's label may fit a goal; see `Thing.fits`."""
 _LARGER = 4.0
@@ -93,22 +95,29 @@ class Things:
     def fitting(self, goal: Goal) -> list[tuple[Thing, float]]:
         """The things that may be a goal and are not gone, each with the chance that it is.
 
-        Where the detector has the goal's own word, other things of its kind are no candidates: a
-        ceiling lamp is no table lamp.
+        Where one that is likely has the goal's own name, other things of its kind are no
+        candidates: a ceiling lamp is no table lamp.
         """
-        named = self._that_fit(goal, _WHOLLY) or self._that_fit(goal, _ITS_KIND)
-        there = [one for one in named if not one.is_gone]
+        there = [one for one in self._that_fit(goal, _WHOLLY, _ITS_KIND) if not one.is_gone]
         chances = [(one, one.chance * one.fits(goal)) for one in there]
-        return [(one, chance) for one, chance in chances if chance > 0.0]
+        named = [(one, chance) for one, chance in chances if one.fits(goal) == _WHOLLY]
+        return named if any(chance >= LIKELY for _, chance in named) else chances
 
     def others_in(self, observation: Observation, goal: Goal) -> set[int]:
         """Numbers of the things of a goal's kind that the latest image shows not to be the goal.
+
+        What lies where something was detected may be that, by another name.
 
         Args:
             observation: The latest image, in which the goal alone was looked for.
             goal: Goal, of which more than its kind was said.
         """
-        alike = [one for one in self._that_fit(goal, _ITS_KIND) if one.number not in self.shown]
+        shown = [one for one in self.known if one.number in self.shown]
+        alike = [
+            one
+            for one in self._that_fit(goal, _ITS_KIND)
+            if not any(overlap(one, other) for other in shown)
+        ]
         return {one.number for one in _that_should_show(alike, observation)}
 
     def _that_fit(self, goal: Goal, *fits: float) -> list[Thing]:

@@ -1,23 +1,35 @@
 """Ways over stairs from floor to floor, as far as a memory knows them."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from hypernav.core.exploring.floors import KnownFloor, WayOut
 from hypernav.mapping.memory.connectors import Connector
+from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.memory import Memory
 
 _UNDERFOOT_M = 1.5
 """Greatest distance of a robot on the first steps of stairs from where they seem to end, metres."""
 
 
-def ways_out(memory: Memory, *, new: bool = False) -> list[WayOut]:
-    """The stairs here that nobody knows or, unless `new`, that lead to floors left early."""
-    return [
-        _way_over(memory, number)
-        for number in _open_from(memory, memory.number)
-        if (memory.connectors[number].is_new if new else _leads_on(memory, number))
-    ]
+def new_ways(memory: Memory) -> list[WayOut]:
+    """The stairs here of which nobody knows where they lead."""
+    here = _open_from(memory, memory.number)
+    return [_way_over(memory, number) for number in here if memory.connectors[number].is_new]
+
+
+def ways_to_unseen(memory: Memory) -> list[WayOut]:
+    """The stairs here to new stairs, or floors that no search has explored to their end.
+
+    As everywhere here, only those on the way over the fewest stairs: a robot that always took the
+    nearest ones might go to and fro.
+    """
+    return _ways_to(memory, lambda floor: not floor.was_explored)
+
+
+def ways_out(memory: Memory) -> list[WayOut]:
+    """The ways to what is unseen; where there are none, those to floors this search left early."""
+    return ways_to_unseen(memory) or _ways_to(memory, lambda floor: not floor.search.is_explored)
 
 
 def known_floors(memory: Memory) -> list[KnownFloor]:
@@ -109,17 +121,30 @@ def _way_over(memory: Memory, number: int) -> WayOut:
     return WayOut(number, *one.approach, words=one.words, axis=one.axis, to=one.other_floor)
 
 
-def _leads_on(memory: Memory, number: int) -> bool:
-    """Whether a connector leads, at last, to something that may be unseen."""
+def _ways_to(memory: Memory, is_wanted: Callable[[Floor], bool]) -> list[WayOut]:
+    """The stairs here on the way over the fewest stairs to new stairs, or to a floor like that."""
+    counts = {
+        number: _stairs_to(memory, number, is_wanted)
+        for number in _open_from(memory, memory.number)
+    }
+    fewest = min(counts.values(), default=math.inf)
+    return [
+        _way_over(memory, number) for number, count in counts.items() if count == fewest < math.inf
+    ]
+
+
+def _stairs_to(memory: Memory, first: int, is_wanted: Callable[[Floor], bool]) -> float:
+    """Number of stairs, `first` and the new ones included, on that way; inf if there is none."""
     known = {memory.number}
-    queue: list[Connector] = [memory.connectors[number]]
-    for one in queue:
+    queue = [(first, 1)]
+    for number, count in queue:
+        one = memory.connectors[number]
         if one.is_new:
-            return True
+            return count
         if one.other_floor is None or one.other_floor in known:
             continue
-        if not memory.floors[one.other_floor].search.is_explored:
-            return True
+        if is_wanted(memory.floors[one.other_floor]):
+            return count
         known.add(one.other_floor)
-        queue += [c for c in memory.connectors if c.floor == one.other_floor and c.is_usable]
-    return False
+        queue += [(further, count + 1) for further in _open_from(memory, one.other_floor)]
+    return math.inf

@@ -152,6 +152,7 @@ class Writer:
                 for one in floor.sightings.things
             ),
             named=tuple(sorted(floor.sightings.named)),
+            was_explored=floor.was_explored,
         )
 
     def _image(self, image: KeyImage) -> ImageRecord:

@@ -163,7 +163,7 @@ class LocalPerception:
             only=only,
         )
         if only is not None:
-            search.gone_to |= things.others_in(observation, goal)
+            search.note_others(things.others_in(observation, goal), things, goal)
         return things.refuted_at(refuted, goal, search.number) if refuted else things
 
     def _mask(
