@@ -159,9 +159,10 @@ def drive_to_the_end(robot, grid, goal, config, *, limit=300):
     """Drive until the navigator knows no further action; the actions."""
     navigator = Driver(config)
     known = OccupancyGrid(grid.cells.copy(), grid.resolution_m, grid.origin)
-    done, ordered = [], None
+    done, ordered, track = [], None, []
     for _ in range(limit):
-        for x, y in bumped_points(ordered, robot.pose, known, config, ROBOT):
+        track.append(robot.pose.xy)
+        for x, y in bumped_points(ordered, robot.pose, track, known, config, ROBOT):
             known.cells[known.cell_of(x, y)] = Cell.OCCUPIED
         action = navigator.towards(known, robot.pose, goal)
         if action is None:

@@ -17,6 +17,8 @@ Position = tuple[float, float]
 
 _STEP_M = 0.1
 """Smallest shortening of the path that counts as progress, metres."""
+STANDS_M = 0.05
+"""Way below which a robot stands, metres: odometry trembles."""
 _DETOUR_STEPS_PER_M = 4
 """Number of steps and turns granted per metre of a detour."""
 
@@ -273,6 +275,10 @@ class Plan:
     def destination(self) -> Destination | None:
         """Present destination of exploration; None if there is none."""
         return self.exploring.destination
+
+    def stands(self, robot: Pose2) -> bool:
+        """Whether the robot is where its last action was ordered; also before the first one."""
+        return self.ordered is None or self.ordered[0].distance_to(*robot.xy) < STANDS_M
 
     def explore(self, **changes: object) -> "Plan":
         """The plan with some values of its exploration replaced."""

@@ -20,9 +20,6 @@ from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.ways import stairs_underfoot
 from hypernav.planning.bump_sensor import bumped_points
 
-_STANDS_M = 0.05
-"""Way below which a robot stands, metres: odometry trembles."""
-
 
 class SearchAgent:
     """Builds a map, looks for the goal, explores while it is out of sight, stops at it.
@@ -94,9 +91,15 @@ class SearchAgent:
         with clock("map"):
             if not memory.on_stairs:  # stairs belong to no floor
                 floor.integrate(seen)
-            touched = memory.obstacles
             memory.mark_occupied(
-                bumped_points(plan.ordered, seen.robot, touched, use.planning, use.embodiment)
+                bumped_points(
+                    plan.ordered,
+                    seen.robot,
+                    floor.trajectory,
+                    memory.obstacles,
+                    use.planning,
+                    use.embodiment,
+                )
             )
         with clock("local"):
             asks = self._asks_the_camera() and not memory.on_stairs
@@ -188,7 +191,7 @@ def _off_the_floor(robot: Pose2, memory: Memory, plan: Plan, events: list[str]) 
 
     The head of stairs is not always where it seemed to be, or was never seen.
     """
-    if _stands(robot, plan):
+    if plan.stands(robot):
         memory.settle(robot)
         return plan
     number = stairs_underfoot(memory, robot.xy)
@@ -203,8 +206,3 @@ def _off_the_floor(robot: Pose2, memory: Memory, plan: Plan, events: list[str]) 
     flight = replace(memory.connectors[number], end=robot.xy, axis=robot.yaw)
     climbing = Climbing(number, flight=flight, then=then)
     return replace(plan.explore(destination=None), climbing=climbing)
-
-
-def _stands(robot: Pose2, plan: Plan) -> bool:
-    """Whether the robot is where its last action was ordered; also before the first one."""
-    return plan.ordered is None or plan.ordered[0].distance_to(*robot.xy) < _STANDS_M

@@ -1,10 +1,13 @@
 """Detection of collisions with obstacles that the map does not show."""
 
+from collections.abc import Sequence
+from itertools import pairwise
+
 import numpy as np
-from jaxtyping import Float64
+from jaxtyping import Bool, Float64
 
 from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import Embodiment, MotionConfig
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.inflation import inflate
@@ -14,11 +17,27 @@ _MOVED_SHARE = 0.6
 """Share of the ordered length below which a step counts as cut short by a collision."""
 _TOUCHES_M = 0.1
 """Length, metres, by which an obstacle that the robot touches may be larger than seen."""
+_TRACK = 50
+"""Number of latest positions whose way counts as free: long ago, something may have come since."""
+
+
+def is_cut_short(ordered: tuple[Pose2, Action] | None, robot: Pose2, motion: MotionConfig) -> bool:
+    """Whether the robot bumped into something: the latest action was a step that it did not finish.
+
+    Args:
+        ordered: Pose before the latest action, and that action; None before the first.
+        robot: Pose of the robot.
+        motion: Length of a step.
+    """
+    if ordered is None or ordered[1] is not Action.MOVE_FORWARD:
+        return False
+    return ordered[0].distance_to(*robot.xy) < _MOVED_SHARE * motion.forward_m
 
 
 def bumped_points(
     ordered: tuple[Pose2, Action] | None,
     robot: Pose2,
+    track: Sequence[tuple[float, float]],
     grid: OccupancyGrid,
     config: PlanningConfig,
     embodiment: Embodiment,
@@ -26,11 +45,13 @@ def bumped_points(
     """Points where something unseen must be, if a step forward was cut short.
 
     If the map shows obstacles beside the robot's front, the robot has touched one of them that
-    is a little larger than it was seen; else something unseen is right before it.
+    is a little larger than it was seen; else something unseen is right before it. It is not where
+    the robot's body has just been: the way that it came by leads out again.
 
     Args:
         ordered: Pose before the latest action, and that action; None before the first.
         robot: Pose of the robot.
+        track: Its positions ``(x, y)`` so far, metres.
         grid: The map.
         config: Whether to detect collisions, and the margin between the robot and obstacles.
         embodiment: Length of a step and size of the robot.
@@ -38,10 +59,7 @@ def bumped_points(
     Returns:
         Points ``(x, y)`` at the robot's front, ``map`` frame, metres; none if it moved as ordered.
     """
-    if not config.bump_sensor or ordered is None or ordered[1] is not Action.MOVE_FORWARD:
-        return np.zeros((0, 2))
-    moved = ordered[0].distance_to(*robot.xy)
-    if moved >= _MOVED_SHARE * embodiment.motion.forward_m:
+    if not (config.bump_sensor and is_cut_short(ordered, robot, embodiment.motion)):
         return np.zeros((0, 2))
     angles = robot.yaw + np.radians(np.arange(-60.0, 61.0, 10.0))
     clearance_m = config.clearances_m(embodiment.body)[0]
@@ -51,4 +69,28 @@ def bumped_points(
     inside = grid.contains(cells)
     touched = np.zeros(len(front), dtype=bool)
     touched[inside] = beside_known[cells[inside, 0], cells[inside, 1]]
-    return front[touched] if touched.any() else front[3:-3]
+    ahead = np.zeros(len(front), dtype=bool)
+    ahead[3:-3] = True
+    free = _swept(front, track[-_TRACK:], embodiment)
+    for points in (touched & ~free, ahead & ~free):
+        if points.any():
+            return front[points]
+    return front[ahead]  # something has come into the way since
+
+
+def _swept(
+    points: Float64[np.ndarray, "n 2"],
+    track: Sequence[tuple[float, float]],
+    embodiment: Embodiment,
+) -> Bool[np.ndarray, " n"]:
+    """Whether the robot's body has passed over points."""
+    swept = np.zeros(len(points), dtype=bool)
+    for start, end in pairwise(np.array(track)):
+        leg = end - start
+        length_m = float(np.linalg.norm(leg))
+        if length_m > 1.5 * embodiment.motion.forward_m:
+            continue  # it was carried, or came back to the floor elsewhere
+        along = (points - start) @ leg / max(length_m**2, 1e-12)
+        nearest = start + np.clip(along, 0.0, 1.0)[:, None] * leg
+        swept |= np.linalg.norm(points - nearest, axis=1) < embodiment.body.radius_m
+    return swept
