@@ -8,6 +8,7 @@ from hypernav.agents.phases.approach import approach
 from hypernav.agents.phases.climb import climb
 from hypernav.agents.phases.end import end
 from hypernav.agents.phases.explore import explore, look_around
+from hypernav.agents.phases.get_free import get_free, repeats, with_tried
 from hypernav.agents.phases.recall import errand
 from hypernav.agents.phases.second_look import second_look
 from hypernav.agents.phases.verify import verify
@@ -24,6 +25,7 @@ _PHASES: Mapping[Phase, Callable[[Step, Memory, Plan], tuple[Decision | Phase, P
     Phase.VERIFY: verify,
     Phase.SECOND_LOOK: second_look,
     Phase.CLIMB: climb,
+    Phase.GET_FREE: get_free,
     Phase.END: end,
 }
 
@@ -37,9 +39,11 @@ _MEASURED_EVERY = 10
 
 def decide(step: Step, memory: Memory, plan: Plan) -> tuple[Decision, Plan]:
     """The decision of this step, and the plan that goes on from here."""
-    outcome, plan = _first_phase(step, memory, plan)
+    outcome, plan = _first_phase(step, memory, with_tried(step, plan))
     while isinstance(outcome, Phase):
         outcome, plan = _PHASES[outcome](step, memory, plan)
+        if repeats(step, plan, outcome):
+            outcome = Phase.GET_FREE
     return outcome, plan
 
 
@@ -48,6 +52,8 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
     config, approaching = step.config, plan.approaching
     if plan.climbing is not None:
         return Phase.CLIMB, plan
+    if plan.frees:
+        return Phase.GET_FREE, plan
     must_finish_look = config.look_around_at_start and config.finish_first_look
     if must_finish_look and step.number < step.motion.turns_of_a_circle:
         return Phase.LOOK_AROUND, plan

@@ -245,6 +245,8 @@ class Plan:
         looked_around_at: Position ``(x, y)``, metres, of the latest look around; None before.
         ends: Positions ``(x, y)``, metres, at which nothing was left to explore.
         ordered: Pose and action of the step before; None before the first.
+        tried: Poses from which a step was cut short.
+        frees: Whether the robot gets free of what it touches.
     """
 
     exploring: Exploring
@@ -255,6 +257,8 @@ class Plan:
     looked_around_at: Position | None = None
     ends: tuple[Position, ...] = ()
     ordered: tuple[Pose2, Action] | None = None
+    tried: tuple[Pose2, ...] = ()
+    frees: bool = False
 
     @staticmethod
     def at_start(config: SearchConfig, *, turns: int, then: Destination | None = None) -> "Plan":

@@ -158,6 +158,7 @@ class Phase(Enum):
     VERIFY = auto()
     SECOND_LOOK = auto()
     CLIMB = auto()
+    GET_FREE = auto()
     END = auto()
 
 

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from hypernav.agents.plan import Plan
+from hypernav.agents.plan import STANDS_M, Plan
 from hypernav.agents.step import Decision, Phase, Step
 from hypernav.core.actions import Action
 from hypernav.core.trace import Ending, Mode
@@ -11,8 +11,12 @@ from hypernav.perception.local.belief import reconsidered
 
 
 def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
-    """Go near the candidate if there is one; look once more; retry the likeliest refuted; end."""
+    """Get free; go near the candidate; look once more; retry the likeliest refuted; end."""
     thing, search = step.goal.thing, memory.search
+    goes_on = _goes_on(step, plan)
+    if goes_on and any(one.distance_to(*step.robot.xy) < STANDS_M for one in plan.tried):
+        _forget(memory)
+        return Phase.GET_FREE, replace(plan, ends=(*plan.ends, step.robot.xy))
     if memory.search.evidence.target is not None and not plan.approaching.as_near_as_possible:
         if step.config.open_the_way and plan.approaching.may_clear(step.config):
             reason = f"the way to the {thing} is blocked, looking whether it stays so"
@@ -23,9 +27,8 @@ def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]
         path = plan.approaching.route.remaining(step.robot)
         decision = Decision(Action.TURN_LEFT, Mode.APPROACH, reason, path)
         return decision, plan.approach(as_near_as_possible=True)
-    if _goes_on(step, plan):
-        search.forget_exploration()
-        memory.floor.map.forget_bumps()
+    if goes_on:
+        _forget(memory)
         reason = "nothing is left to explore, looking once more"
         return Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, reason), replace(
             plan,
@@ -44,6 +47,12 @@ def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]
     if step.config.claim_when_explored:
         return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND), plan
     return Decision(None, Mode.STOP, reason, ending=Ending.GAVE_UP), plan
+
+
+def _forget(memory: Memory) -> None:
+    """Forget visited positions and bumps, which may be all that keeps the robot from going on."""
+    memory.search.forget_exploration()
+    memory.floor.map.forget_bumps()
 
 
 def _goes_on(step: Step, plan: Plan) -> bool:

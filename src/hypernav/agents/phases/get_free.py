@@ -1,0 +1,72 @@
+"""Getting free of what the robot touches: a step that was cut short is not tried again."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from hypernav.agents.plan import STANDS_M, Plan
+from hypernav.agents.step import Decision, Phase, Step
+from hypernav.core.actions import Action
+from hypernav.core.geometry.transforms import Pose2, wrap_angle
+from hypernav.core.trace import Mode
+from hypernav.mapping.memory.memory import Memory
+from hypernav.planning.bump_sensor import is_cut_short
+
+_AHEAD_M = 0.1
+"""Length of the way in a heading, metres, after which the room around the robot is compared."""
+
+
+def with_tried(step: Step, plan: Plan) -> Plan:
+    """The plan that knows from where, and in which heading, steps were cut short."""
+    if not plan.stands(step.robot):
+        plan = replace(plan, frees=False)
+    senses = step.use.planning.bump_sensor and plan.climbing is None
+    if senses and plan.ordered and is_cut_short(plan.ordered, step.robot, step.motion):
+        pose, _ = plan.ordered
+        return replace(plan, tried=(*plan.tried, Pose2(*step.robot.xy, pose.yaw)))
+    return plan
+
+
+def repeats(step: Step, plan: Plan, outcome: Decision | Phase) -> bool:
+    """Whether a decision is for a step that was cut short here: it would not move the robot."""
+    is_step = isinstance(outcome, Decision) and outcome.action is Action.MOVE_FORWARD
+    return is_step and _is_tried(step.robot, step, plan)
+
+
+def get_free(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
+    """Try a step in the nearest heading in which none was cut short, until one moves the robot.
+
+    What it touches may be anywhere before it, so marks on the map say less than such a step.
+    """
+    robot, turn = step.robot, math.radians(step.motion.turn_angle_deg)
+    half = step.motion.turns_of_a_circle // 2
+    obstacles = step.grid.centres_of(np.argwhere(step.grid.occupied))
+
+    def after(turns: int) -> Pose2:
+        return Pose2(robot.x, robot.y, robot.yaw + turns * turn)
+
+    def rank(turns: int) -> tuple[int, float]:
+        away_m = np.linalg.norm(obstacles - np.array(after(turns).ahead(_AHEAD_M).xy), axis=1)
+        return abs(turns), -float(away_m.min(initial=math.inf))
+
+    headings = range(1 - half, half + 1)
+    untried = [turns for turns in headings if not _is_tried(after(turns), step, plan)]
+    if not untried:
+        return Phase.END, replace(plan, tried=(), frees=False)
+    turns = min(untried, key=rank)
+    action, path = Action.MOVE_FORWARD, [robot.xy, robot.ahead(step.motion.forward_m).xy]
+    if turns != 0:
+        action, path = Action.TURN_LEFT if turns > 0 else Action.TURN_RIGHT, []
+    mode = Mode.EXPLORE if memory.search.evidence.target is None else Mode.APPROACH
+    reason = "touching something, trying to get free of it"
+    return Decision(action, mode, reason, path), replace(plan, frees=True)
+
+
+def _is_tried(pose: Pose2, step: Step, plan: Plan) -> bool:
+    """Whether a step from a pose was cut short before."""
+    near = math.radians(step.motion.turn_angle_deg) / 2.0
+    return any(
+        one.distance_to(*pose.xy) < STANDS_M and abs(wrap_angle(one.yaw - pose.yaw)) < near
+        for one in plan.tried
+    )

@@ -1,0 +1,101 @@
+"""Laws of a robot that touches what its map does not show."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import pytest
+
+from box_scenes import room_boxes, scene_of
+from hypernav.build.agents import build_search
+from hypernav.build.component_specs import PresetName
+from hypernav.core.actions import Action
+from hypernav.core.episodes.episode import Outcome
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.trace import Ending, ExchangeLog
+from hypernav.episodes.episode_run import EpisodeRun
+from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.worlds.surface.walkable import WalkableGrid
+from small_episodes import episode_from
+from small_worlds import small_config
+
+GETS_FREE = "touching something, trying to get free of it"
+IN_POCKET = Pose2(0.6, 4.65, 0.0)
+SHARE = 0.6
+"""Share of a step below which it was cut short."""
+
+
+def pocket(unseen_m: float, *, table_top_m: float = 4.3) -> Scene:
+    """A room whose only way from a corner to the bed is an aisle between a wall and a table.
+
+    Args:
+        unseen_m: Length by which the table reaches into the aisle.
+        table_top_m: Greatest y of the table.
+    """
+    return scene_of(
+        *room_boxes(5.0, 5.0),
+        ("bed", (3.4, 0.1, 0.0), (4.9, 1.2, 0.5)),
+        ("table", (0.6 - unseen_m, 1.5, 0.0), (2.5, table_top_m, 0.7)),
+        (None, (2.4, table_top_m - 0.1, 0.0), (2.5, 5.0, 2.5)),
+    )
+
+
+def walled_in(unseen_m: float) -> Scene:
+    """The same with a larger corner, which the table closes."""
+    return pocket(3.0 * unseen_m, table_top_m=3.3)
+
+
+def search_for_bed(scene, start, *, preset: PresetName = "default", steps=150):
+    """The trace and the result of a search in a scene whose table is larger than it is seen."""
+    config = small_config(preset, search={"max_steps": steps})
+    walkable = WalkableGrid.from_scene(scene(0.1), config.embodiment.body)
+    world = SimulatedWorld(scene(0.0), config.world, config.embodiment, walkable=walkable)
+    agent = build_search(config, GroundTruthDetector(), ExchangeLog())
+    run = EpisodeRun(agent, world, episode_from(start, "bed", max_steps=steps))
+    return [step.trace for step in run], run.result()
+
+
+def cut_short(steps) -> list[Pose2]:
+    """Poses in which the robot stood after a step that was cut short."""
+    return [
+        Pose2(*after.pose)
+        for before, after in pairwise(steps)
+        if before.action is Action.MOVE_FORWARD
+        and math.dist(before.pose[:2], after.pose[:2]) < SHARE * 0.5
+    ]
+
+
+@pytest.mark.parametrize("turns", [0, 3, 6])
+def test_a_robot_gets_out_of_a_pocket_that_its_bumps_closed(turns):
+    start = replace(IN_POCKET, yaw=turns * math.pi / 6.0)
+    steps, result = search_for_bed(pocket, start)
+    assert cut_short(steps)
+    assert GETS_FREE in {step.reason for step in steps}
+    assert result.outcome is Outcome.FOUND
+
+
+def test_a_step_that_was_cut_short_is_not_tried_again_from_there():
+    steps, _ = search_for_bed(pocket, IN_POCKET)
+    bumps = cut_short(steps)
+    again = [
+        step
+        for step in steps
+        if step.action is Action.MOVE_FORWARD
+        and any(one.distance_to(*step.pose[:2]) < 1e-6 for one in bumps)
+        and any(abs(math.remainder(step.pose[2] - one.yaw, math.tau)) < 1e-6 for one in bumps)
+    ]
+    assert not again
+
+
+def test_a_robot_that_is_walled_in_gives_up():
+    steps, _ = search_for_bed(walled_in, IN_POCKET, steps=400)
+    assert cut_short(steps)
+    assert steps[-1].ending is Ending.GAVE_UP
+    assert len(steps) < 200
+
+
+def test_the_paper_senses_no_bump_and_tries_no_other_heading():
+    steps, _ = search_for_bed(pocket, IN_POCKET, preset="paper", steps=60)
+    assert GETS_FREE not in {step.reason for step in steps}
