@@ -246,6 +246,43 @@ def test_the_paper_stays_on_one_floor():
     assert preset("default").search.use_stairs
 
 
+def search_above_for_the_sofa(*, is_sent: bool, two_sofas: bool, steps: int = 150):
+    """The trace of a search from the upper room for a sofa that is known below, and the memory.
+
+    Args:
+        is_sent: Whether that sofa alone is meant.
+        two_sofas: Whether there is one above, too.
+        steps: Number of steps that the search has.
+    """
+    world, agent = split_level(two_sofas=two_sofas), build_search(CONFIG, GroundTruthDetector())
+    memory = Memory(CONFIG.mapping, CONFIG.embodiment)
+    low = Episode("x", "0", Goal("bed"), Pose2(START_X, 1.0, 0.0), start_z=0.0)
+    high = replace(low, goal=Goal("sofa"), start=Pose2(10.0, 2.5, math.pi), start_z=ABOVE_M)
+    trace = list[StepTrace]()
+    for episode, most in ((low, 150), (high, steps)):
+        agent.allow_steps(most)
+        agent.reset(episode.goal, memory)
+        observation = world.reset(episode)
+        world.keep_map_frame(world.map_to_scene)
+        if episode is high:
+            memory.begin_at(observation)
+            (sofa,) = [one for one in memory.floors[0].things.known if one.label == "sofa"]
+            if is_sent:
+                memory.go_first_to(0, sofa.number)
+            floor, couch = memory.floors[0], replace(sofa, number=999, label="couch", score=0.8)
+            floor.things = replace(floor.things, known=(couch, *floor.things.known))
+            floor.search.remembered |= {999}
+        trace.clear()
+        while len(trace) < most:
+            action = agent.act(observation)
+            trace.append(agent.last_step)
+            if action is None or action is Action.STOP:
+                break
+            observation = world.step(action)
+    world.keep_map_frame(None)
+    return trace, memory
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("is_sent", "two_sofas", "reason"),
@@ -258,30 +295,18 @@ def test_the_paper_stays_on_one_floor():
 def test_a_robot_takes_the_stairs_that_it_knows_to_a_thing_on_another_floor(
     is_sent, two_sofas, reason
 ):
-    world, agent = split_level(two_sofas=two_sofas), build_search(CONFIG, GroundTruthDetector())
-    memory = Memory(CONFIG.mapping, CONFIG.embodiment)
-    low = Episode("x", "0", Goal("bed"), Pose2(START_X, 1.0, 0.0), start_z=0.0)
-    high = replace(low, goal=Goal("sofa"), start=Pose2(10.0, 2.5, math.pi), start_z=ABOVE_M)
-    for episode in (low, high):
-        agent.reset(episode.goal, memory)
-        observation = world.reset(episode)
-        world.keep_map_frame(world.map_to_scene)
-        if episode is high:
-            memory.begin_at(observation)
-            (sofa,) = [one for one in memory.floors[0].things.known if one.label == "sofa"]
-            if is_sent:
-                memory.go_first_to(0, sofa.number)
-            floor, couch = memory.floors[0], replace(sofa, number=999, label="couch", score=0.8)
-            floor.things = replace(floor.things, known=(couch, *floor.things.known))
-            floor.search.remembered |= {999}
-        trace = list[StepTrace]()
-        while len(trace) < 150 and (action := agent.act(observation)) not in (None, Action.STOP):
-            trace.append(agent.last_step)
-            observation = world.step(action)
-    world.keep_map_frame(None)
+    trace, memory = search_above_for_the_sofa(is_sent=is_sent, two_sofas=two_sofas)
     assert trace[0].reason == reason
-    assert agent.last_step.action is Action.STOP
+    assert trace[-1].action is Action.STOP
     assert memory.number == 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("is_sent", [True, False])
+def test_what_is_meant_on_another_floor_is_not_taken_for_one_of_this_as_steps_run_out(is_sent):
+    trace, memory = search_above_for_the_sofa(is_sent=is_sent, two_sofas=True, steps=24)
+    assert memory.number == 1
+    assert (trace[-1].action is Action.STOP) is not is_sent
 
 
 PIANO = Episode("x", "0", Goal("piano"), Pose2(START_X, 1.0, 0.0), start_z=0.0)

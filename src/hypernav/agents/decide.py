@@ -96,8 +96,14 @@ def _is_another(step: Step, memory: Memory, target: Target) -> bool:
 
 
 def _must_choose(step: Step, memory: Memory) -> bool:
-    """Whether the steps that are left only just suffice to go to the likeliest candidate."""
+    """Whether the steps that are left only just suffice to go to the likeliest candidate.
+
+    While the one thing that is meant is on another floor, no candidate of this one will do.
+    """
     evidence, config, motion = memory.search.evidence, step.config, step.motion
+    meant = errand(step, memory)
+    if meant is not None and meant[0] != memory.number:
+        return False
     best = likeliest(evidence)
     if best is None or (evidence.target is not None and evidence.target.is_last_chance):
         return False
