@@ -7,7 +7,6 @@ from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, SearchComponents, Step
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
-from hypernav.core.components.abilities import Learns
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.grid import OccupancyGrid
@@ -106,9 +105,9 @@ class SearchAgent:
             detections = use.local.look(seen, goal, floor, asks=asks)
             memory.keep_image(seen)
         step = Step(self._steps, goal, seen, floor.map.grid, use, clock, events)
-        if isinstance(use.explorer, Learns):
+        if use.learner is not None:
             with clock("global"):
-                use.explorer.learn(step.view(memory))
+                use.learner.learn(step.view(memory))
         if use.gaze is not None:
             floor.search.looked = use.gaze.after_image(floor.search.looked, seen.robot)
         decision, plan = decide(step, memory, plan)

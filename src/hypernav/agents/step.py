@@ -9,6 +9,7 @@ from hypernav.agents.config import SearchConfig
 from hypernav.agents.phases.gaze import Gaze
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
+from hypernav.core.components.abilities import Learns
 from hypernav.core.components.protocols import Explorer, PresenceCheck
 from hypernav.core.embodiment import Embodiment, MotionConfig
 from hypernav.core.exploring.exploration import ExplorationView
@@ -61,6 +62,11 @@ class SearchComponents:
     def navigator(self) -> Navigator:
         """Navigator that drives the robot."""
         return Navigator(self.planning, self.embodiment)
+
+    @cached_property
+    def learner(self) -> Learns | None:
+        """The explorer, if it learns from every image; to ask a protocol each time takes long."""
+        return self.explorer if isinstance(self.explorer, Learns) else None
 
     @cached_property
     def gaze(self) -> Gaze | None:

@@ -98,7 +98,7 @@ def geojson(memory: Memory) -> dict[str, Any]:
 
 
 def _feature(thing: Thing, floor: int) -> dict[str, Any]:
-    corners = thing.outline[1:].tolist()
+    corners = thing.outline[1:]
     return {
         "type": "Feature",
         "geometry": {"type": "Polygon", "coordinates": [[*corners, corners[0]]]},

@@ -1,9 +1,12 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from certainty import certain
 from hypernav.core.errors import LabelsMissingError
 from hypernav.core.goal import Goal
+from hypernav.core.observation import LabelledPixels
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from images import thing_before_wall, thing_pixels
 
@@ -50,3 +53,17 @@ def test_it_names_what_it_sees_with_its_position_but_once():
 
 def test_what_is_beyond_the_range_of_depth_is_not_named():
     assert GroundTruthDetector().name_things(thing_before_wall(thing_m=0.0), besides=()) == {}
+
+
+def test_a_thing_that_is_seen_in_two_parts_is_one_with_a_box_around_both():
+    whole = thing_before_wall(box=(60, 40, 100, 80))
+    truth = certain(whole.truth)
+    ids = truth.ids.copy()
+    ids[:, 76:84] = -1
+    observation = replace(whole, truth=LabelledPixels(ids, truth.labels))
+    for (seen,) in (
+        GroundTruthDetector().detect(observation, Goal("bed")),
+        GroundTruthDetector().things_in(observation, []),
+    ):
+        assert seen.box.pixels() == (60, 40, 100, 80)
+        np.testing.assert_array_equal(certain(seen.mask), ids == ids[60, 70])

@@ -1,5 +1,6 @@
 """Boxes in an image, and detections."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,10 +44,10 @@ class Box:
     def pixels(self) -> tuple[int, int, int, int]:
         """Whole-pixel bounds ``(x_min, y_min, x_max, y_max)`` that cover the box."""
         return (
-            int(np.floor(self.x_min)),
-            int(np.floor(self.y_min)),
-            int(np.ceil(self.x_max)),
-            int(np.ceil(self.y_max)),
+            math.floor(self.x_min),
+            math.floor(self.y_min),
+            math.ceil(self.x_max),
+            math.ceil(self.y_max),
         )
 
     def mask(self, width: int, height: int) -> Bool[np.ndarray, "height width"]:

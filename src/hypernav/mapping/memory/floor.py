@@ -104,11 +104,11 @@ class SearchMemory:
         """
         meant = self.errand(things, goal)
         self.unlike.update(others - ({meant.number} if meant is not None else set()))
+        unlike = [one for one in things.known if one.number in self.unlike] if self.unlike else []
         self.gone_to |= {
             one.number
-            for one in things.known
-            if self.unlike[one.number]
-            and replace(one, missed=one.missed + self.unlike[one.number]).is_gone
+            for one in unlike
+            if replace(one, missed=one.missed + self.unlike[one.number]).is_gone
         }
 
     def note_view(self, robot: Pose2) -> None:

@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int32
 
 from hypernav.core.geometry.bounds import has_cell
-from hypernav.core.geometry.depth import is_measured
 from hypernav.core.observation import Observation
+from hypernav.mapping.memory.image_kernels import points_under
 from hypernav.mapping.memory.visibility import lies_open
 
 
@@ -21,6 +21,7 @@ def points_under_mask(
     min_depth_m: float,
     max_depth_m: float,
     stride: int = 1,
+    window: tuple[int, int, int, int] | None = None,
 ) -> Float64[np.ndarray, "n 3"]:
     """The masked pixels as points ``(x, y, z)`` in the ``map`` frame, metres.
 
@@ -33,14 +34,21 @@ def points_under_mask(
         min_depth_m: Lower limit of the sensor's range, exclusive, metres.
         max_depth_m: Upper limit of the sensor's range, exclusive, metres.
         stride: Step between the pixels in use, in both directions, pixels.
+        window: First column and row in use, and the ones after the last; all by default.
     """
-    left, top, width, height = cv2.boundingRect(mask.view(np.uint8))
-    row, column = top - top % stride, left - left % stride
-    rows, columns = np.nonzero(mask[row : top + height : stride, column : left + width : stride])
-    rows, columns = row + rows * stride, column + columns * stride
-    depth = observation.depth[rows, columns].astype(np.float64)
-    measured = is_measured(depth, min_depth_m, max_depth_m)
-    return observation.points_at(rows[measured], columns[measured])
+    if window is None:
+        left, top, width, height = cv2.boundingRect(mask.view(np.uint8))
+        window = (left - left % stride, top - top % stride, left + width, top + height)
+    camera = observation.camera
+    return points_under(
+        np.require(mask, np.bool_, ["C", "W"]),
+        np.require(observation.depth, np.float32, ["C", "W"]),
+        window,
+        stride,
+        (float(min_depth_m), float(max_depth_m)),
+        tuple(float(number) for number in (camera.fx, camera.fy, camera.cx, camera.cy)),
+        tuple(observation.camera_to_map.matrix[:3].ravel().tolist()),
+    )
 
 
 @dataclass(frozen=True, eq=False)

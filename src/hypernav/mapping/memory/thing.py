@@ -100,10 +100,10 @@ class Thing:
         return (x1 - x0, y1 - y0, z1 - z0)
 
     @property
-    def outline(self) -> Float64[np.ndarray, "5 2"]:
+    def outline(self) -> tuple[tuple[float, float], ...]:
         """Its middle and the corners of its box on the floor plan, ``(x, y)``, metres."""
         (x0, y0, _), (x1, y1, _), (x, y, _) = self.low, self.high, self.position
-        return np.array([(x, y), (x0, y0), (x1, y0), (x1, y1), (x0, y1)])
+        return ((x, y), (x0, y0), (x1, y0), (x1, y1), (x0, y1))
 
     @property
     def chance(self) -> float:
@@ -161,12 +161,12 @@ def overlap(a: Thing, b: Thing) -> bool:
 
 def holds(one: Thing, position: Corner) -> bool:
     """Whether a position lies in a thing's box, or right beside it."""
-    width_m = max(one.size[0], one.size[1])
-    beside_m = min(max(_SAME_SHARE * width_m, _SAME_M[0]), _SAME_M[1])
-    margins = (beside_m, beside_m, _SAME_HEIGHT_M)
-    return all(
-        low - margin <= at <= high + margin
-        for low, at, high, margin in zip(one.low, position, one.high, margins, strict=True)
+    (x0, y0, z0), (x1, y1, z1), (x, y, z) = one.low, one.high, position
+    beside_m = min(max(_SAME_SHARE * max(x1 - x0, y1 - y0), _SAME_M[0]), _SAME_M[1])
+    return (
+        x0 - beside_m <= x <= x1 + beside_m
+        and y0 - beside_m <= y <= y1 + beside_m
+        and z0 - _SAME_HEIGHT_M <= z <= z1 + _SAME_HEIGHT_M
     )
 
 
@@ -202,10 +202,11 @@ def joined(known: list[Thing], new: Thing) -> Thing:
 def _views(first: View, others: list[View]) -> tuple[View, ...]:
     """A view and others from elsewhere, the highest score of each; at most `_MOST_VIEWS`."""
     kept = [first]
-    for view in others:
-        near = [k for k, one in enumerate(kept) if math.dist(one[:2], view[:2]) < _APART_M]
-        if not near:
-            kept.append(view)
-        elif view[2] > kept[near[0]][2]:
-            kept[near[0]] = (*kept[near[0]][:2], view[2])
+    for x, y, score in others:
+        for k, (other_x, other_y, best) in enumerate(kept):
+            if math.hypot(x - other_x, y - other_y) < _APART_M:
+                kept[k] = (other_x, other_y, max(score, best))
+                break
+        else:
+            kept.append((x, y, score))
     return tuple(kept[:_MOST_VIEWS])

@@ -8,9 +8,10 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Bool
 
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
@@ -18,6 +19,7 @@ from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.labels import canonical
 from hypernav.core.observation import Observation
+from hypernav.mapping.memory.goal_area import points_under_mask
 from hypernav.mapping.memory.thing import Thing, fit, holds, joined, overlap
 from hypernav.mapping.memory.visibility import are_visible
 
@@ -57,6 +59,11 @@ class Things:
     known: tuple[Thing, ...] = ()
     count: int = 0
     shown: Mapping[int, float] = field(default_factory=dict)
+
+    @cached_property
+    def labels(self) -> frozenset[str]:
+        """The labels of the things."""
+        return frozenset(one.label for one in self.known)
 
     @property
     def wants_image(self) -> bool:
@@ -122,8 +129,7 @@ class Things:
 
     def _that_fit(self, goal: Goal, *fits: float) -> list[Thing]:
         """The things that fit a goal so well; there are far fewer labels than things."""
-        labels = {one.label for one in self.known}
-        fitting = {label for label in labels if fit(label, goal) in fits}
+        fitting = {label for label in self.labels if fit(label, goal) in fits}
         return [one for one in self.known if one.label in fitting] if fitting else []
 
     def after_image(
@@ -145,7 +151,8 @@ class Things:
             only: Goal, if the detector looks for nothing else; then only things that fit all of it
                 can be missed.
         """
-        after = self._with_seen(_seen_things(detections, observation, camera, search))
+        seen = [_seen_thing(one, observation, camera, search) for one in detections]
+        after = self._with_seen([one for one in seen if one is not None])
         return after._with_missed(observation, only)._at_most(MOST_THINGS)
 
     def _with_seen(self, seen: list[Thing]) -> "Things":
@@ -215,29 +222,22 @@ class Things:
         )
 
 
-def _seen_things(
-    detections: Iterable[Detection], observation: Observation, camera: CameraConfig, search: int
-) -> list[Thing]:
-    """Detections as things, without numbers yet, but for those with too few pixels of depth."""
-    pixels = [(one, *_pixels(one, observation, camera)) for one in detections]
-    pixels = [one for one in pixels if len(one[1]) >= _LEAST_POINTS]
-    if not pixels:
-        return []
-    points = observation.points_at(  # of all at once: a call takes longer than what it computes
-        np.concatenate([rows for _, rows, _ in pixels]),
-        np.concatenate([columns for _, _, columns in pixels]),
-    )
-    ends = np.cumsum([len(rows) for _, rows, _ in pixels])[:-1]
-    return [
-        _seen_thing(detection, own, observation, search)
-        for (detection, _, _), own in zip(pixels, np.split(points, ends), strict=True)
-    ]
-
-
 def _seen_thing(
-    detection: Detection, points: Float64[np.ndarray, "n 3"], observation: Observation, search: int
-) -> Thing:
-    """A detection with its points as a thing."""
+    detection: Detection, observation: Observation, camera: CameraConfig, search: int
+) -> Thing | None:
+    """A detection as a thing, without a number yet; None with too few pixels of depth."""
+    height, width = observation.depth.shape
+    box = detection.box.clipped(width, height)
+    points = points_under_mask(
+        _mask(box, observation, camera) if detection.mask is None else detection.mask,
+        observation,
+        min_depth_m=camera.min_depth_m,
+        max_depth_m=camera.max_depth_m,
+        stride=min(max(int(math.sqrt(box.area / _MOST_POINTS)), 1), _LARGEST_STRIDE),
+        window=box.pixels(),
+    )
+    if len(points) < _LEAST_POINTS:
+        return None
     spread = np.sort(points, axis=0)  # much faster than percentiles
     first = int(_STRAYS * len(points))
     (x0, y0, z0), (x1, y1, z1) = spread[[first, -1 - first]].round(3).tolist()
@@ -255,24 +255,16 @@ def _seen_thing(
     )
 
 
-def _pixels(
-    detection: Detection, observation: Observation, camera: CameraConfig
-) -> tuple[Int64[np.ndarray, " n"], Int64[np.ndarray, " n"]]:
-    """Rows and columns of a detection's pixels; without a mask those as far as its middle."""
-    height, width = observation.depth.shape
-    box = detection.box.clipped(width, height)
+def _mask(
+    box: Box, observation: Observation, camera: CameraConfig
+) -> Bool[np.ndarray, "height width"]:
+    """The pixels of a box that are about as far away as its middle, where it has no mask."""
+    mask = np.zeros(observation.depth.shape, dtype=bool)
     x_min, y_min, x_max, y_max = box.pixels()
-    stride = min(max(int(math.sqrt(box.area / _MOST_POINTS)), 1), _LARGEST_STRIDE)
-    window = (slice(y_min, y_max, stride), slice(x_min, x_max, stride))
-    depth = observation.depth[window]
-    good = is_measured(depth, camera.min_depth_m, camera.max_depth_m)
-    if detection.mask is not None:
-        good &= detection.mask[window]
-    elif good.any():
-        middle = _middle_depth(box, observation, camera)
-        good &= np.abs(depth - middle) <= _SAME_DEPTH_M
-    rows, columns = np.nonzero(good)
-    return y_min + rows * stride, x_min + columns * stride
+    window = (slice(y_min, y_max), slice(x_min, x_max))
+    middle_m = _middle_depth(box, observation, camera)
+    mask[window] = np.abs(observation.depth[window] - middle_m) <= _SAME_DEPTH_M
+    return mask
 
 
 def _middle_depth(box: Box, observation: Observation, camera: CameraConfig) -> float:
@@ -295,7 +287,7 @@ def _that_should_show(things: Iterable[Thing], observation: Observation) -> list
         return []
     # Low down the floor behind it is near enough to have depth, if the thing is not there.
     heights = [one.low[2] + _LOW_SHARE * one.size[2] for one in near]
-    visible = are_visible(np.stack([one.outline for one in near]), np.array(heights), observation)
+    visible = are_visible(np.array([one.outline for one in near]), np.array(heights), observation)
     here = np.array([observation.robot.xy])
     return [
         one
@@ -306,10 +298,10 @@ def _that_should_show(things: Iterable[Thing], observation: Observation) -> list
 
 def _is_near(one: Thing, observation: Observation) -> bool:
     """Whether a thing is ahead, near and large enough to be detected where nothing hides it."""
-    x, y, _ = one.position
-    robot = observation.robot
+    (x0, y0, z0), (x1, y1, z1), robot = one.low, one.high, observation.robot
+    x, y = (x0 + x1) / 2.0, (y0 + y1) / 2.0
     distance_m = robot.distance_to(x, y)
     if distance_m > _NEAR_M or abs(robot.bearing_to(x, y)) > math.pi / 2.0:
         return False
-    across_m = min(max(one.size[0], one.size[1]), one.size[2])
+    across_m = min(max(x1 - x0, y1 - y0), z1 - z0)
     return across_m * observation.camera.fx >= _LEAST_PX * distance_m

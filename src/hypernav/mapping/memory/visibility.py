@@ -6,6 +6,7 @@ from jaxtyping import Bool, Float64
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.observation import Observation
+from hypernav.mapping.memory.image_kernels import count_visible
 
 _BESIDE_M = 0.3
 """Distance from the robot within which positions lie open: no image shows the floor there."""
@@ -15,6 +16,8 @@ _SAME_WIDTH = 0.5
 _DEPTH_SLACK_M = 0.5
 _OWN_DEPTH_M = 1.0
 """Depth of an object, metres, by which its near side may lie before its far side."""
+_WALL_SLACK_M = 0.3
+"""Depth, metres, by which what is behind an object may be nearer than the object."""
 _RECOGNISABLE_M = (1.0, 4.0)
 _IN_BETWEEN_M = 0.15
 _MEASURABLE_M = 0.6
@@ -87,20 +90,22 @@ def are_visible(
     observation: Observation,
 ) -> Bool[np.ndarray, " objects"]:
     """The same of several objects at once; see `should_be_visible`."""
-    objects, n, _ = positions.shape
-    distance, pixels = _projected(positions.reshape(-1, 2), np.repeat(heights_m, n), observation)
-    nearest, farthest = _RECOGNISABLE_M
-    good = (distance > nearest) & (distance < farthest)
-    good &= observation.camera.contains(pixels)
+    camera = observation.camera
     # Nothing may stand in between. The farthest depth of a column tells of what is as high as the
     # camera, the one at the object's height of what is lower, such as a bed before a nightstand.
     # The object's own near side may be nearer than what was seen of it from another side.
-    columns, rows = pixels[good].astype(int).T
-    is_open = good.copy()
-    is_open[good] = observation.farthest_m[columns] > distance[good] - 0.3
-    is_open[good] &= observation.depth[rows, columns] > distance[good] - _OWN_DEPTH_M
-    shown, free = (mask.reshape(objects, n).sum(axis=1) for mask in (good, is_open))
-    return (shown >= 0.8 * n) & (free > 0.8 * shown)
+    counts = count_visible(
+        positions,
+        heights_m,
+        np.require(observation.depth, np.float32, ["C", "W"]),
+        observation.farthest_m,
+        tuple(float(number) for number in (camera.fx, camera.fy, camera.cx, camera.cy)),
+        tuple(observation.camera_to_map.inverse().matrix[:3].ravel().tolist()),
+        _RECOGNISABLE_M,
+        (_WALL_SLACK_M, _OWN_DEPTH_M),
+    )
+    shown, free = counts.T
+    return (shown >= 0.8 * positions.shape[1]) & (free > 0.8 * shown)
 
 
 def seems_to_hold(

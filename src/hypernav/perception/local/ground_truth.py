@@ -3,8 +3,8 @@
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
-from scipy import ndimage
 
 from hypernav.core.errors import LabelsMissingError
 from hypernav.core.exploring.sightings import SeenThing
@@ -12,6 +12,7 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
+from hypernav.perception.local.census_kernels import census
 
 MIN_AREA_SHARE = 0.0005
 """Share of the image below which objects are overlooked, as by a real detector: 12×12 pixels in
@@ -63,17 +64,13 @@ class GroundTruthDetector:
             LabelsMissingError: The world supplies no labels.
         """
         truth = true_labels(observation)
-        ids = truth.ids[::_COARSE, ::_COARSE] + 1
-        pixels = np.bincount(ids.ravel())[1:]
-        boxes = ndimage.find_objects(ids)
+        ids = np.ascontiguousarray(truth.ids[::_COARSE, ::_COARSE])
+        pixels, boxes = census(ids, int(ids.max()))
         found = []
         for number in np.flatnonzero(pixels >= max(self.min_area_share * ids.size, 1.0)).tolist():
             if number not in truth.labels:
                 continue
-            rows, columns = boxes[number]
-            top, bottom, left, right = (
-                _COARSE * edge for edge in (rows.start, rows.stop, columns.start, columns.stop)
-            )
+            left, top, right, bottom = (_COARSE * boxes[number]).tolist()
             mask = np.zeros(truth.ids.shape, dtype=bool)
             mask[top:bottom, left:right] = truth.ids[top:bottom, left:right] == number
             box = Box(float(left), float(top), float(right), float(bottom))
@@ -126,7 +123,7 @@ def true_labels(observation: Observation) -> LabelledPixels:
 
 def visible_objects(truth: LabelledPixels, min_area_share: float = MIN_AREA_SHARE) -> list[int]:
     """Numbers of labelled instances with at least this share of the image, largest first."""
-    pixels = np.bincount(truth.ids.ravel() + 1)[1:]  # -1 where there is no instance
+    pixels, _ = census(truth.ids, int(truth.ids.max()))
     enough = np.flatnonzero(pixels >= min_area_share * truth.ids.size)
     visible = [int(number) for number in enough if int(number) in truth.labels]
     return sorted(visible, key=lambda number: (-int(pixels[number]), number))
@@ -135,7 +132,6 @@ def visible_objects(truth: LabelledPixels, min_area_share: float = MIN_AREA_SHAR
 def true_detection(truth: LabelledPixels, number: int) -> Detection:
     """A visible instance with its mask, the box around that, and its category."""
     mask = truth.ids == number
-    rows = np.flatnonzero(mask.any(axis=1))
-    columns = np.flatnonzero(mask.any(axis=0))
-    box = Box(float(columns[0]), float(rows[0]), float(columns[-1] + 1), float(rows[-1] + 1))
+    left, top, width, height = cv2.boundingRect(mask.view(np.uint8))
+    box = Box(float(left), float(top), float(left + width), float(top + height))
     return Detection(box, 1.0, truth.labels[number].category, mask)
