@@ -50,3 +50,11 @@ def test_it_names_what_it_sees_with_its_position_but_once():
 
 def test_what_is_beyond_the_range_of_depth_is_not_named():
     assert GroundTruthDetector().name_things(thing_before_wall(thing_m=0.0), besides=()) == {}
+
+
+def test_of_all_things_it_sees_exactly_the_pixels():
+    observation = thing_before_wall()
+    (thing,) = GroundTruthDetector().things_in(observation, [])
+    assert (thing.label, thing.box.pixels()) == ("bed", (60, 40, 100, 80))
+    np.testing.assert_array_equal(certain(thing.mask), thing_pixels(observation))
+    assert GroundTruthDetector(0.5).things_in(observation, []) == []

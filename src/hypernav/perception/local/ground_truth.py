@@ -4,7 +4,6 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import ndimage
 
 from hypernav.core.errors import LabelsMissingError
 from hypernav.core.exploring.sightings import SeenThing
@@ -12,6 +11,7 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
+from hypernav.perception.local.extent_kernels import extents
 
 MIN_AREA_SHARE = 0.0005
 """Share of the image below which objects are overlooked, as by a real detector: 12×12 pixels in
@@ -63,17 +63,14 @@ class GroundTruthDetector:
             LabelsMissingError: The world supplies no labels.
         """
         truth = true_labels(observation)
-        ids = truth.ids[::_COARSE, ::_COARSE] + 1
-        pixels = np.bincount(ids.ravel())[1:]
-        boxes = ndimage.find_objects(ids)
+        ids = truth.ids[::_COARSE, ::_COARSE]
+        shown = extents(ids, int(ids.max()) + 1)
+        least = max(self.min_area_share * ids.size, 1.0)
         found = []
-        for number in np.flatnonzero(pixels >= max(self.min_area_share * ids.size, 1.0)).tolist():
+        for number in np.flatnonzero(shown[:, 0] >= least).tolist():
             if number not in truth.labels:
                 continue
-            rows, columns = boxes[number]
-            top, bottom, left, right = (
-                _COARSE * edge for edge in (rows.start, rows.stop, columns.start, columns.stop)
-            )
+            top, left, bottom, right = (_COARSE * shown[number, 1:]).tolist()
             mask = np.zeros(truth.ids.shape, dtype=bool)
             mask[top:bottom, left:right] = truth.ids[top:bottom, left:right] == number
             box = Box(float(left), float(top), float(right), float(bottom))
