@@ -58,11 +58,17 @@ def searched(world, goal: str, start: Pose2, memory: Memory | None, **search):
     return steps, run.result(), agent.memory
 
 
-@pytest.fixture
-def memory() -> Memory:
+@pytest.fixture(scope="module")
+def explored() -> Memory:
     """What a robot knows that has explored both rooms in vain."""
     _, _, memory = searched(two_rooms(), "piano", START, None)
     return memory
+
+
+@pytest.fixture
+def memory(explored) -> Memory:
+    """A copy of it."""
+    return explored.copy()
 
 
 def test_a_remembered_thing_is_gone_to_at_once(memory):
