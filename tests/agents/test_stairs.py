@@ -25,6 +25,7 @@ from hypernav.perception.explorers.map_question import VlmReasonerConfig
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
+from small_worlds import colourless_world
 from stair_views import FIRST_X, RISE_M, SIDES_Y, STEPS, TREAD_M
 
 CONFIG = with_changes(preset("default"), {"embodiment": {"body": {"max_step_m": 0.2}}})
@@ -65,7 +66,7 @@ def split_level(steps: int = STEPS, *, two_sofas: bool = False) -> SimulatedWorl
         for k in range(steps - 1)
     ]
     scene = replace(scene_of(*boxes, name="split level"), storeys=(0.0, above_m))
-    return SimulatedWorld(scene, CONFIG.world, CONFIG.embodiment)
+    return colourless_world(scene, CONFIG)
 
 
 def search(goal: str, *, steps: int = STEPS, **switches: bool) -> tuple[list[StepTrace], Memory]:
