@@ -53,7 +53,7 @@ def test_after_each_step_there_are_the_stairs_that_its_trace_tells_of(make_step:
     changes = stairs_by_step(steps)
     assert list(changes) == [2, 5, 8, 10, 12, 14]
     for last in range(len(steps)):
-        since = max((one for one in changes if one <= last), default=None)
+        since = max((one for one in changes if one <= last), default=-1)
         for floor in (1, 2, 3):
             expected = stairs_on(floor, climbs(steps[: last + 1]))
             assert changes.get(since, {}).get(floor, []) == expected
