@@ -2,7 +2,7 @@
 
 from box_scenes import Box, room_boxes, scene_of
 from hypernav.worlds.simulation import SimulatedWorld
-from small_worlds import small_config
+from small_worlds import colourless_world, small_config
 
 _SEAT_M, _BETWEEN_M = 0.45, 0.24
 
@@ -10,7 +10,7 @@ _SEAT_M, _BETWEEN_M = 0.45, 0.24
 def meeting_room(*, board_m: float, aisle_m: float) -> SimulatedWorld:
     """The room as a world; see `meeting_room_boxes`."""
     config, boxes = small_config(), meeting_room_boxes(board_m=board_m, aisle_m=aisle_m)
-    return SimulatedWorld(scene_of(*boxes, name="meeting room"), config.world, config.embodiment)
+    return colourless_world(scene_of(*boxes, name="meeting room"), config)
 
 
 def meeting_room_boxes(*, board_m: float, aisle_m: float, beside_m: float = 0.28) -> list[Box]:

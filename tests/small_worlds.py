@@ -5,6 +5,8 @@ from functools import cache
 from box_scenes import room_boxes, scene_of
 from hypernav.build.component_specs import PresetName
 from hypernav.build.presets import HyPerNavConfig, preset
+from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
 
 _CAMERA = {"width": 160, "height": 120}
@@ -19,12 +21,23 @@ def small_config(name: PresetName = "default", **sections) -> HyPerNavConfig:
     return HyPerNavConfig.model_validate(config)
 
 
+def colourless_world(scene: Scene, config: HyPerNavConfig) -> SimulatedWorld:
+    """A scene as a world of black images, for searches with ground truth, which looks at none.
+
+    So a step takes a third less time.
+    """
+    renderer = CpuRenderer(scene, RenderConfig(colours=False))
+    return SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
+
+
 @cache
-def two_rooms() -> SimulatedWorld:
+def two_rooms(*, coloured: bool = True) -> SimulatedWorld:
     """A living room with a sofa, and behind a wall with a door a bedroom with a bed.
 
     The living room spans x 0 to 5, the bedroom x 5 to 9; the door is at y 2.6 to 3.6.
     """
+    if not coloured:
+        return colourless_world(two_rooms().scene, small_config())
     boxes = [
         *room_boxes(9.0, 4.0),
         (None, (4.95, 0.0, 0.0), (5.05, 2.6, 2.5)),

@@ -18,11 +18,9 @@ from hypernav.core.trace import Ending, ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.planning.bump_sensor import bumped_points
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 from small_episodes import episode_from
-from small_worlds import two_rooms
+from small_worlds import colourless_world, two_rooms
 
 BESIDE_THE_SOFA = Pose2(2.5, 1.0, math.pi / 2)
 ROBOTS = {
@@ -83,7 +81,7 @@ def farthest_from_a_thing(grid, world):
 
 
 def search(monkeypatch, config, agent="hypernav"):
-    world = SimulatedWorld(two_rooms().scene, config.world, config.embodiment)
+    world = colourless_world(two_rooms().scene, config)
     bumps = BumpsNoted(monkeypatch, world)
     searcher = build_search(config, GroundTruthDetector(), ExchangeLog(), agent=agent)
     episode = EpisodeRun(searcher, world, episode_from(BESIDE_THE_SOFA, "bed"))
@@ -120,9 +118,7 @@ def test_it_finds_its_way_through_a_furnished_house(monkeypatch, robot, agent):
         environment={},
         assignments=[f"embodiment.{key}={value}" for key, value in robot.items()],
     )
-    scene = load_scene("builtin")
-    renderer = CpuRenderer(scene, RenderConfig(colours=False))
-    world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
+    world = colourless_world(load_scene("builtin"), config)
     bumps = BumpsNoted(monkeypatch, world)
     toilet, rng = Goal("toilet"), np.random.default_rng(2)
     start = random_start(world.walkable, rng, world.regions.of(toilet))

@@ -19,10 +19,9 @@ from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.scans.loading import open_scene
-from hypernav.worlds.simulation import SimulatedWorld
 from scan_writers.buildings import STOREY_M, two_storeys
 from scan_writers.scans import write_scan
-from small_worlds import small_config
+from small_worlds import colourless_world, small_config
 
 CONFIG = small_config(embodiment={"motion": {"forward_m": 0.25, "turn_angle_deg": 30.0}})
 
@@ -175,7 +174,7 @@ def test_no_key_image_is_taken_on_stairs():
 @pytest.mark.slow
 def test_a_search_draws_the_upper_floor_on_a_map_of_its_own(tmp_path):
     scene = open_scene(write_scan(two_storeys(), tmp_path / "00802-wcojb4TFT35"))
-    world = SimulatedWorld(scene, CONFIG.world, CONFIG.embodiment)
+    world = colourless_world(scene, CONFIG)
     agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog(), agent="hypernav")
     agent.reset(Goal("umbrella"))
     foot = Episode("x", "0", Goal("umbrella"), Pose2(3.0, 0.5, 0.0), start_z=0.0)

@@ -29,7 +29,11 @@ def searched(agent: str, seed: int = 0):
     parts = build_agent(small_config(), ComponentSpecs(agent=agent))
     episode = episode_from(START, "bed", max_steps=200)
     run = EpisodeRun(
-        parts.agent, two_rooms(), episode, rng=np.random.default_rng(seed), told=parts.truth
+        parts.agent,
+        two_rooms(coloured=False),
+        episode,
+        rng=np.random.default_rng(seed),
+        told=parts.truth,
     )
     steps = [step.trace.model_dump(mode="json") for step in run if step.trace is not None]
     return [without_timings(step) for step in steps], run.result()

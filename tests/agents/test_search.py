@@ -17,9 +17,8 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog, Mode, without_timings
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from
-from small_worlds import small_config, two_rooms
+from small_worlds import colourless_world, small_config, two_rooms
 
 START = Pose2(2.5, 1.0, math.pi / 2)
 
@@ -30,7 +29,7 @@ def search(agent="hypernav", name: PresetName = "default", detector=None, **sect
 
 
 def run(agent, goal, start=START, **options):
-    episode = EpisodeRun(agent, two_rooms(), episode_from(start, goal, **options))
+    episode = EpisodeRun(agent, two_rooms(coloured=False), episode_from(start, goal, **options))
     return [step.trace for step in episode], episode.result()
 
 
@@ -207,7 +206,7 @@ def closet():
     """A closed closet, too narrow to go anywhere in."""
     config = small_config("paper")
     scene = scene_of(*room_boxes(0.6, 0.6), name="closet")
-    return SimulatedWorld(scene, config.world, config.embodiment)
+    return colourless_world(scene, config)
 
 
 @pytest.mark.parametrize("agent", [pytest.param("hypernav", marks=pytest.mark.slow), "frontier"])

@@ -25,6 +25,7 @@ from hypernav.perception.explorers.map_question import VlmReasonerConfig
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
+from small_worlds import colourless_world
 from stair_views import FIRST_X, RISE_M, SIDES_Y, STEPS, TREAD_M
 
 CONFIG = with_changes(preset("default"), {"embodiment": {"body": {"max_step_m": 0.2}}})
@@ -65,7 +66,7 @@ def split_level(steps: int = STEPS, *, two_sofas: bool = False) -> SimulatedWorl
         for k in range(steps - 1)
     ]
     scene = replace(scene_of(*boxes, name="split level"), storeys=(0.0, above_m))
-    return SimulatedWorld(scene, CONFIG.world, CONFIG.embodiment)
+    return colourless_world(scene, CONFIG)
 
 
 def search(goal: str, *, steps: int = STEPS, **switches: bool) -> tuple[list[StepTrace], Memory]:
@@ -93,7 +94,7 @@ def test_a_search_goes_up_to_the_goal():
     assert [one.floor for one in (trace[0], trace[-1])] == [None, 2]
     climbing = [one for one in trace if one.mode is Mode.CLIMB]
     assert climbing
-    assert all(one.reason.startswith("on the stairs to floor 2") for one in climbing)
+    assert all(one.reason.startswith("on the stairs up") for one in climbing)
     assert {one.passage for one in memory.connectors} == {Passage.USED}
     on_stairs_x = [one.pose[0] + START_X for one in climbing]
     assert max(x for x, _ in memory.floors[0].trajectory) + START_X < FIRST_X + 2.0 * TREAD_M
@@ -116,6 +117,8 @@ def test_a_search_comes_back_by_the_stairs_that_it_took():
     assert floors[-1] == 1
     assert 2 in floors
     assert memory.number == 0
+    last_climb = next(one for one in reversed(trace) if one.mode is Mode.CLIMB)
+    assert last_climb.reason == "on the stairs down"
 
 
 @pytest.mark.parametrize("steps", [2, 4])
@@ -217,6 +220,7 @@ def test_a_robot_that_gets_onto_stairs_on_its_way_takes_them():
         trace.append(agent.last_step)
     assert "on stairs by the way" in [event for one in trace for event in one.events]
     assert trace[-1].mode is Mode.CLIMB
+    assert trace[-1].reason.startswith("on the stairs up")  # nobody knows where to
     for _ in range(3):
         agent.act(world.step(Action.TURN_LEFT))
     assert agent.memory.ground_z == 0.0
@@ -297,6 +301,8 @@ def test_a_robot_takes_the_stairs_that_it_knows_to_a_thing_on_another_floor(
 ):
     trace, memory = search_above_for_the_sofa(is_sent=is_sent, two_sofas=two_sofas)
     assert trace[0].reason == reason
+    climbed = [one.reason for one in trace if one.mode is Mode.CLIMB]
+    assert all(one.startswith("on the stairs to floor 1") for one in climbed)
     assert trace[-1].action is Action.STOP
     assert memory.number == 0
 

@@ -1,5 +1,6 @@
 """What a start of the program may load: the rest waits until it is needed."""
 
+import gc
 import os
 import shutil
 import subprocess
@@ -37,20 +38,27 @@ def test_importing_the_package_loads_no_other():
     assert not loaded & (HEAVY | {"numpy", "pydantic", "tyro", "rich"})
 
 
-@pytest.mark.parametrize(
-    "module",
-    [
+def test_a_robot_that_writes_no_video_loads_nothing_that_draws_pages_or_reads_scenes():
+    parts = (
         "cli.serve",
         "cli.robots.ros2",
         "cli.robots.replay",
         "robot.server.serving",
         "robot.client.robot_client",
-    ],
-)
-def test_a_robot_that_writes_no_video_loads_nothing_that_draws_pages_or_reads_scenes(module):
-    loaded = loaded_by(f"import hypernav.{module}, hypernav.build.agents")
+        "build.agents",
+    )
+    loaded = loaded_by("import " + ", ".join(f"hypernav.{part}" for part in parts))
     assert "numpy" in loaded
     assert not loaded & {"av", "embreex", "gymnasium", "matplotlib", "trimesh"}
+
+
+def test_what_a_command_imports_is_searched_for_garbage_neither_then_nor_at_the_end(monkeypatch):
+    monkeypatch.delitem(sys.modules, "hypernav.cli.report", raising=False)
+    before = gc.get_freeze_count()
+    with pytest.raises(SystemExit):
+        main(["report", "nowhere"])
+    assert gc.get_freeze_count() > before
+    assert gc.isenabled()
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,9 @@ class Scripted:
 
 
 def run(*actions, goal="bed", start=BESIDE_BED, **options):
-    episode = EpisodeRun(Scripted(*actions), two_rooms(), episode_from(start, goal, **options))
+    episode = EpisodeRun(
+        Scripted(*actions), two_rooms(coloured=False), episode_from(start, goal, **options)
+    )
     steps = list(episode)
     return steps, episode.result()
 
@@ -71,7 +73,9 @@ def test_a_goal_that_the_scene_lacks_is_legal():
 
 
 def test_an_interrupted_episode_has_a_result():
-    episode = EpisodeRun(Scripted(Action.TURN_LEFT), two_rooms(), episode_from(BESIDE_BED))
+    episode = EpisodeRun(
+        Scripted(Action.TURN_LEFT), two_rooms(coloured=False), episode_from(BESIDE_BED)
+    )
     next(iter(episode))
     result = episode.result(interrupted=True)
     assert (result.outcome, result.steps) == (Outcome.INTERRUPTED, 1)

@@ -78,7 +78,7 @@ class Turning:
 
 def test_turning_sees_the_sofa_of_this_room_and_not_the_bed_of_the_next():
     start = Pose2(2.5, 1.0, 0.0)  # facing away from the sofa
-    world = two_rooms()
+    world = two_rooms(coloured=False)
     of_sofa = EpisodeRun(Turning(), world, episode_from(start, "sofa"))
     views = [step.goal_in_view for step in of_sofa]
     assert views[0] is False
@@ -89,7 +89,9 @@ def test_turning_sees_the_sofa_of_this_room_and_not_the_bed_of_the_next():
 
 
 def test_what_is_behind_a_wall_is_not_in_view():
-    run = EpisodeRun(Turning(), two_rooms(), episode_from(Pose2(2.5, 1.0, 0.0), "bed"))
+    run = EpisodeRun(
+        Turning(), two_rooms(coloured=False), episode_from(Pose2(2.5, 1.0, 0.0), "bed")
+    )
     assert not any(step.goal_in_view for step in run)
     assert run.result().parts is None
     assert "explored_m" not in run.result().measures()

@@ -14,7 +14,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.episodes.trial import Trial
 from small_episodes import episode_from
-from small_worlds import small_config, two_rooms
+from small_worlds import colourless_world, small_config, two_rooms
 
 START = Pose2(2.5, 1.0, 0.0)
 
@@ -26,14 +26,14 @@ def remembering() -> Remembers:
 
 
 def searched(agent, goal, goes_on=False):
-    run = EpisodeRun(agent, two_rooms(), episode_from(START, goal), goes_on=goes_on)
+    run = EpisodeRun(agent, two_rooms(coloured=False), episode_from(START, goal), goes_on=goes_on)
     for _ in run:
         pass
     return run
 
 
 def test_the_robot_stays_with_its_map_frame_and_may_go_on_after_stop():
-    world = two_rooms()
+    world = two_rooms(coloured=False)
     world.reset(episode_from(START))
     for action in (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.STOP):
         world.step(action)
@@ -47,7 +47,7 @@ def test_the_robot_stays_with_its_map_frame_and_may_go_on_after_stop():
 
 
 def test_a_search_of_a_life_is_measured_from_where_the_robot_stands():
-    world = two_rooms()
+    world = two_rooms(coloured=False)
     world.reset(episode_from(START, "sofa"))
     world.step(Action.MOVE_FORWARD)
     trial = Trial(world, episode_from(START, "sofa"), goes_on=True)
@@ -58,7 +58,7 @@ def test_a_search_of_a_life_is_measured_from_where_the_robot_stands():
 
 
 def test_a_world_in_which_no_robot_stands_cannot_go_on():
-    fresh = type(two_rooms())(two_rooms().scene, small_config().world, small_config().embodiment)
+    fresh = colourless_world(two_rooms().scene, small_config())
     with pytest.raises(WorldError, match="before reset"):
         fresh.go_on(episode_from(START))
     fresh.close()

@@ -24,7 +24,9 @@ class Idle:
 def told(goal="bed", seed: int | None = 0, **values):
     truth = EpisodeTruth()
     rng = None if seed is None else np.random.default_rng(seed)
-    EpisodeRun(Idle(), two_rooms(), episode_from(START, goal, **values), rng=rng, told=truth)
+    EpisodeRun(
+        Idle(), two_rooms(coloured=False), episode_from(START, goal, **values), rng=rng, told=truth
+    )
     return truth
 
 

@@ -2,6 +2,7 @@
 
 import gzip
 import json
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -21,13 +22,29 @@ SPLIT = "houses-train"
 HOUSES = range(5, 7)
 
 
+@pytest.fixture(scope="module")
+def split(tmp_path_factory):
+    """A split of two houses out of boxes."""
+    cache = tmp_path_factory.mktemp("cache")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(episode_cache, "cached_building", box_house)
+        patch.setattr(split_files, "cached_building", box_house)
+        patch.setattr(episode_cache, "cache_folder", lambda: cache)
+        yield load_split(SPLIT, numbers=HOUSES)
+
+
+@pytest.fixture(scope="module")
+def written(split, tmp_path_factory):
+    """The split in one file."""
+    file = tmp_path_factory.mktemp("split") / "val.json.gz"
+    split_files.write_split(split, file)
+    return file
+
+
 @pytest.fixture
-def split(monkeypatch, tmp_path):
-    """A split of two houses out of boxes, and a function that writes it for others."""
-    monkeypatch.setattr(episode_cache, "cached_building", box_house)
-    monkeypatch.setattr(split_files, "cached_building", box_house)
-    monkeypatch.setattr(episode_cache, "cache_folder", lambda: tmp_path / "cache")
-    return load_split(SPLIT, numbers=HOUSES)
+def file(written, tmp_path):
+    """A copy of it."""
+    return shutil.copyfile(written, tmp_path / "val.json.gz")
 
 
 def records(episodes, tmp_path, count=5):
@@ -53,9 +70,7 @@ def all_view_points(content):
             yield from goal["view_points"]
 
 
-def test_a_written_split_gives_the_same_records_as_the_split_itself(split, tmp_path):
-    file = tmp_path / "val.json.gz"
-    split_files.write_split(split, file)
+def test_a_written_split_gives_the_same_records_as_the_split_itself(file, tmp_path):
     own, read = load_episodes(f"{SPLIT}#5:7"), load_episodes(f"habitat:{file}")
     assert read == own
     assert all(episode.view_points is None for episode in own)
@@ -63,9 +78,7 @@ def test_a_written_split_gives_the_same_records_as_the_split_itself(split, tmp_p
     assert records(read, tmp_path) == records(own, tmp_path)
 
 
-def test_editing_a_view_point_changes_the_result(split, tmp_path):
-    file = tmp_path / "val.json.gz"
-    split_files.write_split(split, file)
+def test_editing_a_view_point_changes_the_result(file, tmp_path):
     before = load_episodes(f"habitat:{file}")
 
     def keep_one(content):
@@ -93,9 +106,7 @@ def test_a_split_in_a_folder_is_habitats_layout(split, tmp_path):
     assert {e.key for e in by_folder} == {e.key for e in load_episodes(f"{SPLIT}#5:7")}
 
 
-def test_a_goal_whose_file_brings_no_view_points_is_measured_by_the_scene(split, tmp_path):
-    file = tmp_path / "val.json.gz"
-    split_files.write_split(split, file)
+def test_a_goal_whose_file_brings_no_view_points_is_measured_by_the_scene(file):
 
     def drop_all(content):
         for goals in content["goals_by_category"].values():
@@ -107,10 +118,10 @@ def test_a_goal_whose_file_brings_no_view_points_is_measured_by_the_scene(split,
 
 
 @pytest.fixture
-def room_file(split, tmp_path):
+def room_file(written, tmp_path):
     """An episode file about a scene beside it."""
-    file = tmp_path / "set" / "val.json.gz"
-    split_files.write_split(split, file)
+    (tmp_path / "set").mkdir()
+    file = shutil.copyfile(written, tmp_path / "set" / "val.json.gz")
 
     def rename(content):
         content["episodes"] = content["episodes"][:1]
@@ -148,9 +159,7 @@ def test_a_scene_that_is_nowhere_says_all_places_where_it_was_looked_for(room_fi
         load_episodes(f"habitat:{room_file}")
 
 
-def test_two_episodes_of_one_name_are_refused(split, tmp_path):
-    file = tmp_path / "val.json.gz"
-    split_files.write_split(split, file)
+def test_two_episodes_of_one_name_are_refused(file):
     edit(file, lambda content: content["episodes"].append(content["episodes"][0]))
     with pytest.raises(EpisodeError, match="two episodes are called 5-0"):
         load_episodes(f"habitat:{file}")

@@ -153,6 +153,6 @@ def _parent() -> subprocess.Popen[str]:
 
 def _end(parent: subprocess.Popen[str]) -> None:
     """Let the parent see that no further request comes."""
-    assert parent.stdin is not None
-    parent.stdin.close()
-    parent.wait()
+    with parent:
+        assert parent.stdin is not None
+        parent.stdin.close()

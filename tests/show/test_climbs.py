@@ -5,7 +5,15 @@ from collections.abc import Callable
 import pytest
 
 from hypernav.core.trace import Mode, StepTrace
-from hypernav.show.climbs import Climb, StairsMark, climb_words, climbs, floor_words, stairs_on
+from hypernav.show.climbs import (
+    Climb,
+    StairsMark,
+    climb_words,
+    climbs,
+    floor_words,
+    stairs_by_step,
+    stairs_on,
+)
 
 MakeStep = Callable[..., StepTrace]
 
@@ -35,6 +43,20 @@ def test_stairs_that_were_given_up_are_no_way(make_step: MakeStep) -> None:
     assert [one.in_vain for one in made] == [True]
     assert stairs_on(2, made) == [StairsMark((0.0, 0.0), "no way")]
     assert climb_words(made[0], {}).startswith("Stairs tried in vain")
+
+
+def test_after_each_step_there_are_the_stairs_that_its_trace_tells_of(make_step: MakeStep) -> None:
+    stretches = [(Mode.EXPLORE, None, 2), (Mode.CLIMB, None, 3), (Mode.EXPLORE, 2, 3)]
+    stretches += [(Mode.CLIMB, 2, 2), (Mode.EXPLORE, 3, 2), (Mode.CLIMB, 3, 2), (Mode.STOP, 3, 1)]
+    steps = walk(make_step, *stretches)
+    steps[-1] = steps[-1].model_copy(update={"events": ["stairs given up"]})
+    changes = stairs_by_step(steps)
+    assert list(changes) == [2, 5, 8, 10, 12, 14]
+    for last in range(len(steps)):
+        since = max((one for one in changes if one <= last), default=-1)
+        for floor in (1, 2, 3):
+            expected = stairs_on(floor, climbs(steps[: last + 1]))
+            assert changes.get(since, {}).get(floor, []) == expected
 
 
 def test_stairs_on_which_the_robot_is_are_not_given_up(make_step: MakeStep) -> None:

@@ -83,6 +83,25 @@ def stairs_on(floor: int, made: Iterable[Climb]) -> list[StairsMark]:
     return marks
 
 
+def stairs_by_step(steps: Sequence[StepTrace]) -> dict[int, dict[int, list[StairsMark]]]:
+    """The stairs on every floor from each step on at which they changed, by its index.
+
+    Args:
+        steps: The steps of a search so far.
+    """
+    changes = dict[int, dict[int, list[StairsMark]]]()
+    known = dict[int, list[StairsMark]]()
+    for last, one in enumerate(steps):
+        if Mode.CLIMB not in (one.mode, steps[max(last - 1, 0)].mode):
+            continue
+        made = climbs(steps[: last + 1])
+        floors = sorted({climb.floor for climb in made} | {floor_of(one)})
+        stairs = known | {floor: stairs_on(floor, made) for floor in floors}
+        if stairs != known:
+            changes[last] = known = stairs
+    return changes
+
+
 def floor_words(floor: int, start: int, heights_m: Mapping[int, float]) -> str:
     """A floor for people, with its height beside that of the floor where the search began.
 

@@ -2,10 +2,10 @@
 
 Numba compiles a kernel on its first call, once on a machine, and keeps it on disk. It holds
 Python's global lock meanwhile, so only another process can compile at the same time. While this
-process builds the world and its walkable surface, the warm-up process draws one triangle, lets
-an agent search an empty room and walks on a navigation mesh. So it compiles the kernels of drawing,
-mapping and planning, about half of all, in the order in which this process needs them, and then
-those of scans, which are for the next run if this one has no scan.
+process builds the world and its walkable surface, the warm-up process walks on an empty grid, draws
+one triangle, lets an agent search an empty room and walks on a navigation mesh. So it compiles the
+kernels of paths, drawing, mapping and planning, about half of all, in the order in which this
+process needs them, and then those of scans, which are for the next run if this one has no scan.
 """
 
 import os

@@ -25,10 +25,19 @@ _STEPS = 12
 
 
 def warm_up() -> None:
-    """Draw, then search, then walk on a mesh."""
+    """Walk on a grid, draw, search, and walk on a mesh."""
+    walk_on_grid()
     draw_tile()
     search_room()
     walk_on_mesh()
+
+
+def walk_on_grid() -> None:
+    """Step and find paths on the walkable grid of an empty room."""
+    surface = WalkableGrid.from_mask(np.ones((40, 40), dtype=bool))
+    here = surface.nearest_standable(1.0, 1.0)
+    surface.move(here, 0.25, 0.0)
+    surface.goal_field(np.array([here])).distance(0.5, 0.5)
 
 
 def draw_tile() -> None:

@@ -17,7 +17,7 @@ from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from
-from small_worlds import small_config, two_rooms
+from small_worlds import colourless_world, small_config, two_rooms
 
 CONFIG = small_config()
 START = Pose2(2.5, 1.0, 1.5)
@@ -34,7 +34,7 @@ def rooms(bed: tuple[float, float]) -> SimulatedWorld:
         ("sofa", (0.1, 1.2, 0.0), (0.9, 2.8, 0.7)),
         ("bed", (x, y, 0.0), (x + 1.0, y + 0.8, 0.5)),
     ]
-    return SimulatedWorld(scene_of(*boxes, name="two rooms"), CONFIG.world, CONFIG.embodiment)
+    return colourless_world(scene_of(*boxes, name="two rooms"), CONFIG)
 
 
 @contextmanager
@@ -58,15 +58,21 @@ def searched(world, goal: str, start: Pose2, memory: Memory | None, **search):
     return steps, run.result(), agent.memory
 
 
-@pytest.fixture
-def memory() -> Memory:
+@pytest.fixture(scope="module")
+def explored() -> Memory:
     """What a robot knows that has explored both rooms in vain."""
-    _, _, memory = searched(two_rooms(), "piano", START, None)
+    _, _, memory = searched(two_rooms(coloured=False), "piano", START, None)
     return memory
 
 
+@pytest.fixture
+def memory(explored) -> Memory:
+    """A copy of it."""
+    return explored.copy()
+
+
 def test_a_remembered_thing_is_gone_to_at_once(memory):
-    steps, result, _ = searched(two_rooms(), "sofa", IN_BEDROOM, memory)
+    steps, result, _ = searched(two_rooms(coloured=False), "sofa", IN_BEDROOM, memory)
     assert steps[0].reason == "a sofa was seen there before"
     assert result.metrics.success
     assert result.metrics.spl > 0.8
@@ -74,7 +80,7 @@ def test_a_remembered_thing_is_gone_to_at_once(memory):
 
 
 def test_without_recall_the_map_is_known_and_the_thing_is_not_gone_to(memory):
-    steps, _, _ = searched(two_rooms(), "sofa", IN_BEDROOM, memory, recall=False)
+    steps, _, _ = searched(two_rooms(coloured=False), "sofa", IN_BEDROOM, memory, recall=False)
     assert not any("was seen there before" in step.reason for step in steps)
 
 
@@ -82,7 +88,7 @@ def test_what_is_hardly_likely_is_gone_to_when_nothing_is_left_to_explore(memory
     floor = memory.floor
     doubted = tuple(replace(one, score=0.4) for one in floor.things.known)
     floor.things = replace(floor.things, known=doubted)
-    steps, _, _ = searched(two_rooms(), "sofa", IN_BEDROOM, memory)
+    steps, _, _ = searched(two_rooms(coloured=False), "sofa", IN_BEDROOM, memory)
     reasons = [step.reason for step in steps]
     recalls = [k for k, one in enumerate(reasons) if "was seen there before" in one]
     assert "was seen there before" not in reasons[0]
@@ -90,7 +96,7 @@ def test_what_is_hardly_likely_is_gone_to_when_nothing_is_left_to_explore(memory
 
 
 def test_the_present_search_recalls_nothing_of_its_own():
-    steps, _, memory = searched(two_rooms(), "piano", START, None)
+    steps, _, memory = searched(two_rooms(coloured=False), "piano", START, None)
     assert memory.search.remembered == frozenset()
     assert not any("was seen there before" in step.reason for step in steps)
 
@@ -110,7 +116,7 @@ def test_what_was_moved_is_missed_then_looked_for_and_found_and_remembered_where
 
 def test_what_was_taken_away_is_looked_for_everywhere_and_then_given_up(memory):
     without = rooms((7.5, 0.3))
-    empty = SimulatedWorld(
+    empty = colourless_world(
         scene_of(
             *room_boxes(9.0, 4.0),
             (None, (4.95, 0.0, 0.0), (5.05, 2.6, 2.5)),
@@ -118,8 +124,7 @@ def test_what_was_taken_away_is_looked_for_everywhere_and_then_given_up(memory):
             ("bed", (7.5, 0.3, 0.0), (8.5, 1.1, 0.5)),
             name="two rooms",
         ),
-        CONFIG.world,
-        CONFIG.embodiment,
+        CONFIG,
     )
     _, _, known = searched(without, "piano", START, None)
     steps, result, known = searched(empty, "sofa", IN_BEDROOM, known)
@@ -132,7 +137,7 @@ def test_what_was_taken_away_is_looked_for_everywhere_and_then_given_up(memory):
 
 
 def test_a_thing_that_was_never_seen_is_looked_for_again_where_all_is_known(memory):
-    steps, _, known = searched(two_rooms(), "piano", IN_BEDROOM, memory)
+    steps, _, known = searched(two_rooms(coloured=False), "piano", IN_BEDROOM, memory)
     assert any("all is known, looking again" in step.events for step in steps)
     over = known.search.looked_over
     assert over is not None
@@ -141,7 +146,7 @@ def test_a_thing_that_was_never_seen_is_looked_for_again_where_all_is_known(memo
 
 
 def test_another_of_the_goal_s_kind_does_not_make_the_robot_look_at_all_again(memory):
-    steps, _, known = searched(two_rooms(), "red sofa", IN_BEDROOM, memory)
+    steps, _, known = searched(two_rooms(coloured=False), "red sofa", IN_BEDROOM, memory)
     events = [event for step in steps for event in step.events]
     assert steps[0].reason == "a sofa was seen there before"
     assert "remembered thing is gone" not in events
@@ -152,7 +157,7 @@ def test_another_of_the_goal_s_kind_does_not_make_the_robot_look_at_all_again(me
 def test_a_thing_is_gone_to_on_the_side_that_it_was_seen_from():
     """What hides it from the others, such as the wall that it hangs on, may be on no map."""
     boxes = [*room_boxes(9.0, 4.0), ("bed", (4.2, 1.6, 0.0), (4.8, 2.4, 0.5))]
-    world = SimulatedWorld(scene_of(*boxes, name="hall"), CONFIG.world, CONFIG.embodiment)
+    world = colourless_world(scene_of(*boxes, name="hall"), CONFIG)
     _, _, memory = searched(world, "piano", Pose2(2.0, 1.0, 1.5), None)
     (bed,) = memory.floor.things.known
     for x in (1.0, 8.0):
@@ -175,7 +180,7 @@ TWO_SOFAS = [
 
 @pytest.mark.parametrize("meant", [True, False])
 def test_a_robot_that_is_sent_to_one_thing_passes_others_of_its_kind(meant):
-    world = SimulatedWorld(scene_of(*TWO_SOFAS, name="hall"), CONFIG.world, CONFIG.embodiment)
+    world = colourless_world(scene_of(*TWO_SOFAS, name="hall"), CONFIG)
     _, _, memory = searched(world, "piano", Pose2(4.5, 1.0, 1.5), None)
     start = Pose2(3.0, 2.0, 3.14)
     sofas = [one for one in memory.floor.things.known if one.label == "sofa"]
@@ -192,7 +197,7 @@ def test_a_robot_that_is_sent_to_one_thing_passes_others_of_its_kind(meant):
 
 def test_being_sent_to_what_is_forgotten_or_gone_is_a_search_like_any(memory):
     agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog())
-    world = two_rooms()
+    world = two_rooms(coloured=False)
     episode = episode_from(IN_BEDROOM, "sofa", max_steps=200)
     with in_frame_of_start(world):
         run = EpisodeRun(agent, world, episode, memory=memory)
@@ -209,7 +214,10 @@ def test_a_robot_is_sent_to_one_thing_though_another_has_the_goal_s_own_name(mem
     red = replace(sofa, number=9_999, label="red sofa")
     things = memory.floor.things
     memory.floor.things = replace(things, known=(*things.known, red))
-    agent, world = build_search(CONFIG, GroundTruthDetector(), ExchangeLog()), two_rooms()
+    agent, world = (
+        build_search(CONFIG, GroundTruthDetector(), ExchangeLog()),
+        two_rooms(coloured=False),
+    )
     with in_frame_of_start(world):
         run = EpisodeRun(agent, world, episode_from(IN_BEDROOM, "red sofa"), memory=memory)
         memory.go_first_to(0, sofa.number)
@@ -219,7 +227,10 @@ def test_a_robot_is_sent_to_one_thing_though_another_has_the_goal_s_own_name(mem
 
 def sent_to_the_sofa(memory, change) -> EpisodeResult:
     """The search of a robot that is sent to the sofa, after a change of what is remembered."""
-    agent, world = build_search(CONFIG, GroundTruthDetector(), ExchangeLog()), two_rooms()
+    agent, world = (
+        build_search(CONFIG, GroundTruthDetector(), ExchangeLog()),
+        two_rooms(coloured=False),
+    )
     episode = episode_from(IN_BEDROOM, "sofa", max_steps=200)
     with in_frame_of_start(world):
         run = EpisodeRun(agent, world, episode, memory=memory)

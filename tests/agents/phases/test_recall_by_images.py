@@ -58,13 +58,19 @@ def searched(goal, start, memory, *says, config=None, **search):
     return steps, run.result(), chat.asked
 
 
-@pytest.fixture
-def memory() -> Memory:
+@pytest.fixture(scope="module")
+def explored() -> Memory:
     """What a robot knows that has explored both rooms in vain, with key images and no things."""
     memory = Memory(CONFIG.mapping, CONFIG.embodiment, images=KeyImages(50_000_000))
     searched("piano", START, memory)
     assert memory.floor.things.known == ()
     return memory
+
+
+@pytest.fixture
+def memory(explored) -> Memory:
+    """A copy of it."""
+    return explored.copy()
 
 
 def shows_sofa(image: KeyImage) -> bool:

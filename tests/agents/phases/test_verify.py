@@ -16,7 +16,7 @@ from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from
-from small_worlds import small_config
+from small_worlds import colourless_world, small_config
 
 GOING_NEARER = "here is the table, going nearer"
 SHORT_STEPS = {"motion": {"forward_m": 0.25, "turn_angle_deg": 30.0}}
@@ -34,7 +34,7 @@ def meeting_table() -> SimulatedWorld:
         ("chair", (6.4, 2.7, 0.0), (6.8, 3.0, 0.9)),
     ]
     config = small_config(embodiment=SHORT_STEPS)
-    return SimulatedWorld(scene_of(*boxes, name="table"), config.world, config.embodiment)
+    return colourless_world(scene_of(*boxes, name="table"), config)
 
 
 class Boxes(GroundTruthDetector):

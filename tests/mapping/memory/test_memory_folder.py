@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -38,13 +39,20 @@ def run(memory, start: Pose2 = LIVING_ROOM, goal: str = "bed", most: int = 60, w
     return [(step.trace.action, step.trace.pose, step.trace.reason) for step in search]
 
 
-@pytest.fixture
-def home(tmp_path) -> Path:
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory) -> Path:
     """A folder with the memory of a search for the bed."""
-    with open_memory(tmp_path / "home", CONFIG) as memory:
+    folder = tmp_path_factory.mktemp("memory") / "home"
+    with open_memory(folder, CONFIG) as memory:
         memory.memory.floor.was_explored = True
         run(memory)
-    return tmp_path / "home"
+    return folder
+
+
+@pytest.fixture
+def home(saved, tmp_path) -> Path:
+    """A copy of it."""
+    return shutil.copytree(saved, tmp_path / "home")
 
 
 def images_of(folder: MemoryFolder) -> KeyImages:

@@ -67,3 +67,11 @@ def test_a_thing_that_is_seen_in_two_parts_is_one_with_a_box_around_both():
     ):
         assert seen.box.pixels() == (60, 40, 100, 80)
         np.testing.assert_array_equal(certain(seen.mask), ids == ids[60, 70])
+
+
+def test_of_all_things_it_sees_exactly_the_pixels():
+    observation = thing_before_wall()
+    (thing,) = GroundTruthDetector().things_in(observation, [])
+    assert (thing.label, thing.box.pixels()) == ("bed", (60, 40, 100, 80))
+    np.testing.assert_array_equal(certain(thing.mask), thing_pixels(observation))
+    assert GroundTruthDetector(0.5).things_in(observation, []) == []

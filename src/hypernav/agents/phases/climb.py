@@ -57,7 +57,7 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     to = stairs_ahead(ground, *here, flight, goes_up=goes_up, on_slope=on_slope)
     if memory.is_storey_away and not on_slope and way_on.any():
         to = way_on
-    words = f"on the stairs to floor {_next_floor(memory, climbing) + 1}"
+    words = f"on the stairs {_where_to(memory, climbing, goes_up=goes_up)}"
     if not to.any() and memory.is_off_floor and not climbing.turned:
         to = way_on
     turn = Action.TURN_LEFT
@@ -78,12 +78,14 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     return decision, replace(plan, climbing=climbing)
 
 
-def _next_floor(memory: Memory, climbing: Climbing) -> int:
-    """Number of the floor that the robot is going to; the next free one if it is new."""
+def _where_to(memory: Memory, climbing: Climbing, *, goes_up: bool) -> str:
+    """Where the stairs lead: to a floor that the robot knows, or up or down."""
+    here, other = memory.number, memory.connectors[climbing.connector].other_floor
     if climbing.is_back:
-        return memory.number
-    other = memory.connectors[climbing.connector].other_floor
-    return len(memory.floors) if other is None else other
+        return f"back to floor {here + 1}"
+    if other is None or other == here:  # not known, or to another level of this floor
+        return "up" if goes_up else "down"
+    return f"to floor {other + 1}"
 
 
 def _touches(step: Step, plan: Plan, climbing: Climbing) -> bool:

@@ -1,5 +1,6 @@
 """Workers as processes on this machine, one core each."""
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -139,6 +140,7 @@ def _work(job: Job, pipe: Connection, log: Path) -> None:
 
     It sends None when it is ready, records, and a message if the run can't go on.
     """
+    gc.freeze()  # what was imported is no garbage; the last search among it would take the longest
     _die_with_owner()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # for systems where it cannot be blocked
     signal.signal(signal.SIGTERM, _leave)  # leaving by an exception closes scene and agent

@@ -66,8 +66,9 @@ class GroundTruthDetector:
         truth = true_labels(observation)
         ids = np.ascontiguousarray(truth.ids[::_COARSE, ::_COARSE])
         pixels, boxes = census(ids, int(ids.max()))
+        least = max(self.min_area_share * ids.size, 1.0)
         found = []
-        for number in np.flatnonzero(pixels >= max(self.min_area_share * ids.size, 1.0)).tolist():
+        for number in np.flatnonzero(pixels >= least).tolist():
             if number not in truth.labels:
                 continue
             left, top, right, bottom = (_COARSE * boxes[number]).tolist()

@@ -131,9 +131,7 @@ class DepthSafety:
         is_floor: Bool[np.ndarray, "height width"],
     ) -> Bool[np.ndarray, " n"]:
         """Whether an image shows floor at positions on the floor plan."""
-        level = np.column_stack([points, np.zeros(len(points))])
-        in_base = view.robot.to_transform().inverse().apply(level)
-        pixels = view.camera.project(view.camera_to_base.inverse().apply(in_base))
+        pixels = view.camera.project(_in_camera(view, points, 0.0))
         shows = view.camera.contains(pixels)
         u, v = pixels[shows].astype(np.intp).T
         shows[shows] = is_floor[v, u]
@@ -142,9 +140,7 @@ class DepthSafety:
     def _forget_seen(self, view: DepthView) -> None:
         """Keep only points outside the image or too near to be measured, and drop the old ones."""
         points = self._remembered
-        level = np.column_stack([points, np.full(len(points), view.camera_to_base.translation[2])])
-        in_base = view.robot.to_transform().inverse().apply(level)
-        in_camera = view.camera_to_base.inverse().apply(in_base)
+        in_camera = _in_camera(view, points, float(view.camera_to_base.translation[2]))
         columns = view.camera.project(in_camera)[:, 0]
         is_seen = (in_camera[:, 2] > self._nearest_m) & view.camera.contains_columns(columns)
         kept = ~is_seen & (self._ages < _REMEMBERED_VIEWS)
@@ -163,6 +159,15 @@ class DepthSafety:
         if np.count_nonzero(ahead) < _LEAST_FLOOR_PIXELS:
             return False
         return bool(np.mean(~is_measured(view.depth[ahead])) > _BLIND_SHARE)
+
+
+def _in_camera(
+    view: DepthView, points: Float64[np.ndarray, "n 2"], height_m: float
+) -> Float64[np.ndarray, "n 3"]:
+    """Positions on the floor plan, taken at one height, in the optical frame."""
+    level = np.column_stack([points, np.full(len(points), height_m)])
+    in_base = view.robot.to_transform().inverse().apply(level)
+    return view.camera_to_base.inverse().apply(in_base)
 
 
 def _floor_depth(

@@ -34,7 +34,7 @@ from hypernav.robot.server.watching.page_view import PageView
 from hypernav.robot.simulation.base import SimulatedBase
 from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
-from hypernav.show.climbs import climbs, stairs_on
+from hypernav.show.drawing.palette import STAIRS
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.worlds.box_room import BoxRoom
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
@@ -427,29 +427,34 @@ def test_a_search_with_a_memory_may_begin_on_any_floor(page, driver):
         assert page.floor_words.text.startswith("Floor 4, where the search began, one of 2 so far.")
 
 
-def test_both_pages_tell_the_same_of_stairs(page, driver):
-    """The script of the operator's page tells stairs from steps as `show.climbs` does."""
-    steps = floor_steps(None, None, 2, 2, 3, 3, 2, 2)
-    vain = [
-        steps[7].model_copy(update={"step": 8, "mode": Mode.CLIMB, "pose": (20.0, 0.0, 0.0)}),
-        steps[7].model_copy(update={"step": 9, "events": ["stairs given up"]}),
-    ]
-    steps += vain
-    assert "no way" in [one.words for one in stairs_on(2, climbs(steps))]
+def test_stairs_are_marked_as_far_as_the_shown_step_knows_them(page, driver):
     info = EpisodeInfo("bed", "hypernav", detector="ground truth", reasoner="geometric")
+    grid = OccupancyGrid(np.full((40, 120), Cell.FREE, np.uint8), 0.05, (0.0, -1.0))
+    brown = f"rgb{STAIRS}"
+
+    def marked() -> int:
+        return driver.execute_script(
+            """const [map, colour] = [document.getElementById("map"), arguments[0]];
+            const { data } = map.getContext("2d").getImageData(0, 0, map.width, map.height);
+            let count = 0;
+            for (let k = 0; k < data.length; k += 4)
+              count += `rgb(${data[k]}, ${data[k + 1]}, ${data[k + 2]})` === colour;
+            return count;""",
+            brown,
+        )
+
     with closing(PageView(info, lambda: None)) as view:
+        for trace in floor_steps(None, None, None, 2, 2):
+            view.add(trace, grid, None)
         driver.get(view.address.partition(" ")[0])
-        for floor in (1, 2, 3):
-            told = driver.execute_async_script(
-                """const [floor, steps, done] = arguments;
-                import("./page/climbs.js").then((one) => done(one.stairsOn(floor, steps)));""",
-                floor,
-                [one.model_dump(mode="json") for one in steps],
-            )
-            marks = [(tuple(one["at"][:2]), one["words"]) for one in told]
-            expected = [(one.position, one.words) for one in stairs_on(floor, climbs(steps))]
-            assert marks == expected
-            assert marks
+        page.until(lambda: page.map_title.text == "Map of floor 2")
+        page.until(marked)
+        page.slider.send_keys(Keys.HOME)
+        page.until(lambda: page.map_title.text == "Map of floor 1")
+        assert not marked()
+        page.slider.send_keys(Keys.END)
+        page.until(lambda: page.map_title.text == "Map of floor 2")
+        assert marked()
 
 
 def test_the_page_notes_which_things_have_no_way_and_says_that_the_memory_is_broken(page, tmp_path):
@@ -471,6 +476,13 @@ def test_the_page_notes_which_things_have_no_way_and_says_that_the_memory_is_bro
         page.until(lambda: buttons() == [True, True])
         note = "Note: a robot on floor 1, where the last search ended, has no way there."
         assert note in page.things.text
+        page.driver.set_window_size(1000, 1000)
+        heights = page.driver.execute_script(
+            """const high = (o) => o.offsetHeight / parseFloat(getComputedStyle(o).lineHeight);
+            return [...document.querySelectorAll("#things .when:not(.why)")].map(high);"""
+        )
+        page.driver.set_window_size(1200, 1000)
+        assert heights == pytest.approx([1.0, 1.0], abs=0.2)  # nothing is wrapped
         (home / "memory.json").write_text("{")
         page.until(lambda: "memory.json is broken" in page.memory.text)
         assert len(buttons()) == 2

@@ -11,12 +11,14 @@ from starlette.concurrency import run_in_threadpool
 
 from hypernav.core.errors import RequestRefusedError
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.trace import StepTrace
 from hypernav.robot.server.access import API
 from hypernav.robot.server.threads import Bell
 from hypernav.robot.server.watching.maps import map_png, map_server_file, occupancy_grid
 from hypernav.robot.wire.replies import Health, MapExtent, Status
 from hypernav.robot.wire.requests import StopRequest
 from hypernav.robot.wire.values import LONGEST_WAIT_S, SEARCHES
+from hypernav.show.climbs import StairsMark, stairs_by_step
 
 Name = Annotated[str, Path(pattern=r"^[0-9a-f]{32}$", description="Name of the search.")]
 """The name of a search, in a path."""
@@ -186,6 +188,13 @@ def watching_routes(searches: ShownSearches) -> APIRouter:
         """Where the map of every floor lies, by the number that a step's ``floor`` has."""
         maps = searches.find(name).maps
         return {floor: MapExtent.of(maps[floor]) for floor in sorted(maps)}
+
+    @routes.get(f"{SEARCHES}/{{name}}/stairs")
+    def stairs(name: Name) -> dict[int, dict[int, list[StairsMark]]]:
+        """Ends of stairs that were taken or tried, by floor, from each step that changed them."""
+        with searches.find(name).reading() as journal:
+            steps = [StepTrace.model_validate_json(line) for line in journal.trace_lines(0)]
+        return stairs_by_step(steps)
 
     @routes.get(f"{SEARCHES}/{{name}}/map.png", response_class=Response)
     def png(

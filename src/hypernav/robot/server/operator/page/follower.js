@@ -13,6 +13,8 @@ export const floorOf = (step) => step.floor ?? 1;
 export class Follower {
   status = null;
   steps = [];
+  stairs = {}; // the ends of stairs on every floor, from each step on that changed them
+  climbed = false; // since they were fetched
   maps = new Map(); // the last map of each floor
   unmapped = new Set(); // floors left before this page was opened of which the server has no map
 
@@ -54,7 +56,11 @@ export class Follower {
       || status.last?.sequence !== this.status.last?.sequence || !status.map !== !this.maps.size;
     if (isNew && status.next_sequence > 0) {
       const lines = await (await this.request(`/trace?since=${this.steps.length}`)).text();
+      const last = Math.max(this.steps.length - 1, 0);
       for (const line of lines.split("\n")) if (line) this.steps.push(parse(line));
+      this.climbed ||= this.steps.slice(last).some((step) => step.mode === "climb");
+      if (this.climbed) this.stairs = await this.get("/stairs");
+      this.climbed = false;
       if (status.map) { // a server that was started again has no map until it has caught up
         await this.updateMap(status.map);
         await this.fetchOtherFloors();

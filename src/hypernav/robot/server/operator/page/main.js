@@ -46,7 +46,7 @@ function follow(id) {
 }
 
 function show() {
-  const { status, steps, maps } = follower ?? { status: null };
+  const { status, steps, stairs, maps } = follower ?? { status: null };
   if (!status) return;
   timeline.show(steps);
   const step = steps[timeline.shown];
@@ -64,7 +64,7 @@ function show() {
   floorOfRobot = step ? floorOf(step) : null;
   const floor = floorChosen ?? floorOfRobot;
   const map = step && maps.get(floor);
-  drawMap(byId("map"), map, steps, timeline.shown, floor);
+  drawMap(byId("map"), map, steps, stairs, timeline.shown, floor);
   showFloor(steps, step, floor);
   if (step) {
     byId("map").setAttribute("aria-label", mapWords(map, step, floor));

@@ -1,6 +1,5 @@
 // The map from above, with the robot and its plan.
 
-import { stairsOn } from "./climbs.js";
 import { floorOf } from "./follower.js";
 import { COLORS } from "./vocabulary.js";
 
@@ -8,7 +7,7 @@ const MARGIN_M = 0.6;
 const LEAST_M = 4;
 
 /** Draws the map of a floor and everything on it at the shown step, sharp on any screen. */
-export function drawMap(canvas, map, steps, shown, floor) {
+export function drawMap(canvas, map, steps, stairs, shown, floor) {
   const ratio = window.devicePixelRatio || 1;
   canvas.width = Math.round(canvas.clientWidth * ratio);
   canvas.height = Math.round(canvas.clientHeight * ratio);
@@ -25,7 +24,8 @@ export function drawMap(canvas, map, steps, shown, floor) {
   if (isHere) draw.area(step.goal_area);
   if (isHere) draw.blocks(steps, shown);
   for (const walk of walksOn(floor, walked)) draw.line(walk, COLORS.trajectory_new, 2);
-  for (const mark of stairsOn(floor, walked)) draw.stairs(mark);
+  const changed = Object.keys(stairs).findLast((since) => since <= shown);
+  for (const mark of stairs[changed]?.[floor] ?? []) draw.stairs(mark);
   if (isHere) {
     draw.line(step.path, COLORS.path, 2.5, [6, 4]);
     if (step.destination) draw.destination(step.destination);
@@ -130,7 +130,7 @@ class Painter {
     context.setLineDash([]);
   }
 
-  stairs({ at: [x, y], words }) {
+  stairs({ position: [x, y], words }) {
     const [u, v] = this.view.at(x, y);
     const { context, ratio } = this;
     const half = 7 * ratio;
