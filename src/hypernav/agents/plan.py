@@ -220,6 +220,7 @@ class Climbing:
         turned: Number of turns since stairs were last seen ahead.
         touching: Whether the robot has bumped into something and has not got away from it yet.
         flight: The flight of stairs that it is on or goes to; None if it knows of none.
+        looked: Where it turned all around on landings and saw no stairs ``(x, y)``, metres.
         then: Where the robot goes on the floor that it leads to; None leaves it to the explorer.
     """
 
@@ -229,6 +230,7 @@ class Climbing:
     turned: int = 0
     touching: bool = False
     flight: Connector | None = None
+    looked: tuple[Position, ...] = ()
     then: Destination | None = None
 
 

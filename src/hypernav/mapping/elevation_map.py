@@ -138,6 +138,7 @@ class ElevationMap:
         maps = (self._heights, self._hits, self._hit_z, self._below)
         known, hits, hit_z, below = (one[window] for one in maps)
         with np.errstate(invalid="ignore"):  # what is farther up or down belongs to other storeys
+            known = _without_pits(known, body.max_step_m)
             measured = np.abs(known - robot_z) <= _SAME_STOREY_M
             near_level = np.abs(known - robot_z) < _NEAR_LEVEL_M
         around = np.where(near_level, known, np.float32(np.nan))
@@ -218,6 +219,18 @@ def _closed(mask: Bool[np.ndarray, "rows columns"], side: int) -> Bool[np.ndarra
     """The mask with its gaps that a square of so many cells doesn't fit into."""
     square = np.ones((side, side), np.uint8)
     return cv2.morphologyEx(mask.view(np.uint8), cv2.MORPH_CLOSE, square) > 0
+
+
+def _without_pits(
+    heights: Float32[np.ndarray, "rows columns"], least_m: float
+) -> Float32[np.ndarray, "rows columns"]:
+    """The heights, where pits too narrow for a square of 3 cells are filled if so deep, metres.
+
+    What was seen below a landing stays in cells that no ray meets as it is seen from above.
+    """
+    square = np.ones((3, 3), np.uint8)
+    closed = cv2.morphologyEx(np.nan_to_num(heights, nan=-np.inf), cv2.MORPH_CLOSE, square)
+    return np.where(closed - heights > least_m, closed, heights)
 
 
 def _shifted(

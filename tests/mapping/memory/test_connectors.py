@@ -8,11 +8,13 @@ import pytest
 
 from box_views import FLOOR, SolidBox, room, view_of
 from hypernav.core.embodiment import BodyConfig, Embodiment
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.connectors import (
     Connector,
     Passage,
+    along_walls,
     reliable,
     relied_on,
     with_sightings,
@@ -227,3 +229,48 @@ def test_stairs_that_were_tried_are_not_relied_on_anew(passage):
     floor = 1 if passage is Passage.USED else None
     tried = Connector(0, False, (3.0, 1.0), 0.0, passage=passage, other_floor=floor)
     assert relied_on([tried], replace(tried, passage=Passage.UNTRIED)) == ((tried,), None)
+
+
+def walls_at(angle: float, *, length_m: float = 2.0) -> OccupancyGrid:
+    """A map with two walls, 1.2 m apart, on both sides of the origin."""
+    along = np.arange(0.0, length_m, 0.02)
+    cos, sin = math.cos(angle), math.sin(angle)
+    points = np.concatenate(
+        [np.stack([along * cos - y * sin, along * sin + y * cos], 1) for y in (-0.6, 0.6)]
+    )
+    grid = OccupancyGrid(np.full((120, 120), Cell.FREE, np.uint8), 0.05, (-3.0, -3.0))
+    grid.cells[grid.mask_of(points)] = Cell.OCCUPIED
+    return grid
+
+
+@pytest.mark.parametrize("off", [-0.6, 0.0, 0.6])
+@pytest.mark.parametrize("angle", [-2.0, -0.3, 0.2, 1.4, 3.0])
+def test_stairs_lead_along_the_walls_around_them(angle: float, off: float):
+    straight = along_walls(edge(angle + off), walls_at(angle))
+    assert abs(wrap_angle(straight.axis - angle)) < 0.04
+    assert replace(straight, axis=0.0) == edge(0.0)
+
+
+def test_stairs_keep_their_axis_where_no_walls_tell_it():
+    askew = edge(0.4)
+    assert along_walls(askew, walls_at(0.0, length_m=0.1)) == askew
+    scattered = np.random.default_rng(0).random((120, 120)) < 0.02
+    cells = np.where(scattered, np.uint8(Cell.OCCUPIED), np.uint8(Cell.FREE))
+    assert along_walls(askew, OccupancyGrid(cells, 0.05, (-3.0, -3.0))) == askew
+
+
+@pytest.mark.parametrize(("width_m", "is_ground"), [(0.08, True), (0.7, False)])
+def test_what_was_seen_below_a_landing_leaves_no_pits_in_it(width_m: float, is_ground: bool):
+    below: SolidBox = ((-9.0, -9.0, -3.0), (9.0, 9.0, -1.4))
+    gap_x = 3.4
+    landing: list[SolidBox] = [
+        ((-9.0, -9.0, -3.0), (gap_x, 9.0, 0.0)),
+        ((gap_x + width_m, -9.0, -3.0), (9.0, 9.0, 0.0)),
+    ]
+    memory = memory_after([below], Pose2(-1.0, 0.0, 0.0))
+    for x in (0.2, 0.6, 1.0, 1.4, 1.8):
+        memory.follow(view_of([below, *landing], Pose2(x, 0.0, 0.0), camera=CAMERA))
+    ground = memory.ground_around((1.8, 0.0), down=False)
+    beyond = ground.grid.cell_of(gap_x + width_m + 0.4, 0.0)
+    assert ground.seen[beyond]
+    assert ground.reached[beyond] == is_ground

@@ -13,8 +13,10 @@ from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.connectors import Connector
 from hypernav.mapping.memory.flights import (
     first_ahead,
+    first_flight,
     flight_down,
     flight_from,
+    flight_underfoot,
     landing_z,
     on_flight,
     stairs_ahead,
@@ -191,3 +193,46 @@ def test_the_way_on_is_ahead_where_there_is_one():
 def test_a_storey_lies_farther_down_than_a_landing(below_m: float, is_away: bool):
     memory = seen_from([FLOOR], Pose2(0.0, 0.0, 0.0), z=-below_m)
     assert memory.is_storey_away == is_away
+
+
+@pytest.mark.parametrize("quarters", [-1, 0, 1])
+def test_the_first_flight_leads_where_most_of_it_was_seen(quarters: int):
+    memory = seen_from(stairs_down(), *before_the_edge())
+    ground = memory.ground_around(HEAD.xy, down=True)
+    askew = replace(FLIGHT, axis=quarters * math.pi / 2.0)
+    assert first_flight(ground, askew, 0.0).axis == pytest.approx(0.0)
+
+
+def test_a_flight_is_none_where_the_landing_was_seen_to_go_on():
+    memory = seen_from(stairs_down(), *before_the_edge()[:2])
+    robot = before_the_edge()[1]
+    ground = memory.ground_around(robot.xy, down=True)
+    level = replace(FLIGHT, end=(FIRST_X - 0.3, MIDDLE_Y), axis=math.pi / 2.0)
+    assert ground.seen[ground.grid.cell_of(FIRST_X - 0.3, MIDDLE_Y + 0.6)]
+    found = flight_down(ground, robot, 0.0, level, FLIGHT)
+    assert found is not None
+    assert found.axis == pytest.approx(0.0)
+
+
+def test_a_step_down_tells_which_flight_the_robot_is_on():
+    before, robot = Pose2(0.0, 0.0, 0.0), Pose2(0.4, 0.1, 0.0)
+    known = replace(FLIGHT, end=(0.0, 0.5), axis=0.0)
+    beside = flight_underfoot(known, FLIGHT, before, robot)
+    assert beside.axis == known.axis
+    assert 0.0 < beside.end[1] - robot.y < 0.2
+    near = replace(known, end=(0.0, 0.15))
+    assert flight_underfoot(near, FLIGHT, before, robot) == near
+    for other in (None, replace(FLIGHT, axis=math.pi / 2.0), replace(FLIGHT, axis=math.pi)):
+        across = flight_underfoot(other, replace(FLIGHT, axis=math.pi / 2.0), before, robot)
+        assert across.end == robot.xy
+        assert math.cos(across.axis) == pytest.approx(1.0)
+
+
+def test_on_a_landing_the_way_on_leads_away_from_where_the_robot_has_looked():
+    memory = seen_from([FLOOR], Pose2(0.0, 0.0, 0.0), Pose2(0.5, 0.0, 0.0))
+    ground = memory.ground_around((0.5, 0.0), down=False)
+    looked = (1.5, 0.0)
+    way_on = ground.positions(memory.way_on(ground, 0.0, 0.8, [looked]))
+    assert len(way_on)
+    for place in ((0.0, 0.0), looked):
+        assert np.linalg.norm(way_on - place, axis=1).min() >= 0.75

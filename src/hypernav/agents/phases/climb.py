@@ -1,16 +1,21 @@
 """The way over stairs to another floor."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Mode
-from hypernav.mapping.memory.connectors import Passage
+from hypernav.mapping.ground import Ground
+from hypernav.mapping.memory.connectors import LEVEL_M, Connector, Passage, along_walls
 from hypernav.mapping.memory.flights import (
+    ahead_of,
     first_ahead,
+    first_flight,
     flight_down,
     flight_from,
+    flight_underfoot,
     landing_z,
     on_flight,
     stairs_ahead,
@@ -26,6 +31,25 @@ _MOVED_SHARE = 0.5
 """Share of a step below which the robot has bumped into something."""
 
 
+@dataclass(frozen=True, eq=False)
+class _Stairs:
+    """The stairs around the robot, in the direction in which it goes.
+
+    Attributes:
+        ground: Ground around the robot.
+        goes_up: Whether it goes up.
+        on_slope: Whether its latest step led up or down, and nothing stops it.
+        level_z: Height of the level ground around it, as it looks, metres.
+        z: Height that it goes by, metres: on a slope its own.
+    """
+
+    ground: Ground
+    goes_up: bool
+    on_slope: bool
+    level_z: float
+    z: float
+
+
 def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
     """Go over a connector and on to the next floor; turn back where it does not lead there.
 
@@ -35,47 +59,96 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     if climbing is None:
         return Phase.LOOK_AROUND, plan
     connector = memory.connectors[climbing.connector]
+    connector = along_walls(connector, memory.floors[connector.floor].map.grid)
     climbing = replace(climbing, steps=climbing.steps + 1, touching=_touches(step, plan, climbing))
     if climbing.steps > _PATIENCES * step.config.endurance_steps:
         return _given_up(step, memory, plan, climbing)
-    if climbing.is_back and not memory.is_off_floor:
+    has_turned = climbing.turned >= step.motion.turns_of_a_circle
+    if (climbing.is_back or has_turned) and not memory.is_off_floor:
         return _given_up(step, memory, plan, climbing)
-    goes_up = connector.goes_up != climbing.is_back
-    ground = memory.ground_around(step.robot.xy, down=not goes_up)
-    is_lost = climbing.touching or climbing.turned > step.motion.turns_of_a_circle // 4
-    on_slope = memory.is_off_floor and memory.is_on_slope and not is_lost
-    level_z = landing_z(ground, step.robot, memory.z)
-    here = step.robot, memory.z if on_slope else level_z
-    first, flight = flight_from(connector, goes_up=goes_up), climbing.flight
-    if not memory.is_off_floor:  # stairs that it came by have the axis of its last step
-        flight = first if connector.passage is Passage.UNTRIED else None
-    elif not goes_up and not on_slope:
-        flight = flight_down(ground, *here, None if is_lost else flight, first)
+    stairs = _around(step, memory, climbing, goes_up=connector.goes_up != climbing.is_back)
+    before = None if plan.ordered is None else plan.ordered[0]
+    flight = _flight(step, memory, climbing, stairs, connector, before)
     climbing = replace(climbing, flight=flight)
-    ground = on_flight(ground, *here, flight, goes_up=goes_up)
-    way_on = first_ahead(ground, step.robot, memory.way_on(ground, level_z, _OFF_STAIRS_M))
-    to = stairs_ahead(ground, *here, flight, goes_up=goes_up, on_slope=on_slope)
-    if memory.is_storey_away and not on_slope and way_on.any():
-        to = way_on
-    words = f"on the stairs {_where_to(memory, climbing, goes_up=goes_up)}"
-    if not to.any() and memory.is_off_floor and not climbing.turned:
-        to = way_on
+    leads_on, action = _next_step(step, memory, climbing, stairs, flight)
+    if action is None and flight is not None and (stairs.on_slope or not memory.is_off_floor):
+        leads_on, action = _next_step(step, memory, climbing, stairs, None)  # it may be another one
+    words = f"on the stairs {_where_to(memory, climbing, goes_up=stairs.goes_up)}"
+    if action is not None:
+        climbing = replace(climbing, turned=0, looked=_looked(step, climbing))
+        return Decision(action, Mode.CLIMB, words), replace(plan, climbing=climbing)
     turn = Action.TURN_LEFT
-    if not memory.is_off_floor and not to.any():
-        turn = turn_towards(step.robot, connector.beyond, step.motion)
-    if turn is None or climbing.turned >= step.motion.turns_of_a_circle:
+    if not (memory.is_off_floor or leads_on):
+        turn = turn_towards(step.robot, (flight or connector).beyond, step.motion)
+    if turn is None or has_turned:
         return _given_up(step, memory, plan, climbing)
-    action = None
-    if to.any():
-        with step.clock("plan"):
-            action = step_over_ground(
-                ground, step.robot, to, step.motion, touching=climbing.touching
-            )
-    climbing = replace(climbing, turned=0 if action is not None else climbing.turned + 1)
-    if action is None:
-        words += ", looking where they lead on"
-    decision = Decision(action or turn, Mode.CLIMB, words)
-    return decision, replace(plan, climbing=climbing)
+    climbing = replace(climbing, turned=climbing.turned + 1)
+    words += ", looking where they lead on"
+    return Decision(turn, Mode.CLIMB, words), replace(plan, climbing=climbing)
+
+
+def _around(step: Step, memory: Memory, climbing: Climbing, *, goes_up: bool) -> _Stairs:
+    ground = memory.ground_around(step.robot.xy, down=not goes_up)
+    on_slope = memory.is_off_floor and memory.is_on_slope and not _is_lost(step, climbing)
+    level_z = landing_z(ground, step.robot, memory.z)
+    return _Stairs(ground, goes_up, on_slope, level_z, memory.z if on_slope else level_z)
+
+
+def _flight(
+    step: Step,
+    memory: Memory,
+    climbing: Climbing,
+    stairs: _Stairs,
+    connector: Connector,
+    before: Pose2 | None,
+) -> Connector | None:
+    """The flight that the robot is on or goes to, as far as it is known now."""
+    ground, robot = stairs.ground, step.robot
+    first, known = flight_from(connector, goes_up=stairs.goes_up), climbing.flight
+    if not memory.is_off_floor:  # stairs that it came by have the axis of its last step
+        is_untried = connector.passage is Passage.UNTRIED
+        return first_flight(ground, first, memory.floor.z) if is_untried else None
+    if stairs.goes_up:
+        return known
+    if not stairs.on_slope:
+        known = None if _is_lost(step, climbing) else known
+        return flight_down(ground, robot, stairs.z, known, first)
+    if memory.rose_m < -LEVEL_M and before is not None:
+        return flight_underfoot(known, first, before, robot)
+    return known
+
+
+def _next_step(
+    step: Step, memory: Memory, climbing: Climbing, stairs: _Stairs, flight: Connector | None
+) -> tuple[bool, Action | None]:
+    """Whether the stairs lead on along a flight, and the turn or step that leads there."""
+    robot, on_slope = step.robot, stairs.on_slope
+    ground = on_flight(stairs.ground, robot, stairs.z, flight, goes_up=stairs.goes_up)
+    to = stairs_ahead(ground, robot, stairs.z, flight, goes_up=stairs.goes_up, on_slope=on_slope)
+    way_on = memory.way_on(ground, stairs.level_z, _OFF_STAIRS_M, _looked(step, climbing))
+    has_turned = climbing.turned >= step.motion.turns_of_a_circle
+    if climbing.turned and not has_turned:
+        way_on = ahead_of(ground, robot, way_on)
+    else:
+        way_on = first_ahead(ground, robot, way_on)
+    is_there = memory.is_storey_away and not on_slope and way_on.any()
+    if has_turned or is_there or (memory.is_off_floor and not to.any()):
+        to = way_on
+    if not to.any():
+        return False, None
+    with step.clock("plan"):
+        action = step_over_ground(ground, robot, to, step.motion, touching=climbing.touching)
+    return True, action
+
+
+def _is_lost(step: Step, climbing: Climbing) -> bool:
+    """Whether something stops the robot, or it has looked around for long."""
+    return climbing.touching or climbing.turned > step.motion.turns_of_a_circle // 4
+
+
+def _looked(step: Step, climbing: Climbing) -> tuple[tuple[float, float], ...]:
+    """Where the robot has looked for stairs on landings, this place included if it turns here."""
+    return (*climbing.looked, step.robot.xy) if climbing.turned else climbing.looked
 
 
 def _where_to(memory: Memory, climbing: Climbing, *, goes_up: bool) -> str:

@@ -15,6 +15,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool
 
+from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.mapping.config import STAIRS_M
 from hypernav.mapping.ground import Ground
@@ -35,6 +36,11 @@ _WHOLE_M = 1.0
 """Distance from which the edge of a floor is seen whole, metres."""
 _SAME_AXIS = 0.35
 """Greatest difference between the directions of two sightings of one edge, radians."""
+_WALLS_M = 2.0
+"""Distance from the end of stairs, metres, within which walls tell their direction."""
+_LEAST_WALL_CELLS = 20
+_STANDS_OUT = 1.15
+"""Unevenness of the walls' projection, by its median over all directions, from which it counts."""
 _SPECK_CELLS = 10
 _SIGHTINGS = 2
 """Images that must show a connector before the robot relies on it."""
@@ -212,6 +218,37 @@ def with_crossing(
         *connectors[same + 1 :],
     ]
     return tuple(connectors)
+
+
+def along_walls(one: Connector, grid: OccupancyGrid) -> Connector:
+    """A connector with that direction of the walls and railings around it that is next to its own.
+
+    Stairs lead along walls, whose direction many images show; that of their first edge is often
+    seen from one side, askew. Lines lie where what stands there, projected, falls together: the
+    direction whose projection is least even. Where none stands out, the connector stays as it is.
+
+    Args:
+        one: The connector.
+        grid: Map of its floor.
+    """
+    row, column = grid.cell_of(*one.end)
+    reach = round(_WALLS_M / grid.resolution_m)
+    rows, columns = max(row - reach, 0), max(column - reach, 0)
+    around = grid.occupied[rows : max(row + reach + 1, 0), columns : max(column + reach + 1, 0)]
+    cells = np.argwhere(around)
+    if len(cells) < _LEAST_WALL_CELLS:
+        return one
+    angles = np.radians(np.arange(0.0, 180.0))
+    offsets = np.floor(cells @ np.stack([np.cos(angles), -np.sin(angles)])).astype(np.int64)
+    offsets -= offsets.min()
+    bins = int(offsets.max()) + 1
+    counts = np.bincount((offsets + bins * np.arange(180)).ravel(), minlength=180 * bins)
+    unevenness = (counts.reshape(2, 90, bins).astype(np.float64) ** 2).sum(axis=(0, 2))
+    best = int(unevenness.argmax())
+    if unevenness[best] < _STANDS_OUT * np.median(unevenness):
+        return one
+    quarters = round((one.axis - angles[best]) / (math.pi / 2.0))
+    return replace(one, axis=wrap_angle(float(angles[best]) + quarters * math.pi / 2.0))
 
 
 def connectors_in(ground: Ground, floor: int, floor_z: float) -> list[Connector]:

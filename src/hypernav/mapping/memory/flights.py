@@ -28,8 +28,12 @@ _HALF_WIDTH_M = 0.42
 _BACK_M = 0.3
 """Height above the robot, metres, of ground that is not on the way down, or below it on that up."""
 _LEAST_CELLS = 10
-_ASKEW = 0.25
+_ASKEW = 0.4
 """Deviation of a flight from parallels and right angles, in right angles."""
+_OTHER_WAY = math.radians(60.0)
+"""Angle between a step down and a flight beyond which the step was not taken on that flight."""
+_MOST = 0.75
+"""Share of the ground where a flight begins, from which it is known to be level or not."""
 _BEGINS_M = 1.5
 """Distance within which a flight begins from where it was seen, metres."""
 _AROUND_M = 1.0
@@ -43,6 +47,28 @@ def flight_from(connector: Connector, *, goes_up: bool) -> Connector:
     if connector.goes_up is goes_up:
         return connector
     return replace(connector, goes_up=goes_up, axis=connector.axis + math.pi)
+
+
+def first_flight(ground: Ground, first: Connector, floor_z: float) -> Connector:
+    """The first flight, in the one of three directions in which most of it was seen or presumed.
+
+    Of an edge that is seen from one side, the direction is told worst.
+
+    Args:
+        ground: Ground around the robot, which is on the floor before the stairs.
+        first: The flight; its direction or one at right angles to it is right.
+        floor_z: Height of the floor, metres.
+    """
+    with np.errstate(invalid="ignore"):
+        rise = (ground.measured - floor_z) * (1.0 if first.goes_up else -1.0)
+        steps = ground.reached & (ground.presumed | (ground.seen & (rise > LEVEL_M)))
+
+    def seen(axis: float) -> int:
+        ahead_m, beside_m = ground.along(first.end, axis)
+        return int((steps & (ahead_m > 0.0) & (ahead_m < _NEXT_M) & (beside_m < 0.3)).sum())
+
+    axes = [wrap_angle(first.axis + turn * math.pi / 2.0) for turn in (0.0, 1.0, -1.0)]
+    return replace(first, axis=max(axes, key=seen))
 
 
 def landing_z(ground: Ground, robot: Pose2, robot_z: float) -> float:
@@ -75,9 +101,44 @@ def flight_down(
         quarters = wrap_angle(one.axis - first.axis) / (math.pi / 2.0)
         if not one.goes_up and abs(quarters - round(quarters)) <= _ASKEW:
             found.append(replace(one, axis=first.axis + round(quarters) * math.pi / 2.0))
+    if before is not None and _is_level(ground, before, robot_z):
+        before = None
     if before is not None and robot.distance_to(*before.end) <= _BEGINS_M:
         found = [one for one in found if one.is_same(before) and _agree(one, before)] or [before]
     return min(found, key=lambda one: robot.distance_to(*one.end), default=None)
+
+
+def flight_underfoot(
+    flight: Connector | None, first: Connector, before: Pose2, robot: Pose2
+) -> Connector:
+    """The flight down that the robot is on, as its latest step tells, which led down on it.
+
+    The axis goes past where the robot stands, and leads where it went.
+
+    Args:
+        flight: The flight as known so far.
+        first: The first flight of the stairs.
+        before: Pose of the robot before the step.
+        robot: Pose of the robot.
+    """
+    went = math.atan2(robot.y - before.y, robot.x - before.x)
+    if flight is None or abs(wrap_angle(went - flight.axis)) > _OTHER_WAY:
+        quarters = round((went - first.axis) / (math.pi / 2.0))
+        return replace(first, end=robot.xy, axis=wrap_angle(first.axis + quarters * math.pi / 2.0))
+    left = (-math.sin(flight.axis), math.cos(flight.axis))
+    beside_m = (robot.x - flight.end[0]) * left[0] + (robot.y - flight.end[1]) * left[1]
+    off_m = beside_m - max(min(beside_m, _BESIDE_AXIS_M), -_BESIDE_AXIS_M)
+    end = (flight.end[0] + off_m * left[0], flight.end[1] + off_m * left[1])
+    return replace(flight, end=end)
+
+
+def _is_level(ground: Ground, flight: Connector, landing_z: float) -> bool:
+    """Whether the landing was seen to go on where a flight seemed to begin."""
+    ahead_m, beside_m = ground.along(flight.end, flight.axis)
+    begins = (beside_m <= _BESIDE_AXIS_M) & (ahead_m >= _LEAST_AHEAD_M) & (ahead_m <= _AHEAD_M)
+    with np.errstate(invalid="ignore"):
+        is_level = ground.seen & (np.abs(ground.measured - landing_z) <= LEVEL_M)
+    return bool(is_level[begins].mean() > _MOST)
 
 
 def _agree(one: Connector, other: Connector) -> bool:
@@ -146,6 +207,13 @@ def first_ahead(
     """The part of a mask ahead of the robot, if there is any; nothing where the robot is on it."""
     if mask[ground.grid.cell_of(*robot.xy)]:
         return np.zeros_like(mask)
-    ahead_m, beside_m = ground.along(robot.xy, robot.yaw)
-    ahead = mask & (ahead_m > beside_m)
+    ahead = ahead_of(ground, robot, mask)
     return ahead if ahead.any() else mask
+
+
+def ahead_of(
+    ground: Ground, robot: Pose2, mask: Bool[np.ndarray, "rows columns"]
+) -> Bool[np.ndarray, "rows columns"]:
+    """The part of a mask ahead of the robot."""
+    ahead_m, beside_m = ground.along(robot.xy, robot.yaw)
+    return mask & (ahead_m > beside_m)

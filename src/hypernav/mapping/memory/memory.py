@@ -12,6 +12,7 @@ from another height stays until it is seen from here.
 
 import copy
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -68,6 +69,7 @@ class Memory:
         connectors: Connectors between floors, seen from both ends; a number is an index.
         elevation: Heights of the ground around the robot; None if it looks for no stairs.
         z: Height of the robot, ``map`` frame, metres.
+        rose_m: By how much the latest step changed it, metres.
         ground_z: Height of the ground that it walked on last, on its floor, ``map`` frame, metres.
     """
 
@@ -138,7 +140,8 @@ class Memory:
 
     def follow(self, observation: Observation) -> Floor:
         """Note the robot's height, in every step; return the floor that the robot is on now."""
-        self.z = z = self.height_of(observation)
+        z = self.height_of(observation)
+        self.rose_m, self.z = z - self.z, z
         here = observation.robot.xy
         moved_m = math.dist(self._position, here)
         self._position = here
@@ -179,6 +182,7 @@ class Memory:
     def _stand(self, robot: Pose2, z: float) -> None:
         """Begin on level ground at a pose and a height, metres."""
         self.z: float = z
+        self.rose_m: float = 0.0
         self.ground_z: float = z if self.is_off_floor else self.floor.z
         self._level_began: Pose2 = robot
         self._level_z: float = z
@@ -315,15 +319,21 @@ class Memory:
         least_m2 = _LEAST_LANDING_M2 if rises_far else _LEAST_FLOOR_M2
         return ground.area_m2(self._level(ground, self._level_z)) >= least_m2
 
-    def way_on(self, ground: Ground, z: float, least_m: float) -> Bool[np.ndarray, "rows columns"]:
-        """Mask of the level ground, so far from where the robot's height began, metres.
+    def way_on(
+        self, ground: Ground, z: float, least_m: float, looked: Sequence[tuple[float, float]] = ()
+    ) -> Bool[np.ndarray, "rows columns"]:
+        """Mask of the level ground so far from where the robot came to it, or has looked around.
 
         Args:
             ground: Ground around the robot.
             z: Height of the level ground, as it looks, metres.
-            least_m: The distance.
+            least_m: The distance, metres.
+            looked: Where the robot has looked around ``(x, y)``, metres.
         """
-        return self._level(ground, z) & (ground.distances_m(self._level_began.xy) >= least_m)
+        on = self._level(ground, z)
+        for position in (self._level_began.xy, *looked):
+            on &= ground.distances_m(position) >= least_m
+        return on
 
     def _level(self, ground: Ground, z: float) -> Bool[np.ndarray, "rows columns"]:
         """Mask of the ground about as high as the robot and a height, and between them."""
