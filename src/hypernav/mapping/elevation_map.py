@@ -229,7 +229,7 @@ def _without_pits(
     What was seen below a landing stays in cells that no ray meets as it is seen from above.
     """
     square = np.ones((3, 3), np.uint8)
-    closed = cv2.morphologyEx(np.nan_to_num(heights, nan=-np.inf), cv2.MORPH_CLOSE, square)
+    closed = cv2.morphologyEx(np.fmax(heights, -np.inf), cv2.MORPH_CLOSE, square)
     return np.where(closed - heights > least_m, closed, heights)
 
 

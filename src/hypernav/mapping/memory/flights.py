@@ -138,7 +138,7 @@ def _is_level(ground: Ground, flight: Connector, landing_z: float) -> bool:
     begins = (beside_m <= _BESIDE_AXIS_M) & (ahead_m >= _LEAST_AHEAD_M) & (ahead_m <= _AHEAD_M)
     with np.errstate(invalid="ignore"):
         is_level = ground.seen & (np.abs(ground.measured - landing_z) <= LEVEL_M)
-    return bool(is_level[begins].mean() > _MOST)
+    return bool(is_level[begins].sum() > _MOST * begins.sum())
 
 
 def _agree(one: Connector, other: Connector) -> bool:
