@@ -4,16 +4,25 @@ import math
 from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
 import pytest
 
 from box_scenes import room_boxes, scene_of
+from box_views import view_of
+from hypernav.agents.phases.get_free import get_free
+from hypernav.agents.plan import Plan
+from hypernav.agents.step import Decision, Step
 from hypernav.build.agents import build_search
 from hypernav.build.component_specs import PresetName
+from hypernav.build.presets import preset
 from hypernav.core.actions import Action
+from hypernav.core.clock import ModuleClock
 from hypernav.core.episodes.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun
+from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
@@ -99,3 +108,34 @@ def test_a_robot_that_is_walled_in_gives_up():
 def test_the_paper_senses_no_bump_and_tries_no_other_heading():
     steps, _ = search_for_bed(pocket, IN_POCKET, preset="paper", steps=60)
     assert GETS_FREE not in {step.reason for step in steps}
+
+
+def test_a_robot_tries_no_heading_over_a_drop():
+    config = preset("default")
+    boxes = [
+        ((-9.0, -9.0, -0.3), (2.0, 9.0, 0.0)),
+        ((2.0, -9.0, -3.0), (9.0, 9.0, -1.8)),
+    ]
+    camera = config.embodiment.camera.intrinsics
+    agent = build_search(config, GroundTruthDetector(), ExchangeLog())
+    memory = Memory(config.mapping, config.embodiment)
+    for x in np.arange(-0.2, 1.85, 0.1):
+        frame = view_of(boxes, Pose2(x, 0.0, 0.0), camera=camera)
+        memory.floor.map.integrate(frame)
+    step = Step(0, Goal("bed"), frame, memory.obstacles, agent.components, ModuleClock(), [])
+    assert step.robot.x == pytest.approx(1.8)
+    tried, plan = [], Plan.at_start(config.search, turns=0)
+    while isinstance(outcome := get_free(step, memory, plan)[0], Decision):
+        turns = {Action.TURN_LEFT: 1, Action.TURN_RIGHT: -1}.get(outcome.action, 0)
+        robot = step.robot
+        if turns == 0:
+            tried.append(robot.yaw)
+            plan = replace(plan, tried=(*plan.tried, robot))
+            continue
+        turned = robot.yaw + turns * math.radians(step.motion.turn_angle_deg)
+        frame = view_of(
+            boxes, Pose2(robot.x, robot.y, turned), camera=config.embodiment.camera.intrinsics
+        )
+        step = replace(step, observation=frame)
+    assert 3 <= len(tried) < step.motion.turns_of_a_circle
+    assert all(math.cos(yaw) < 0.8 for yaw in tried)

@@ -320,6 +320,13 @@ def test_where_rays_pass_below_the_floor_there_is_none():
     assert states(world_map, EDGE) == {Cell.FREE}
 
 
+def test_drops_are_known_where_they_are():
+    world_map = map_of(UPSTAIRS, TOWARDS_STAIRS)
+    assert all(world_map.has_drop(one[None]) for one in DROP)
+    assert not world_map.has_drop(EDGE)
+    assert not world_map.has_drop(np.array([[99.0, 0.0]]))
+
+
 def test_a_drop_is_kept_when_bumps_are_forgotten_and_as_long_as_no_floor_is_seen():
     world_map = map_of(UPSTAIRS, TOWARDS_STAIRS)
     world_map.forget_bumps()

@@ -13,6 +13,8 @@ from hypernav.core.trace import Mode
 from hypernav.mapping.memory.memory import Memory
 from hypernav.planning.bump_sensor import is_cut_short
 
+_ON_WAY = 16
+"""Number of positions on the way of a step at which a drop is looked for."""
 _AHEAD_M = 0.1
 """Length of the way in a heading, metres, after which the room around the robot is compared."""
 
@@ -37,7 +39,8 @@ def repeats(step: Step, plan: Plan, outcome: Decision | Phase) -> bool:
 def get_free(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
     """Try a step in the nearest heading in which none was cut short, until one moves the robot.
 
-    What it touches may be anywhere before it, so marks on the map say less than such a step.
+    What it touches may be anywhere before it, so marks on the map say less than such a step. No
+    heading is tried in which a drop is known.
     """
     robot, turn = step.robot, math.radians(step.motion.turn_angle_deg)
     half = step.motion.turns_of_a_circle // 2
@@ -50,8 +53,13 @@ def get_free(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
         away_m = np.linalg.norm(obstacles - np.array(after(turns).ahead(_AHEAD_M).xy), axis=1)
         return abs(turns), -float(away_m.min(initial=math.inf))
 
-    headings = range(1 - half, half + 1)
-    untried = [turns for turns in headings if not _is_tried(after(turns), step, plan)]
+    reach_m = step.motion.forward_m + step.use.embodiment.body.radius_m
+
+    def is_open(turns: int) -> bool:
+        way = [after(turns).ahead(far_m).xy for far_m in np.linspace(0.0, reach_m, _ON_WAY)]
+        return not (_is_tried(after(turns), step, plan) or memory.floor.map.has_drop(np.array(way)))
+
+    untried = [turns for turns in range(1 - half, half + 1) if is_open(turns)]
     if not untried:
         return Phase.END, replace(plan, tried=(), frees=False)
     turns = min(untried, key=rank)

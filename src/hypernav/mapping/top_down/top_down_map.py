@@ -218,6 +218,11 @@ class TopDownMap:
                 self._arrays.bumps[row, column] = BUMP_PERSISTENCE
             self._arrays.cells[row, column] = OCCUPIED
 
+    def has_drop(self, points_xy: Float[np.ndarray, "n 2"]) -> bool:
+        """Whether a drop is known at one of some positions ``(x, y)``, ``map`` frame, metres."""
+        cells = self.grid.cells_of(points_xy)
+        return bool(self._arrays.drops[tuple(cells[self.grid.contains(cells)].T)].any())
+
     def forget_bumps(self) -> None:
         """Forget all bumps, but no drops: such cells get the state that the images give them."""
         arrays = self._arrays
