@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 
 from box_scenes import room_boxes, scene_of
-from box_views import view_of
-from hypernav.agents.phases.get_free import get_free
-from hypernav.agents.plan import Plan
+from box_views import FLOOR, view_of
+from hypernav.agents.phases.get_free import get_free, repeats, with_tried
+from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, Step
 from hypernav.build.agents import build_search
 from hypernav.build.component_specs import PresetName
-from hypernav.build.presets import preset
+from hypernav.build.presets import preset, with_changes
 from hypernav.core.actions import Action
 from hypernav.core.clock import ModuleClock
 from hypernav.core.episodes.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.trace import Ending, ExchangeLog
+from hypernav.core.trace import Ending, ExchangeLog, Mode
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.ground_truth import GroundTruthDetector
@@ -119,23 +119,48 @@ def test_a_robot_tries_no_heading_over_a_drop():
     camera = config.embodiment.camera.intrinsics
     agent = build_search(config, GroundTruthDetector(), ExchangeLog())
     memory = Memory(config.mapping, config.embodiment)
-    for x in np.arange(-0.2, 1.85, 0.1):
-        frame = view_of(boxes, Pose2(x, 0.0, 0.0), camera=camera)
+    poses = [Pose2(x, 0.0, 0.0) for x in np.arange(-0.2, 1.85, 0.1)]
+    frames = [view_of(boxes, pose, camera=camera) for pose in poses]
+    for frame in frames:
         memory.floor.map.integrate(frame)
-    step = Step(0, Goal("bed"), frame, memory.obstacles, agent.components, ModuleClock(), [])
-    assert step.robot.x == pytest.approx(1.8)
-    tried, plan = [], Plan.at_start(config.search, turns=0)
+    step = Step(0, Goal("bed"), frames[-1], memory.obstacles, agent.components, ModuleClock(), [])
+    tried, plan = list[float](), Plan.at_start(config.search, turns=0)
     while isinstance(outcome := get_free(step, memory, plan)[0], Decision):
-        turns = {Action.TURN_LEFT: 1, Action.TURN_RIGHT: -1}.get(outcome.action, 0)
         robot = step.robot
-        if turns == 0:
+        if outcome.action is Action.MOVE_FORWARD:
             tried.append(robot.yaw)
             plan = replace(plan, tried=(*plan.tried, robot))
             continue
+        turns = 1 if outcome.action is Action.TURN_LEFT else -1
         turned = robot.yaw + turns * math.radians(step.motion.turn_angle_deg)
-        frame = view_of(
-            boxes, Pose2(robot.x, robot.y, turned), camera=config.embodiment.camera.intrinsics
-        )
+        frame = view_of(boxes, Pose2(robot.x, robot.y, turned), camera=camera)
         step = replace(step, observation=frame)
     assert 3 <= len(tried) < step.motion.turns_of_a_circle
     assert all(math.cos(yaw) < 0.8 for yaw in tried)
+
+
+def standing_free(forward_m: float) -> tuple[Step, Plan]:
+    """A step in an empty map, of a robot that has just bumped ahead."""
+    config = with_changes(preset("default"), {"embodiment": {"motion": {"forward_m": forward_m}}})
+    agent = build_search(config, GroundTruthDetector(), ExchangeLog())
+    frame, here = view_of([FLOOR], Pose2(0.0, 0.0, 0.0)), Pose2(0.0, 0.0, 0.0)
+    grid = Memory(config.mapping, config.embodiment).obstacles
+    step = Step(0, Goal("bed"), frame, grid, agent.components, ModuleClock(), [])
+    ordered = (here, Action.MOVE_FORWARD)
+    return step, replace(Plan.at_start(config.search, turns=0), ordered=ordered, frees=True)
+
+
+@pytest.mark.parametrize("forward_m", [0.04, 0.25])
+def test_a_whole_step_ends_getting_free_however_short_steps_are(forward_m):
+    step, plan = standing_free(forward_m)
+    assert with_tried(step, plan).frees
+    moved = replace(step, observation=view_of([FLOOR], Pose2(forward_m, 0.0, 0.0)))
+    assert not with_tried(moved, plan).frees
+
+
+def test_on_stairs_no_other_headings_are_tried():
+    step, plan = standing_free(0.25)
+    plan = with_tried(step, plan)
+    ahead = Decision(Action.MOVE_FORWARD, Mode.EXPLORE, "ahead")
+    assert repeats(step, plan, ahead)
+    assert not repeats(step, replace(plan, climbing=Climbing(0)), ahead)

@@ -13,6 +13,8 @@ from hypernav.core.trace import Mode
 from hypernav.mapping.memory.memory import Memory
 from hypernav.planning.bump_sensor import is_cut_short
 
+_SAME_HEADING = math.radians(15.0)
+"""Angle between two headings, radians, below which a robot that turns finely tries one of them."""
 _ON_WAY = 16
 """Number of positions on the way of a step at which a drop is looked for."""
 _AHEAD_M = 0.1
@@ -21,10 +23,12 @@ _AHEAD_M = 0.1
 
 def with_tried(step: Step, plan: Plan) -> Plan:
     """The plan that knows from where, and in which heading, steps were cut short."""
-    if not plan.stands(step.robot):
+    was_cut_short = is_cut_short(plan.ordered, step.robot, step.motion)
+    has_stepped = plan.ordered is not None and plan.ordered[1] is Action.MOVE_FORWARD
+    if (has_stepped and not was_cut_short) or not plan.stands(step.robot):
         plan = replace(plan, frees=False)
     senses = step.use.planning.bump_sensor and plan.climbing is None
-    if senses and plan.ordered and is_cut_short(plan.ordered, step.robot, step.motion):
+    if senses and plan.ordered is not None and was_cut_short:
         pose, _ = plan.ordered
         return replace(plan, tried=(*plan.tried, Pose2(*step.robot.xy, pose.yaw)))
     return plan
@@ -33,7 +37,7 @@ def with_tried(step: Step, plan: Plan) -> Plan:
 def repeats(step: Step, plan: Plan, outcome: Decision | Phase) -> bool:
     """Whether a decision is for a step that was cut short here: it would not move the robot."""
     is_step = isinstance(outcome, Decision) and outcome.action is Action.MOVE_FORWARD
-    return is_step and _is_tried(step.robot, step, plan)
+    return is_step and plan.climbing is None and _is_tried(step.robot, step, plan)
 
 
 def get_free(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
@@ -73,7 +77,7 @@ def get_free(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
 
 def _is_tried(pose: Pose2, step: Step, plan: Plan) -> bool:
     """Whether a step from a pose was cut short before."""
-    near = math.radians(step.motion.turn_angle_deg) / 2.0
+    near = max(math.radians(step.motion.turn_angle_deg) / 2.0, _SAME_HEADING)
     return any(
         one.distance_to(*pose.xy) < STANDS_M and abs(wrap_angle(one.yaw - pose.yaw)) < near
         for one in plan.tried
