@@ -58,8 +58,7 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     climbing = plan.climbing
     if climbing is None:
         return Phase.LOOK_AROUND, plan
-    connector = memory.connectors[climbing.connector]
-    connector = along_walls(connector, memory.floors[connector.floor].map.grid)
+    connector = _connector(memory, climbing)
     climbing = replace(climbing, steps=climbing.steps + 1, touching=_touches(step, plan, climbing))
     if climbing.steps > _PATIENCES * step.config.endurance_steps:
         return _given_up(step, memory, plan, climbing)
@@ -85,6 +84,12 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     climbing = replace(climbing, turned=climbing.turned + 1)
     words += ", looking where they lead on"
     return Decision(turn, Mode.CLIMB, words), replace(plan, climbing=climbing)
+
+
+def _connector(memory: Memory, climbing: Climbing) -> Connector:
+    """The connector that the robot takes, along the walls around its end."""
+    connector = memory.connectors[climbing.connector]
+    return along_walls(connector, memory.floors[connector.floor].map.grid)
 
 
 def _around(step: Step, memory: Memory, climbing: Climbing, *, goes_up: bool) -> _Stairs:
@@ -182,7 +187,7 @@ def _given_up(
         step.events.append("stairs given up")
         return Phase.LOOK_AROUND, replace(plan, climbing=None)
     step.events.append("turning back on the stairs")
-    connector = memory.connectors[climbing.connector]
+    connector = _connector(memory, climbing)
     flight = flight_from(connector, goes_up=not connector.goes_up)
     back = Climbing(climbing.connector, is_back=True, flight=flight)
     decision = Decision(Action.TURN_LEFT, Mode.CLIMB, "the stairs lead nowhere, turning back")

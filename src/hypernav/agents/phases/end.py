@@ -11,12 +11,15 @@ from hypernav.perception.local.belief import reconsidered
 
 
 def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
-    """Get free; go near the candidate; look once more; retry the likeliest refuted; end."""
+    """Get free; go near the candidate; look once more; retry the likeliest refuted; end.
+
+    The robot gets free where a step of it was cut short.
+    """
     thing, search = step.goal.thing, memory.search
     goes_on = _goes_on(step, plan)
     if goes_on and any(one.distance_to(*step.robot.xy) < STANDS_M for one in plan.tried):
         _forget(memory)
-        return Phase.GET_FREE, replace(plan, ends=(*plan.ends, step.robot.xy))
+        return Phase.GET_FREE, plan
     if memory.search.evidence.target is not None and not plan.approaching.as_near_as_possible:
         if step.config.open_the_way and plan.approaching.may_clear(step.config):
             reason = f"the way to the {thing} is blocked, looking whether it stays so"

@@ -15,6 +15,8 @@ from hypernav.planning.bump_sensor import is_cut_short
 
 _SAME_HEADING = math.radians(15.0)
 """Angle between two headings, radians, below which a robot that turns finely tries one of them."""
+_REMEMBERED = 100
+"""Number of steps cut short that are remembered: what stood in their way may have gone."""
 _ON_WAY = 16
 """Number of positions on the way of a step at which a drop is looked for."""
 _AHEAD_M = 0.1
@@ -30,7 +32,7 @@ def with_tried(step: Step, plan: Plan) -> Plan:
     senses = step.use.planning.bump_sensor and plan.climbing is None
     if senses and plan.ordered is not None and was_cut_short:
         pose, _ = plan.ordered
-        return replace(plan, tried=(*plan.tried, Pose2(*step.robot.xy, pose.yaw)))
+        return replace(plan, tried=(*plan.tried, Pose2(*step.robot.xy, pose.yaw))[-_REMEMBERED:])
     return plan
 
 
