@@ -11,7 +11,7 @@ from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.mapping.distance_kernels import travel_cells
 from hypernav.mapping.ground import Ground
 
-_TURN_M = 0.15
+_TURN_M = 0.12
 """Cost of a turn of 30 degrees, metres of path."""
 _MIDDLE_M = 0.42
 """Distance from edges, metres, below which a step costs more: the robot keeps to the middle."""
