@@ -36,6 +36,8 @@ _NEAR_LEVEL_M = 0.5
 _SPOT_M = 0.45
 """Side of a square, metres: unseen ground in the midst of seen ground that it doesn't fit into is
 ground. Where a simulated robot stands a step too high, single rays seem to pass below the floor."""
+_PIT_M = 0.15
+"""Side of a square, metres: pits that it doesn't fit into are filled."""
 _STEP_SLACK_M = 0.04
 """Addition to the highest step, metres, for errors of measured heights."""
 _CLEARANCE = 0.65
@@ -63,6 +65,7 @@ class ElevationMap:
         self._embodiment = embodiment
         self._cell_m = cell_size_m
         self._spot_cells = 2 * round(0.5 * (_SPOT_M / cell_size_m - 1.0)) + 1  # an odd number
+        self._pit_cells = 2 * math.ceil(0.5 * (_PIT_M / cell_size_m - 1.0)) + 1
         shape = (SIDE_CELLS, SIDE_CELLS)
         self._heights = np.full(shape, np.nan, dtype=np.float32)
         self._hits = np.zeros(shape, dtype=np.uint8)
@@ -138,7 +141,7 @@ class ElevationMap:
         maps = (self._heights, self._hits, self._hit_z, self._below)
         known, hits, hit_z, below = (one[window] for one in maps)
         with np.errstate(invalid="ignore"):  # what is farther up or down belongs to other storeys
-            known = _without_pits(known, body.max_step_m)
+            known = _without_pits(known, self._pit_cells, body.max_step_m)
             measured = np.abs(known - robot_z) <= _SAME_STOREY_M
             near_level = np.abs(known - robot_z) < _NEAR_LEVEL_M
         around = np.where(near_level, known, np.float32(np.nan))
@@ -222,13 +225,13 @@ def _closed(mask: Bool[np.ndarray, "rows columns"], side: int) -> Bool[np.ndarra
 
 
 def _without_pits(
-    heights: Float32[np.ndarray, "rows columns"], least_m: float
+    heights: Float32[np.ndarray, "rows columns"], side: int, least_m: float
 ) -> Float32[np.ndarray, "rows columns"]:
-    """The heights, where pits too narrow for a square of 3 cells are filled if so deep, metres.
+    """The heights, where pits narrower than so many cells are filled if so deep, metres.
 
     What was seen below a landing stays in cells that no ray meets as it is seen from above.
     """
-    square = np.ones((3, 3), np.uint8)
+    square = np.ones((side, side), np.uint8)
     closed = cv2.morphologyEx(np.fmax(heights, -np.inf), cv2.MORPH_CLOSE, square)
     return np.where(closed - heights > least_m, closed, heights)
 

@@ -259,15 +259,22 @@ def test_stairs_keep_their_axis_where_no_walls_tell_it():
     assert along_walls(askew, OccupancyGrid(cells, 0.05, (-3.0, -3.0))) == askew
 
 
-@pytest.mark.parametrize(("width_m", "is_ground"), [(0.08, True), (0.7, False)])
-def test_what_was_seen_below_a_landing_leaves_no_pits_in_it(width_m: float, is_ground: bool):
+@pytest.mark.parametrize(
+    ("cell_m", "width_m", "is_ground"),
+    [(0.05, 0.08, True), (0.05, 0.7, False), (0.2, 0.12, True), (0.2, 0.5, False)],
+)
+def test_what_was_seen_below_a_landing_leaves_no_pits_in_it(
+    cell_m: float, width_m: float, is_ground: bool
+):
     below: SolidBox = ((-9.0, -9.0, -3.0), (9.0, 9.0, -1.4))
     gap_x = 3.4
     landing: list[SolidBox] = [
         ((-9.0, -9.0, -3.0), (gap_x, 9.0, 0.0)),
         ((gap_x + width_m, -9.0, -3.0), (9.0, 9.0, 0.0)),
     ]
-    memory = memory_after([below], Pose2(-1.0, 0.0, 0.0))
+    memory = Memory(MappingConfig(cell_size_m=cell_m), CLIMBER)
+    memory.begin_search(sees_stairs=True)
+    memory.follow(view_of([below], Pose2(-1.0, 0.0, 0.0), camera=CAMERA))
     for x in (0.2, 0.6, 1.0, 1.4, 1.8):
         memory.follow(view_of([below, *landing], Pose2(x, 0.0, 0.0), camera=CAMERA))
     ground = memory.ground_around((1.8, 0.0), down=False)
