@@ -13,7 +13,7 @@ from enum import StrEnum
 
 import cv2
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float64
 
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import wrap_angle
@@ -37,10 +37,15 @@ _WHOLE_M = 1.0
 _SAME_AXIS = 0.35
 """Greatest difference between the directions of two sightings of one edge, radians."""
 _WALLS_M = 2.0
-"""Distance from the end of stairs, metres, within which walls tell their direction."""
-_LEAST_WALL_CELLS = 20
-_STANDS_OUT = 1.15
-"""Unevenness of the walls' projection, by its median over all directions, from which it counts."""
+"""Distance from the end of stairs, metres, within which walls and railings tell their direction."""
+_BESIDE_M = (0.2, 1.3)
+"""Distances from the middle line of stairs, metres, between which what stands beside them lies."""
+_LEAST_SIDE_M = 0.4
+"""Length of a straight line of it, metres, from which it counts."""
+_STANDS_OUT = 1.3
+"""Length of the lines on both sides, by that in any other direction, from which they count."""
+_SAME_DEG = 10
+"""Difference, degrees, up to which a direction is no other one."""
 _SPECK_CELLS = 10
 _SIGHTINGS = 2
 """Images that must show a connector before the robot relies on it."""
@@ -221,34 +226,46 @@ def with_crossing(
 
 
 def along_walls(one: Connector, grid: OccupancyGrid) -> Connector:
-    """A connector with that direction of the walls and railings around it that is next to its own.
+    """A connector with the direction of the walls and railings on both sides of it.
 
-    Stairs lead along walls, whose direction many images show; that of their first edge is often
-    seen from one side, askew. Lines lie where what stands there, projected, falls together: the
-    direction whose projection is least even. Where none stands out, the connector stays as it is.
+    Many images show these, while the first edge of stairs is often seen from one side, askew. A
+    wall on one side alone may be one that the stairs are not parallel to. Where nothing straight
+    stands on both sides, or it does in more than one direction, the connector stays as it is.
 
     Args:
-        one: The connector.
+        one: The connector. Its direction may be wrong by right angles; it keeps these.
         grid: Map of its floor.
     """
-    row, column = grid.cell_of(*one.end)
-    reach = round(_WALLS_M / grid.resolution_m)
-    rows, columns = max(row - reach, 0), max(column - reach, 0)
-    around = grid.occupied[rows : max(row + reach + 1, 0), columns : max(column + reach + 1, 0)]
-    cells = np.argwhere(around)
-    if len(cells) < _LEAST_WALL_CELLS:
+    left, right = _beside(one.end, grid)
+    both = np.where(np.minimum(left, right) >= _LEAST_SIDE_M, np.sqrt(left * right), 0.0)
+    both = both.reshape(2, 90).max(axis=0)
+    best = int(both.argmax())
+    is_other = np.abs((np.arange(90) - best + 45) % 90 - 45) > _SAME_DEG
+    if both[best] <= _STANDS_OUT * both[is_other].max():
         return one
-    angles = np.radians(np.arange(0.0, 180.0))
-    offsets = np.floor(cells @ np.stack([np.cos(angles), -np.sin(angles)])).astype(np.int64)
-    offsets -= offsets.min()
-    bins = int(offsets.max()) + 1
-    counts = np.bincount((offsets + bins * np.arange(180)).ravel(), minlength=180 * bins)
-    unevenness = (counts.reshape(2, 90, bins).astype(np.float64) ** 2).sum(axis=(0, 2))
-    best = int(unevenness.argmax())
-    if unevenness[best] < _STANDS_OUT * np.median(unevenness):
-        return one
-    quarters = round((one.axis - angles[best]) / (math.pi / 2.0))
-    return replace(one, axis=wrap_angle(float(angles[best]) + quarters * math.pi / 2.0))
+    angle = math.radians(best)
+    quarters = round((one.axis - angle) / (math.pi / 2.0))
+    return replace(one, axis=wrap_angle(angle + quarters * math.pi / 2.0))
+
+
+def _beside(end: tuple[float, float], grid: OccupancyGrid) -> Float64[np.ndarray, "sides=2 180"]:
+    """Longest straight lines of walls to the left and right of stairs that lead in each direction.
+
+    The directions are 0 to 179 degrees; the lengths are in metres.
+    """
+    walls = grid.occupied
+    is_inside = cv2.erode(walls.view(np.uint8), np.ones((3, 3), np.uint8)) > 0  # as in steps up
+    away = grid.centres_of(np.argwhere(walls & ~is_inside)) - end
+    away = away[np.linalg.norm(away, axis=1) <= _WALLS_M]
+    angles = np.radians(np.arange(180.0))
+    to_left_m = away @ np.stack([-np.sin(angles), np.cos(angles)])
+    nearest, farthest = (round(one / grid.resolution_m) for one in _BESIDE_M)
+    line = np.floor(to_left_m / grid.resolution_m).astype(np.int64) + farthest
+    is_beside = (line >= 0) & (line < 2 * farthest)
+    line += 2 * farthest * np.arange(180)
+    cells = np.bincount(line[is_beside], minlength=180 * 2 * farthest).reshape(180, 2 * farthest)
+    right, left = cells[:, : farthest - nearest], cells[:, farthest + nearest :]
+    return np.stack([left.max(axis=1), right.max(axis=1)]) * grid.resolution_m
 
 
 def connectors_in(ground: Ground, floor: int, floor_z: float) -> list[Connector]:
