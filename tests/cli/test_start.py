@@ -52,6 +52,10 @@ def test_a_robot_that_writes_no_video_loads_nothing_that_draws_pages_or_reads_sc
     assert not loaded & {"av", "embreex", "gymnasium", "matplotlib", "trimesh"}
 
 
+def test_who_compares_nothing_does_not_wait_for_statistics():
+    assert "scipy" not in loaded_by("import hypernav.cli.report")
+
+
 def test_what_a_command_imports_is_searched_for_garbage_neither_then_nor_at_the_end(monkeypatch):
     monkeypatch.delitem(sys.modules, "hypernav.cli.report", raising=False)
     before = gc.get_freeze_count()

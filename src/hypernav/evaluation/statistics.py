@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float64, Int64
-from scipy.stats import binomtest
 
 DRAWS = 10_000
 CONFIDENCE = 0.95
@@ -167,6 +166,8 @@ def holm(p_values: Sequence[float]) -> list[float]:
 
 def discordance(first: Sequence[bool], second: Sequence[bool]) -> Discordance:
     """Count the episodes in which two runs agree and differ in success."""
+    from scipy.stats import binomtest  # imported here: only comparisons need it, and it takes time
+
     a, b = np.asarray(first, dtype=bool), np.asarray(second, dtype=bool)
     only_first, only_second = int((a & ~b).sum()), int((b & ~a).sum())
     count = only_first + only_second
