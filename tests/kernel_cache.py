@@ -33,28 +33,26 @@ def _is_missing(source: Path) -> bool:
 
 
 def _compile_worlds() -> None:
-    """Draw, walk on a mesh, and compute one of a hill."""
-    from hypernav.core.embodiment import BodyConfig
+    """Draw, and walk on a mesh."""
     from hypernav.warmup.exercises import draw_tile, walk_on_mesh
-    from hypernav.worlds.navmesh.files.settings import settings_for
-    from hypernav.worlds.navmesh.recast.build import compute_navmesh
 
     draw_tile()
     walk_on_mesh()
-    hill = [[0.0, 0.0, 0.0], [0.0, 0.0, 9.0], [9.0, 0.0, 9.0], [9.0, 0.0, 0.0], [4.5, 2.0, 4.5]]
-    sides = [[k, (k + 1) % 4, 4] for k in range(4)]
-    compute_navmesh(
-        np.array(hill, np.float32), np.array(sides, np.int32), settings_for(BodyConfig())
-    )
 
 
 def _compile_searches() -> None:
-    """Search with each method that has kernels of its own, with a robot that climbs, and walk."""
+    """Search with each method that has kernels of its own, with a robot that climbs, and walk.
+
+    The mesh of a hill is computed here, so that both parts take as long.
+    """
     from hypernav.build.agents import build_agent
     from hypernav.build.component_specs import ComponentSpecs
+    from hypernav.core.embodiment import BodyConfig
     from hypernav.core.goal import Goal
     from hypernav.warmup.exercises import search_room
     from hypernav.worlds.box_room import BoxRoom
+    from hypernav.worlds.navmesh.files.settings import settings_for
+    from hypernav.worlds.navmesh.recast.build import compute_navmesh
     from small_worlds import small_config, two_rooms
 
     search_room()
@@ -73,6 +71,11 @@ def _compile_searches() -> None:
     floor.move(here, 0.25, 0.0)
     floor.move(here, 0.5, -9.0, sliding=True)
     floor.goal_field(np.array([here])).distance(7.0, 3.0)
+    hill = [[0.0, 0.0, 0.0], [0.0, 0.0, 9.0], [9.0, 0.0, 9.0], [9.0, 0.0, 0.0], [4.5, 2.0, 4.5]]
+    sides = [[k, (k + 1) % 4, 4] for k in range(4)]
+    compute_navmesh(
+        np.array(hill, np.float32), np.array(sides, np.int32), settings_for(BodyConfig())
+    )
 
 
 if __name__ == "__main__":

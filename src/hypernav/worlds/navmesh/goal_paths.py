@@ -26,7 +26,7 @@ class GoalPaths:
         self._navmesh = navmesh
         self._goals = goals.astype(np.float32)
         located = [navmesh.located((x, y, z)) for x, y, z in goals.tolist()]
-        self._polygons = np.array([polygon for polygon, _ in located], dtype=np.int32)
+        self._polygons = np.array([polygon for polygon, _ in located], dtype=np.int64)
         self._points = np.array([point for _, point in located], dtype=np.float32).reshape(-1, 3)
         self._bounds = np.zeros(len(goals), dtype=np.float32)
         self._before: Point = (0.0, 0.0, 0.0)

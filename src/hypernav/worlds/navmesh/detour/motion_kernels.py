@@ -24,7 +24,7 @@ from hypernav.worlds.navmesh.detour.geometry_kernels import (
 )
 from hypernav.worlds.navmesh.detour.heap_kernels import lower, pop, push
 from hypernav.worlds.navmesh.detour.mesh import OTHER_TILE, WALL
-from hypernav.worlds.navmesh.detour.nearest_kernels import NOWHERE, height_on, nearest
+from hypernav.worlds.navmesh.detour.nearest_kernels import ANY_ISLAND, NOWHERE, height_on, nearest
 
 _MOST_NEAR = 64
 """Largest number of polygons that one move may touch."""
@@ -167,8 +167,8 @@ def try_step(mesh, islands, start, end, sliding, to_last_wall):
 
     It is the start if start or end is off the mesh or they lie on different islands.
     """
-    polygon, point = nearest(mesh, start, islands, NOWHERE)
-    end_polygon, _ = nearest(mesh, end, islands, NOWHERE)
+    polygon, point = nearest(mesh, start, islands, ANY_ISLAND)
+    end_polygon, _ = nearest(mesh, end, islands, ANY_ISLAND)
     if polygon == NOWHERE or end_polygon == NOWHERE or islands[polygon] != islands[end_polygon]:
         return start
     reached, last = move(mesh, polygon, point, end, sliding, to_last_wall)
@@ -178,7 +178,7 @@ def try_step(mesh, islands, start, end, sliding, to_last_wall):
     if over:
         reached = (reached[0], height, reached[2])
     # Where two islands touch, the point may be found on the other. habitat-sim moves it inwards.
-    beside, _ = nearest(mesh, reached, islands, NOWHERE)
+    beside, _ = nearest(mesh, reached, islands, ANY_ISLAND)
     if beside == NOWHERE or islands[beside] != islands[polygon]:
         return _nudged(mesh, last, reached)
     return reached

@@ -21,6 +21,8 @@ from hypernav.worlds.navmesh.detour.geometry_kernels import (
 )
 
 NOWHERE = -1
+ANY_ISLAND = np.int64(NOWHERE)
+"""Searches all islands. Numba would compile `nearest` once more for a constant of Python."""
 _REACH = (np.float32(2.0), np.float32(4.0), np.float32(2.0))
 """Half the sides of habitat-sim's search box, metres."""
 _ON_BOUNDARY = (np.uint8(1), np.uint8(4), np.uint8(16))
@@ -93,7 +95,7 @@ def nearest(mesh, p, islands, island):
         mesh: Navigation mesh.
         p: Point.
         islands: Island of every polygon.
-        island: The only island to search; `NOWHERE` searches all.
+        island: The only island to search, or `ANY_ISLAND`.
 
     Returns:
         The polygon (`NOWHERE` if there is none in reach) and the point.
@@ -126,7 +128,7 @@ def nearest(mesh, p, islands, island):
             if index < 0 or not overlaps:
                 continue
             polygon = mesh.tile_polygon[tile] + index
-            if not mesh.walkable[polygon] or (island != NOWHERE and islands[polygon] != island):
+            if not mesh.walkable[polygon] or (island != ANY_ISLAND and islands[polygon] != island):
                 continue
             point, over = closest_on(mesh, polygon, p)
             if over:

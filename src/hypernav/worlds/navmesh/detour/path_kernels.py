@@ -21,7 +21,7 @@ from hypernav.worlds.navmesh.detour.geometry_kernels import (
     signed_area,
     to_segment,
 )
-from hypernav.worlds.navmesh.detour.nearest_kernels import NOWHERE, nearest
+from hypernav.worlds.navmesh.detour.nearest_kernels import ANY_ISLAND, NOWHERE, nearest
 
 NO_PATH = np.float32(np.inf)
 
@@ -144,8 +144,8 @@ def _is_equal(a, b):
 @njit(cache=True)
 def path_between(mesh, islands, start, end):
     """The shortest path between two positions; a position off the mesh has none."""
-    start_polygon, start_point = nearest(mesh, start, islands, NOWHERE)
-    end_polygon, end_point = nearest(mesh, end, islands, NOWHERE)
+    start_polygon, start_point = nearest(mesh, start, islands, ANY_ISLAND)
+    end_polygon, end_point = nearest(mesh, end, islands, ANY_ISLAND)
     if start_polygon == NOWHERE or end_polygon == NOWHERE:
         return NO_PATH, np.empty((0, 3), dtype=np.float32)
     return shortest_path(
