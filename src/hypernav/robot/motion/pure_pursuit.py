@@ -220,9 +220,10 @@ class PurePursuit:
         points = np.stack(
             [robot.x + chords * np.cos(angles), robot.y + chords * np.sin(angles)], axis=1
         )
-        here, *ahead = obstacles.distances(np.vstack([[robot.xy], points]))
+        distances = obstacles.distances(np.vstack([[robot.xy], points]))
+        here = float(distances[0])
         least = max(min(self._radius_m + self._config.margin_m, here) - _TOUCH_M, _TOUCH_M)
-        hit = np.array(ahead) < least
+        hit = distances[1:] < least
         return float(lengths[hit.argmax()] - _SAMPLE_M) if hit.any() else math.inf
 
 
