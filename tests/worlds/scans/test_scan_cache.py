@@ -1,7 +1,9 @@
 """A scan from the cache is the scan itself."""
 
 import os
+import shutil
 from dataclasses import fields
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,14 +19,22 @@ from hypernav.worlds.scenes.scene import Scene
 from scan_writers.buildings import two_storeys
 from scan_writers.scans import write_scan
 
-HOUSE = two_storeys()
+
+def files_of(mesh: Path) -> ScanFiles:
+    found = ScanFiles.of(mesh)
+    assert found is not None
+    return found
+
+
+@pytest.fixture(scope="module")
+def mesh(tmp_path_factory) -> Path:
+    return write_scan(two_storeys(), tmp_path_factory.mktemp("scans") / "00802-wcojb4TFT35")
 
 
 @pytest.fixture
-def files(tmp_path) -> ScanFiles:
-    found = ScanFiles.of(write_scan(HOUSE, tmp_path / "00802-wcojb4TFT35"))
-    assert found is not None
-    return found
+def files(mesh, tmp_path) -> ScanFiles:
+    """Those of a copy, which a test may change."""
+    return files_of(shutil.copytree(mesh.parent, tmp_path / mesh.parent.name) / mesh.name)
 
 
 class Loads:
@@ -56,10 +66,10 @@ def assert_same(found: Scene, expected: Scene) -> None:
 
 
 def test_a_scan_is_loaded_once(files, tmp_path):
-    load = Loads()
+    load, scan = Loads(), load_scan(files)
     for _ in range(3):
         found = cached_scan(files, load, folder=tmp_path / "cache", least_bytes=0)
-        assert_same(found, load_scan(files))
+        assert_same(found, scan)
     assert load.count == 1
 
 
@@ -86,10 +96,10 @@ def test_a_broken_cache_is_written_again(files, tmp_path, name, damage, caplog):
         path.write_bytes(path.read_bytes()[:-100])
     else:
         path.write_bytes(damage)
-    load = Loads()
+    load, scan = Loads(), load_scan(files)
     for _ in range(2):
         found = cached_scan(files, load, folder=tmp_path / "cache", least_bytes=0)
-        assert_same(found, load_scan(files))
+        assert_same(found, scan)
     assert load.count == 1
     assert "is written again" in caplog.text
 

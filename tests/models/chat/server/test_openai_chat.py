@@ -177,9 +177,9 @@ def test_a_hanging_server_is_asked_again_after_the_timeout(server: ScriptedServe
 @pytest.mark.parametrize("failure", [*TRANSPORT_FAILURES, "hang"])
 def test_a_model_that_stays_away_is_unavailable(server: ScriptedServer, failure: Failure):
     server.rates = {failure: 1.0}
-    asker = chat(server, QUICK.model_copy(update={"patience_s": 1.0, "timeout_s": 0.5}))
+    asker = chat(server, QUICK.model_copy(update={"patience_s": 0.3, "timeout_s": 0.15}))
     asker.server()
-    with pytest.raises(ModelUnavailableError, match="within a patience of 1 s"):
+    with pytest.raises(ModelUnavailableError, match=r"within a patience of 0\.3 s"):
         asker.ask(WHICH)
     assert len(server.failures) >= 2
 
