@@ -5,7 +5,7 @@ import os
 from collections.abc import Generator
 from pathlib import Path
 
-# As many processes as cores run tests: threads of BLAS would only wait for each other, busily.
+# More processes than cores run tests: threads of BLAS would only wait for each other, busily.
 # Before the first import of NumPy, which reads it; processes that tests start inherit it.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -50,6 +50,16 @@ def pytest_configure(config: pytest.Config) -> None:
         "numprocesses", None
     ):  # not in a worker, and not where there is one process
         compile_missing_kernels()
+
+
+@pytest.hookimpl(wrapper=True, optionalhook=True)
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> Generator[None, int, int]:
+    """One process more than cores: some tests wait, for a moment to pass or for the network.
+
+    Slow tests do so while other processes have to keep pace.
+    """
+    cores = yield
+    return cores if config.getoption("markexpr") == "slow" else cores + 1
 
 
 @pytest.hookimpl(wrapper=True)
