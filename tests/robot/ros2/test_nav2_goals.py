@@ -7,7 +7,7 @@ from functools import partial
 from typing import Any, cast
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from hypernav.cli.main import main
@@ -355,6 +355,7 @@ def test_a_goal_cuts_no_corner_by_more_than_is_allowed(along, cut_m):
     st.floats(0.0, 1.0),
     st.lists(st.floats(0.0, 0.3), min_size=1, max_size=40),
 )
+@example(0.375, 0.0, [0.25, 0.296875, 0.0703125, 0.21875, 0.09375, 0.0])
 def test_no_goal_is_behind_the_robot_however_near_goals_are(ahead_m, driven_m, steps_m):
     aims, length_m = Aims([(0.0, 0.0), (20.0, 0.0)], Nav2Config(ahead_m=ahead_m)), 20.0
     x = driven_m  # since the path was planned

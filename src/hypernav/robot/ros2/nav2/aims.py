@@ -11,6 +11,8 @@ from hypernav.robot.ros2.config import Nav2Config
 
 _AIM_EVERY_S = 0.5
 """Shortest time between two goals on one path, for a robot that has not passed the first."""
+_PASSED_M = 0.01
+"""Length before a goal at which it is passed, metres: progress is known to some 0.0125 m only."""
 _LOST_M = 1.0
 """Length that a robot may drive along its path between two updates."""
 _STRAY_M = 0.5
@@ -126,7 +128,7 @@ class Aims:
     def _goal(self, robot: Pose2, along_m: float) -> Pose2:
         config, self._looks = self._config, self._looks + 1
         left_m = self._aim_m - along_m
-        is_new = left_m > 0.0 and self._looks * TICK_S < _AIM_EVERY_S
+        is_new = left_m > _PASSED_M and self._looks * TICK_S < _AIM_EVERY_S
         if self._aim is not None and (is_new or left_m > config.ahead_m / 2.0):
             return self._aim
         self._aim_m = self._ahead.aim_m(*robot.xy, along_m, config.ahead_m, config.corner_cut_m)
