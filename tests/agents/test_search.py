@@ -344,6 +344,27 @@ def test_it_may_claim_the_goal_where_it_would_give_up():
     assert result.outcome is not Outcome.FOUND
 
 
+def marks_of_a_bump(earlier: list[tuple[float, float]]) -> list[list[float]]:
+    """What a search marks that bumps in its first step, where an earlier one has driven."""
+    agent, world = search(), two_rooms(coloured=False)
+    memory = agent.new_memory()
+    memory.floor.trajectory = earlier
+    agent.reset(Goal("bed"), memory)
+    observation = world.reset(episode_from(START))
+    while (action := agent.act(observation)) is not Action.MOVE_FORWARD:
+        assert action is not None
+        observation = world.step(action)
+    before = agent.grid.occupied.copy()
+    agent.act(observation)
+    return agent.grid.centres_of(np.argwhere(agent.grid.occupied & ~before)).tolist()
+
+
+def test_where_an_earlier_search_drove_may_be_something_now():
+    marks = marks_of_a_bump([(9.0, 9.0)])
+    assert len(marks) > 3
+    assert marks_of_a_bump([(0.0, -0.4), (0.0, 0.0)]) == marks  # past the right of them
+
+
 def test_an_agent_without_a_goal_says_what_to_do():
     with pytest.raises(WorldError, match=r"call reset\(goal\) first"):
         search().grid  # noqa: B018

@@ -149,6 +149,21 @@ def test_stairs_to_a_level_of_the_same_floor_lead_somewhere():
     assert {one.passage for one in memory.connectors if one.goes_up} == {Passage.USED}
 
 
+def test_the_way_over_stairs_is_known_until_the_next_search():
+    world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
+    agent.reset(Goal("umbrella"))
+    start = Pose2(START_X, sum(SIDES_Y) / 2.0, 0.0)
+    agent.act(world.reset(Episode("x", "0", Goal("umbrella"), start, start_z=0.0)))
+    frames = 1
+    while not agent.memory.on_stairs:
+        agent.act(world.step(Action.MOVE_FORWARD))
+        frames += 1
+    assert len(agent.memory.way) == frames
+    assert agent.memory.way[-1] == agent.last_step.pose[:2]
+    agent.reset(Goal("bed"), agent.memory)
+    assert not agent.memory.way
+
+
 def test_a_search_that_begins_on_stairs_is_not_blind():
     world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
     agent.reset(Goal("umbrella"))

@@ -14,8 +14,8 @@ CONFIG = PlanningConfig()
 HALL = drawn("....................\n" * 20, scale=10, origin=(-5.0, -5.0))
 
 
-def bumped(ordered, robot, grid=HALL, *, track=(), config=CONFIG):
-    return bumped_points(ordered, robot, track, grid, config, Embodiment())
+def bumped(ordered, robot, grid=HALL, *, way=(), config=CONFIG):
+    return bumped_points(ordered, robot, way, grid, config, Embodiment())
 
 
 def with_obstacle(rows: slice, columns: slice) -> OccupancyGrid:
@@ -51,7 +51,7 @@ def test_it_touches_nothing_where_its_body_has_just_been():
     here = Pose2(0.0, 0.0, 0.0)
     forward = (here, Action.MOVE_FORWARD)
     from_left = [(0.4, 0.4), here.xy]  # past the obstacle, which is seen a little too large
-    points = bumped(forward, here, grid, track=from_left)
+    points = bumped(forward, here, grid, way=from_left)
     assert len(points) > 0
     assert all(_away_m(point, *from_left) >= 0.18 for point in points)
     assert (points[:, 1] < 0.1).all()
@@ -61,13 +61,13 @@ def test_where_the_robot_did_not_drive_may_be_something():
     here = Pose2(0.0, 0.0, 0.0)
     forward = (here, Action.MOVE_FORWARD)
     carried = [(3.0, 0.0), here.xy]
-    assert np.array_equal(bumped(forward, here, track=carried), bumped(forward, here))
+    assert np.array_equal(bumped(forward, here, way=carried), bumped(forward, here))
 
 
 def test_something_may_have_come_into_its_way():
     here = Pose2(0.0, 0.0, 0.0)
     came = [(0.4, 0.0), (0.2, 0.2), (0.2, -0.2), here.xy]
-    assert len(bumped((here, Action.MOVE_FORWARD), here, track=came)) > 0
+    assert len(bumped((here, Action.MOVE_FORWARD), here, way=came)) > 0
 
 
 def test_switched_off_it_notices_nothing():

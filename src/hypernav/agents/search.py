@@ -94,7 +94,7 @@ class SearchAgent:
                 bumped_points(
                     plan.ordered,
                     seen.robot,
-                    floor.trajectory,
+                    memory.way,
                     memory.obstacles,
                     use.planning,
                     use.embodiment,

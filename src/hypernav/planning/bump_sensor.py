@@ -17,7 +17,7 @@ _MOVED_SHARE = 0.6
 """Share of the ordered length below which a step counts as cut short by a collision."""
 _TOUCHES_M = 0.1
 """Length, metres, by which an obstacle that the robot touches may be larger than seen."""
-_TRACK = 50
+_LATEST = 50
 """Number of latest positions whose way counts as free: long ago, something may have come since."""
 
 
@@ -37,7 +37,7 @@ def is_cut_short(ordered: tuple[Pose2, Action] | None, robot: Pose2, motion: Mot
 def bumped_points(
     ordered: tuple[Pose2, Action] | None,
     robot: Pose2,
-    track: Sequence[tuple[float, float]],
+    way: Sequence[tuple[float, float]],
     grid: OccupancyGrid,
     config: PlanningConfig,
     embodiment: Embodiment,
@@ -51,7 +51,7 @@ def bumped_points(
     Args:
         ordered: Pose before the latest action, and that action; None before the first.
         robot: Pose of the robot.
-        track: Its positions ``(x, y)`` so far, metres.
+        way: Its positions ``(x, y)`` in this search, metres.
         grid: The map.
         config: Whether to detect collisions, and the margin between the robot and obstacles.
         embodiment: Length of a step and size of the robot.
@@ -71,7 +71,7 @@ def bumped_points(
     touched[inside] = beside_known[cells[inside, 0], cells[inside, 1]]
     ahead = np.zeros(len(front), dtype=bool)
     ahead[3:-3] = True
-    free = _swept(front, track[-_TRACK:], embodiment)
+    free = _swept(front, way[-_LATEST:], embodiment)
     for points in (touched & ~free, ahead & ~free):
         if points.any():
             return front[points]
@@ -80,16 +80,16 @@ def bumped_points(
 
 def _swept(
     points: Float64[np.ndarray, "n 2"],
-    track: Sequence[tuple[float, float]],
+    way: Sequence[tuple[float, float]],
     embodiment: Embodiment,
 ) -> Bool[np.ndarray, " n"]:
     """Whether the robot's body has passed over points."""
     swept = np.zeros(len(points), dtype=bool)
-    for start, end in pairwise(np.array(track)):
+    for start, end in pairwise(np.array(way)):
         leg = end - start
         length_m = float(np.linalg.norm(leg))
         if length_m > 1.5 * embodiment.motion.forward_m:
-            continue  # it was carried, or came back to the floor elsewhere
+            continue  # it was carried
         along = (points - start) @ leg / max(length_m**2, 1e-12)
         nearest = start + np.clip(along, 0.0, 1.0)[:, None] * leg
         swept |= np.linalg.norm(points - nearest, axis=1) < embodiment.body.radius_m

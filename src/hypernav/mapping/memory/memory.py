@@ -68,6 +68,7 @@ class Memory:
         images: Key images; None if none are kept.
         connectors: Connectors between floors, seen from both ends; a number is an index.
         elevation: Heights of the ground around the robot; None if it looks for no stairs.
+        way: Positions ``(x, y)`` of the robot in the present search, stairs included, metres.
         z: Height of the robot, ``map`` frame, metres.
         rose_m: By how much the latest step changed it, metres.
         ground_z: Height of the ground that it walked on last, on its floor, ``map`` frame, metres.
@@ -96,6 +97,7 @@ class Memory:
         self.number: int = 0
         self.connectors: tuple[Connector, ...] = ()
         self.elevation: ElevationMap | None = None
+        self.way: list[tuple[float, float]] = []
         self._stand(Pose2(0.0, 0.0, 0.0), 0.0)
 
     @property
@@ -116,6 +118,7 @@ class Memory:
             sees_stairs: Whether connectors are looked for, if the robot can climb stairs.
         """
         self.searches += 1
+        self.way.clear()
         if not (sees_stairs and self.embodiment.body.climbs_stairs):
             self.elevation = None
         elif self.elevation is None:
@@ -143,8 +146,8 @@ class Memory:
         z = self.height_of(observation)
         self.rose_m, self.z = z - self.z, z
         here = observation.robot.xy
-        moved_m = math.dist(self._position, here)
-        self._position = here
+        moved_m = math.dist(self.way[-1], here) if self.way else 0.0
+        self.way.append(here)
         shows_steps = self.elevation is not None and self.elevation.integrate(observation)
         if abs(z - self._level_z) > _LEVEL_M:
             self._level_z, self._walked_m = z, 0.0
@@ -187,7 +190,6 @@ class Memory:
         self._level_began: Pose2 = robot
         self._level_z: float = z
         self._walked_m: float = 0.0
-        self._position: tuple[float, float] = robot.xy
 
     def height_of(self, observation: Observation) -> float:
         """Height of the robot in a frame, ``map`` frame, metres."""
