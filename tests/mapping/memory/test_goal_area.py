@@ -46,6 +46,15 @@ def test_a_stride_keeps_the_place():
     np.testing.assert_allclose(sparse.mean(axis=0), dense.mean(axis=0), atol=0.02)
 
 
+@pytest.mark.parametrize("window", [None, (0, 0, 20, 10)])
+def test_a_mask_of_another_size_is_refused(window):
+    observation = thing_before_wall()
+    half = thing_pixels(observation)[::2, ::2].copy()
+    with pytest.raises(ValueError, match="expected a mask of") as refused:
+        points_under_mask(half, observation, min_depth_m=0.5, max_depth_m=5.0, window=window)
+    assert str(half.shape) in str(refused.value)
+
+
 @given(coordinates, coordinates)
 def test_a_single_point_grows_by_the_paper_s_dilation(x, y):
     area = area_of([[x, y, 0.4]])

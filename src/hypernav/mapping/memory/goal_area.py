@@ -35,7 +35,12 @@ def points_under_mask(
         max_depth_m: Upper limit of the sensor's range, exclusive, metres.
         stride: Step between the pixels in use, in both directions, pixels.
         window: First column and row in use, and the ones after the last; all by default.
+
+    Raises:
+        ValueError: The mask has another size than the depth image.
     """
+    if mask.shape != observation.depth.shape:
+        raise ValueError(f"expected a mask of {observation.depth.shape} pixels, got {mask.shape}")
     if window is None:
         left, top, width, height = cv2.boundingRect(mask.view(np.uint8))
         window = (left - left % stride, top - top % stride, left + width, top + height)
