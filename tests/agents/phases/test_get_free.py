@@ -1,6 +1,7 @@
 """Laws of a robot that touches what its map does not show."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 
 from box_scenes import room_boxes, scene_of
-from box_views import FLOOR, view_of
+from box_views import FLOOR, SolidBox, view_of
 from hypernav.agents.phases.get_free import get_free, repeats, with_tried
 from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, Step
@@ -110,19 +111,22 @@ def test_the_paper_senses_no_bump_and_tries_no_other_heading():
     assert GETS_FREE not in {step.reason for step in steps}
 
 
-def test_a_robot_tries_no_heading_over_a_drop():
+def headings_tried(boxes: Sequence[SolidBox], way: Sequence[Pose2], bumps=()) -> list[float]:
+    """Headings in which a robot steps that came a way and does not move whatever it tries.
+
+    Args:
+        boxes: What there is.
+        way: Poses from which it has looked; it is at the last one.
+        bumps: Positions ``(x, y)`` that are marked as bumps, metres.
+    """
     config = preset("default")
-    boxes = [
-        ((-9.0, -9.0, -0.3), (2.0, 9.0, 0.0)),
-        ((2.0, -9.0, -3.0), (9.0, 9.0, -1.8)),
-    ]
     camera = config.embodiment.camera.intrinsics
     agent = build_search(config, GroundTruthDetector(), ExchangeLog())
     memory = Memory(config.mapping, config.embodiment)
-    poses = [Pose2(x, 0.0, 0.0) for x in np.arange(-0.2, 1.85, 0.1)]
-    frames = [view_of(boxes, pose, camera=camera) for pose in poses]
+    frames = [view_of(boxes, pose, camera=camera) for pose in way]
     for frame in frames:
         memory.floor.map.integrate(frame)
+    memory.mark_occupied(np.array(bumps).reshape(-1, 2))
     step = Step(0, Goal("bed"), frames[-1], memory.obstacles, agent.components, ModuleClock(), [])
     tried, plan = list[float](), Plan.at_start(config.search, turns=0)
     while isinstance(outcome := get_free(step, memory, plan)[0], Decision):
@@ -135,8 +139,27 @@ def test_a_robot_tries_no_heading_over_a_drop():
         turned = robot.yaw + turns * math.radians(step.motion.turn_angle_deg)
         frame = view_of(boxes, Pose2(robot.x, robot.y, turned), camera=camera)
         step = replace(step, observation=frame)
-    assert 3 <= len(tried) < step.motion.turns_of_a_circle
+    return tried
+
+
+def test_a_robot_tries_no_heading_over_a_drop():
+    boxes = [
+        ((-9.0, -9.0, -0.3), (2.0, 9.0, 0.0)),
+        ((2.0, -9.0, -3.0), (9.0, 9.0, -1.8)),
+    ]
+    tried = headings_tried(boxes, [Pose2(x, 0.0, 0.0) for x in np.arange(-0.2, 1.85, 0.1)])
+    assert 3 <= len(tried) < 12
     assert all(math.cos(yaw) < 0.8 for yaw in tried)
+
+
+def test_a_robot_doubts_its_bumps_and_not_what_images_show():
+    wall, way = ((0.2, -5.0, 0.0), (0.4, 5.0, 2.0)), [Pose2(-2.0, 0.0, 0.0), Pose2(0.0, 0.0, 0.0)]
+    around = [Pose2(0.0, 0.0, k * math.pi / 6.0).ahead(0.25).xy for k in range(12)]
+    everywhere = headings_tried([FLOOR], way, around)
+    assert len(everywhere) == 12
+    tried = headings_tried([FLOOR, wall], way, around)
+    assert len(tried) >= 7
+    assert all(math.cos(yaw) < 0.6 for yaw in tried)
 
 
 def standing_free(forward_m: float) -> tuple[Step, Plan]:

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float64
 
 from hypernav.agents.plan import STANDS_M, Plan
 from hypernav.agents.step import Decision, Phase, Step
@@ -18,9 +19,9 @@ _SAME_HEADING = math.radians(15.0)
 _REMEMBERED = 100
 """Number of steps cut short that are remembered: what stood in their way may have gone."""
 _ON_WAY = 16
-"""Number of positions on the way of a step at which a drop is looked for."""
+"""Number of positions on the way of a step at which obstacles and drops are looked for."""
 _AHEAD_M = 0.1
-"""Length of the way in a heading, metres, after which the room around the robot is compared."""
+"""Length of a way that must be clear, metres, and after which the room around is compared."""
 
 
 def with_tried(step: Step, plan: Plan) -> Plan:
@@ -45,8 +46,8 @@ def repeats(step: Step, plan: Plan, outcome: Decision | Phase) -> bool:
 def get_free(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
     """Try a step in the nearest heading in which none was cut short, until one moves the robot.
 
-    What it touches may be anywhere before it, so marks on the map say less than such a step. No
-    heading is tried in which a drop is known.
+    What it touches may be anywhere before it, so marks of bumps say less than such a step. No
+    heading is tried in which a drop is known, or images show what would stop the robot at once.
     """
     robot, turn = step.robot, math.radians(step.motion.turn_angle_deg)
     half = step.motion.turns_of_a_circle // 2
@@ -59,11 +60,14 @@ def get_free(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
         away_m = np.linalg.norm(obstacles - np.array(after(turns).ahead(_AHEAD_M).xy), axis=1)
         return abs(turns), -float(away_m.min(initial=math.inf))
 
-    reach_m = step.motion.forward_m + step.use.embodiment.body.radius_m
+    radius_m, floor = step.use.embodiment.body.radius_m, memory.floor.map
 
     def is_open(turns: int) -> bool:
-        way = [after(turns).ahead(far_m).xy for far_m in np.linspace(0.0, reach_m, _ON_WAY)]
-        return not (_is_tried(after(turns), step, plan) or memory.floor.map.has_drop(np.array(way)))
+        pose = after(turns)
+        clear = _way(pose, _AHEAD_M + radius_m)
+        whole = _way(pose, step.motion.forward_m + radius_m)
+        is_seen_closed = floor.shows_obstacle(clear) or floor.has_drop(whole)
+        return not (is_seen_closed or _is_tried(pose, step, plan))
 
     untried = [turns for turns in range(1 - half, half + 1) if is_open(turns)]
     if not untried:
@@ -75,6 +79,11 @@ def get_free(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
     mode = Mode.EXPLORE if memory.search.evidence.target is None else Mode.APPROACH
     reason = "touching something, trying to get free of it"
     return Decision(action, mode, reason, path), replace(plan, frees=True)
+
+
+def _way(pose: Pose2, length_m: float) -> Float64[np.ndarray, "n 2"]:
+    """Positions ahead of a pose up to a length, metres."""
+    return np.array([pose.ahead(far_m).xy for far_m in np.linspace(0.0, length_m, _ON_WAY)])
 
 
 def _is_tried(pose: Pose2, step: Step, plan: Plan) -> bool:

@@ -223,6 +223,15 @@ class TopDownMap:
         cells = self.grid.cells_of(points_xy)
         return bool(self._arrays.drops[tuple(cells[self.grid.contains(cells)].T)].any())
 
+    def shows_obstacle(self, points_xy: Float[np.ndarray, "n 2"]) -> bool:
+        """Whether images show an obstacle at one of some positions ``(x, y)``, metres.
+
+        Bumps are none: what the robot touched may be anywhere before it.
+        """
+        cells = self.grid.cells_of(points_xy)
+        evidence = self._arrays.evidence[tuple(cells[self.grid.contains(cells)].T)]
+        return bool((evidence >= OCCUPIED_EVIDENCE).any())
+
     def forget_bumps(self) -> None:
         """Forget all bumps, but no drops: such cells get the state that the images give them."""
         arrays = self._arrays
