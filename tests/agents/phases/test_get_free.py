@@ -111,15 +111,19 @@ def test_the_paper_senses_no_bump_and_tries_no_other_heading():
     assert GETS_FREE not in {step.reason for step in steps}
 
 
-def headings_tried(boxes: Sequence[SolidBox], way: Sequence[Pose2], bumps=()) -> list[float]:
+def headings_tried(
+    boxes: Sequence[SolidBox], way: Sequence[Pose2], bumps=(), *, turn_angle_deg: float = 30.0
+) -> list[float]:
     """Headings in which a robot steps that came a way and does not move whatever it tries.
 
     Args:
         boxes: What there is.
         way: Poses from which it has looked; it is at the last one.
         bumps: Positions ``(x, y)`` that are marked as bumps, metres.
+        turn_angle_deg: Angle of a turn.
     """
-    config = preset("default")
+    changes = {"embodiment": {"motion": {"turn_angle_deg": turn_angle_deg}}}
+    config = with_changes(preset("default"), changes)
     camera = config.embodiment.camera.intrinsics
     agent = build_search(config, GroundTruthDetector(), ExchangeLog())
     memory = Memory(config.mapping, config.embodiment)
@@ -160,6 +164,14 @@ def test_a_robot_doubts_its_bumps_and_not_what_images_show():
     tried = headings_tried([FLOOR, wall], way, around)
     assert len(tried) >= 7
     assert all(math.cos(yaw) < 0.6 for yaw in tried)
+
+
+@pytest.mark.parametrize("turn_angle_deg", [120.0, 90.0, 72.0, 30.0])
+def test_a_robot_tries_all_headings_of_a_circle(turn_angle_deg):
+    tried = headings_tried([FLOOR], [Pose2(0.0, 0.0, 0.0)], turn_angle_deg=turn_angle_deg)
+    count = round(360.0 / turn_angle_deg)
+    assert {round(math.degrees(yaw) / turn_angle_deg) % count for yaw in tried} == {*range(count)}
+    assert len(tried) == count
 
 
 def standing_free(forward_m: float) -> tuple[Step, Plan]:

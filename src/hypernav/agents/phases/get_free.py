@@ -50,7 +50,7 @@ def get_free(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
     heading is tried in which a drop is known, or images show what would stop the robot at once.
     """
     robot, turn = step.robot, math.radians(step.motion.turn_angle_deg)
-    half = step.motion.turns_of_a_circle // 2
+    count = step.motion.turns_of_a_circle
     obstacles = step.grid.centres_of(np.argwhere(step.grid.occupied))
 
     def after(turns: int) -> Pose2:
@@ -69,7 +69,7 @@ def get_free(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
         is_seen_closed = floor.shows_obstacle(clear) or floor.has_drop(whole)
         return not (is_seen_closed or _is_tried(pose, step, plan))
 
-    untried = [turns for turns in range(1 - half, half + 1) if is_open(turns)]
+    untried = [k for k in range(1 - (count + 1) // 2, count // 2 + 1) if is_open(k)]
     if not untried:
         return Phase.END, replace(plan, tried=(), frees=False)
     turns = min(untried, key=rank)
