@@ -106,9 +106,21 @@ def test_a_robot_that_is_walled_in_gives_up():
     assert len(steps) < 200
 
 
-def test_the_paper_senses_no_bump_and_tries_no_other_heading():
-    steps, _ = search_for_bed(pocket, IN_POCKET, preset="paper", steps=60)
-    assert GETS_FREE not in {step.reason for step in steps}
+@pytest.mark.parametrize("preset", ["paper", "default"])
+def test_the_paper_senses_no_bump_and_orders_the_same_step_again(preset):
+    config = small_config(preset)
+    world = SimulatedWorld(pocket(0.0), config.world, config.embodiment)
+    agent = build_search(config, GroundTruthDetector(), ExchangeLog())
+    agent.reset(Goal("bed"))
+    observation = world.reset(episode_from(IN_POCKET, "bed"))
+    while (action := agent.act(observation)) is not Action.MOVE_FORWARD:
+        assert action is not None
+        observation = world.step(action)
+    before = agent.grid.occupied.copy()
+    again = [agent.act(observation) for _ in range(3)]  # it is held, and doesn't move
+    senses = preset == "default"
+    assert (again != [Action.MOVE_FORWARD] * 3) is senses
+    assert (agent.grid.occupied & ~before).any() == senses
 
 
 def headings_tried(
