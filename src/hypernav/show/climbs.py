@@ -1,9 +1,8 @@
 """The floors of a search and the stairs between them, told from its trace."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import groupby
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 
 from hypernav.core.trace import Mode, StepTrace, floor_of
 
@@ -47,19 +46,34 @@ class StairsMark:
     words: str
 
 
-def climbs(steps: Sequence[StepTrace]) -> list[Climb]:
+def climbs(steps: Iterable[StepTrace]) -> list[Climb]:
     """All attempts to use stairs, in order; the last one may be under way."""
-    found, first = list[Climb](), 0
-    for (mode, floor), group in groupby(steps, key=lambda one: (one.mode, floor_of(one))):
-        walk = list(group)
-        after = steps[first + len(walk) : first + len(walk) + 1]
-        if mode is Mode.CLIMB:
-            other = floor_of(after[0]) if after and floor_of(after[0]) != floor else None
-            events = [event for one in (*walk, *after) for event in one.events]
-            ends = walk[0].pose[:2], walk[-1].pose[:2]
-            found.append(Climb(first, floor, other, other is None and _IN_VAIN in events, ends))
-        first += len(walk)
-    return found
+    made = list[Climb]()
+    for made in _climbs_by_step(steps):  # noqa: B007
+        pass
+    return made
+
+
+def _climbs_by_step(steps: Iterable[StepTrace]) -> Iterator[list[Climb]]:
+    """The attempts up to each step: one list, of which the next step changes the last one."""
+    made, climbed = list[Climb](), False
+    for number, step in enumerate(steps):
+        floor, climbs_now = floor_of(step), step.mode is Mode.CLIMB
+        gives_up, goes_on = _IN_VAIN in step.events, False
+        if climbed:
+            last = made[-1]
+            other = None if floor == last.floor else floor
+            goes_on = climbs_now and other is None
+            made[-1] = replace(
+                last,
+                other_floor=other,
+                in_vain=other is None and (last.in_vain or gives_up),
+                ends=(last.ends[0], step.pose[:2]) if goes_on else last.ends,
+            )
+        if climbs_now and not goes_on:
+            made.append(Climb(number, floor, None, gives_up, (step.pose[:2], step.pose[:2])))
+        climbed = climbs_now
+        yield made
 
 
 def stairs_on(floor: int, made: Iterable[Climb]) -> list[StairsMark]:
@@ -83,22 +97,23 @@ def stairs_on(floor: int, made: Iterable[Climb]) -> list[StairsMark]:
     return marks
 
 
-def stairs_by_step(steps: Sequence[StepTrace]) -> dict[int, dict[int, list[StairsMark]]]:
+def stairs_by_step(steps: Iterable[StepTrace]) -> dict[int, dict[int, list[StairsMark]]]:
     """The stairs on every floor from each step on at which they changed, by its index.
 
     Args:
         steps: The steps of a search so far.
     """
-    changes = dict[int, dict[int, list[StairsMark]]]()
-    known = dict[int, list[StairsMark]]()
-    for last, one in enumerate(steps):
-        if Mode.CLIMB not in (one.mode, steps[max(last - 1, 0)].mode):
+    changes, stairs = dict[int, dict[int, list[StairsMark]]](), dict[int, list[StairsMark]]()
+    known = list[tuple[int, int | None, bool]]()
+    for last, made in enumerate(_climbs_by_step(steps)):
+        ends = [(one.floor, one.other_floor, one.in_vain) for one in made]
+        if ends == known:
             continue
-        made = climbs(steps[: last + 1])
-        floors = sorted({climb.floor for climb in made} | {floor_of(one)})
-        stairs = known | {floor: stairs_on(floor, made) for floor in floors}
-        if stairs != known:
-            changes[last] = known = stairs
+        known, before = ends, stairs
+        floors = {floor for one in ends for floor in one[:2] if floor is not None}
+        stairs = {floor: stairs_on(floor, made) for floor in sorted(floors)}
+        if stairs != before:
+            changes[last] = stairs
     return changes
 
 

@@ -457,6 +457,21 @@ def test_stairs_are_marked_as_far_as_the_shown_step_knows_them(page, driver):
         assert marked()
 
 
+def test_the_page_asks_for_stairs_when_a_climb_begins_or_ends(page, driver):
+    info = EpisodeInfo("bed", "hypernav", detector="ground truth", reasoner="geometric")
+    modes = [Mode.EXPLORE, *[Mode.CLIMB] * 4, Mode.EXPLORE, Mode.EXPLORE]
+    with closing(PageView(info, lambda: None)) as view:
+        driver.get(view.address.partition(" ")[0])
+        for number, trace in enumerate(floor_steps(*[None] * len(modes)), 1):
+            view.add(trace.model_copy(update={"mode": modes[number - 1]}), None, None)
+            page.until(lambda count=number: page.step.text == f"{count} of {count}")
+        asked = driver.execute_script(
+            """return performance.getEntriesByType("resource")
+            .filter(({ name }) => name.endsWith("/stairs")).length;"""
+        )
+    assert asked == 2
+
+
 def test_the_page_notes_which_things_have_no_way_and_says_that_the_memory_is_broken(page, tmp_path):
     home = tmp_path / "home"
     with robot_server(

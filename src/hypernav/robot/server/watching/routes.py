@@ -193,8 +193,8 @@ def watching_routes(searches: ShownSearches) -> APIRouter:
     def stairs(name: Name) -> dict[int, dict[int, list[StairsMark]]]:
         """Ends of stairs that were taken or tried, by floor, from each step that changed them."""
         with searches.find(name).reading() as journal:
-            steps = [StepTrace.model_validate_json(line) for line in journal.trace_lines(0)]
-        return stairs_by_step(steps)
+            lines = journal.trace_lines(0)
+            return stairs_by_step(StepTrace.model_validate_json(line) for line in lines)
 
     @routes.get(f"{SEARCHES}/{{name}}/map.png", response_class=Response)
     def png(

@@ -9,12 +9,15 @@ const RETRY_MS = 1000;
 /** Number of the floor of a step; it has none as long as only one floor is known. */
 export const floorOf = (step) => step.floor ?? 1;
 
+/** The floor from which the robot climbs in a step; null if it doesn't. */
+const climbFrom = (step) => (step?.mode === "climb" ? floorOf(step) : null);
+
 /** What is known of one search. Calls `onChange(follower)` after every change. */
 export class Follower {
   status = null;
   steps = [];
   stairs = {}; // the ends of stairs on every floor, from each step on that changed them
-  climbed = false; // since they were fetched
+  climbed = false; // whether a climb has begun or ended since they were fetched
   maps = new Map(); // the last map of each floor
   unmapped = new Set(); // floors left before this page was opened of which the server has no map
 
@@ -56,9 +59,11 @@ export class Follower {
       || status.last?.sequence !== this.status.last?.sequence || !status.map !== !this.maps.size;
     if (isNew && status.next_sequence > 0) {
       const lines = await (await this.request(`/trace?since=${this.steps.length}`)).text();
-      const last = Math.max(this.steps.length - 1, 0);
+      const known = this.steps.length;
       for (const line of lines.split("\n")) if (line) this.steps.push(parse(line));
-      this.climbed ||= this.steps.slice(last).some((step) => step.mode === "climb");
+      // Stairs change only where a climb begins or ends.
+      this.climbed ||= this.steps.slice(known)
+        .some((step, k) => climbFrom(step) !== climbFrom(this.steps[known + k - 1]));
       if (this.climbed) this.stairs = await this.get("/stairs");
       this.climbed = false;
       if (status.map) { // a server that was started again has no map until it has caught up
