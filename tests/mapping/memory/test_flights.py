@@ -171,7 +171,7 @@ def test_a_floor_counts_at_the_height_at_which_the_robot_walks_on_it():
     assert memory.floor.z == pytest.approx(-3.0)
     assert not memory.on_stairs
     ground = memory.ground_around((2.0, 0.0), down=False)
-    far = memory.way_on(ground, -2.93, 2.0)
+    far = memory.footing.way_on(ground, -2.93, 2.0, ())
     assert (far & ground.seen).any()
 
 
@@ -192,7 +192,7 @@ def test_the_way_on_is_ahead_where_there_is_one():
 @pytest.mark.parametrize(("below_m", "is_away"), [(1.5, False), (2.5, True)])
 def test_a_storey_lies_farther_down_than_a_landing(below_m: float, is_away: bool):
     memory = seen_from([FLOOR], Pose2(0.0, 0.0, 0.0), z=-below_m)
-    assert memory.is_storey_away == is_away
+    assert memory.footing.is_storey_away == is_away
 
 
 @pytest.mark.parametrize("quarters", [-1, 0, 1])
@@ -232,7 +232,7 @@ def test_on_a_landing_the_way_on_leads_away_from_where_the_robot_has_looked():
     memory = seen_from([FLOOR], Pose2(0.0, 0.0, 0.0), Pose2(0.5, 0.0, 0.0))
     ground = memory.ground_around((0.5, 0.0), down=False)
     looked = (1.5, 0.0)
-    way_on = ground.positions(memory.way_on(ground, 0.0, 0.8, [looked]))
+    way_on = ground.positions(memory.footing.way_on(ground, 0.0, 0.8, [looked]))
     assert len(way_on)
     for place in ((0.0, 0.0), looked):
         assert np.linalg.norm(way_on - place, axis=1).min() >= 0.75

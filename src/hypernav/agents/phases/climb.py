@@ -94,7 +94,7 @@ def _connector(memory: Memory, climbing: Climbing) -> Connector:
 
 def _around(step: Step, memory: Memory, climbing: Climbing, *, goes_up: bool) -> _Stairs:
     ground = memory.ground_around(step.robot.xy, down=not goes_up)
-    on_slope = memory.is_off_floor and memory.is_on_slope and not _is_lost(step, climbing)
+    on_slope = memory.is_off_floor and memory.footing.is_on_slope and not _is_lost(step, climbing)
     level_z = landing_z(ground, step.robot, memory.z)
     return _Stairs(ground, goes_up, on_slope, level_z, memory.z if on_slope else level_z)
 
@@ -118,7 +118,7 @@ def _flight(
     if not stairs.on_slope:
         known = None if _is_lost(step, climbing) else known
         return flight_down(ground, robot, stairs.z, known, first)
-    if memory.rose_m < -LEVEL_M and before is not None:
+    if memory.footing.rose_m < -LEVEL_M and before is not None:
         return flight_underfoot(known, first, before, robot)
     return known
 
@@ -130,13 +130,13 @@ def _next_step(
     robot, on_slope = step.robot, stairs.on_slope
     ground = on_flight(stairs.ground, robot, stairs.z, flight, goes_up=stairs.goes_up)
     to = stairs_ahead(ground, robot, stairs.z, flight, goes_up=stairs.goes_up, on_slope=on_slope)
-    way_on = memory.way_on(ground, stairs.level_z, _OFF_STAIRS_M, _looked(step, climbing))
+    way_on = memory.footing.way_on(ground, stairs.level_z, _OFF_STAIRS_M, _looked(step, climbing))
     has_turned = climbing.turned >= step.motion.turns_of_a_circle
     if climbing.turned and not has_turned:
         way_on = ahead_of(ground, robot, way_on)
     else:
         way_on = first_ahead(ground, robot, way_on)
-    is_there = memory.is_storey_away and not on_slope and way_on.any()
+    is_there = memory.footing.is_storey_away and not on_slope and way_on.any()
     if has_turned or is_there or (memory.is_off_floor and not to.any()):
         to = way_on
     if not to.any():

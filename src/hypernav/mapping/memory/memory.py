@@ -1,22 +1,14 @@
 """What a robot knows of a building, floor by floor.
 
-A map is a plane: its floor is ``z = 0``. While the robot is on stairs, it counts as on the floor
-that it came from, on whose map they are obstacles. Once it has walked `_WALKED_M` at one height far
-above or below that floor, it is on another one: one that it knows at that height, or a new one.
-
-At a height nearer to it, on a split level or where odometry drifts, it is on the same floor. From
-then on all heights are counted from there, so that the map shows what stands in the way of a robot
-at this height: its own ground is free, and steps that lead lower are no obstacles. What was drawn
-from another height stays until it is seen from here.
+A map is a plane: its floor is ``z = 0``. On which floor the robot is, its `Footing` tells.
 """
 
 import copy
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Float64
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
@@ -35,22 +27,9 @@ from hypernav.mapping.memory.connectors import (
     with_sightings,
 )
 from hypernav.mapping.memory.floor import Floor, SearchMemory, counted_from
+from hypernav.mapping.memory.footing import ANOTHER_M, Footing
 from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.top_down.top_down_map import TopDownMap
-
-_ANOTHER_M = 1.0
-"""Least height between two floors, metres; less is a step, a ramp or odometry's drift."""
-_LEVEL_M = 0.1
-_OFF_M = 0.12
-"""Difference in height, metres, from which the robot is off the ground that it walked on."""
-_LEAST_FLOOR_M2 = 3.5
-"""Ground at one height within the robot's reach, square metres, that tells floors from landings."""
-_STOREY_M = 2.2
-"""Height, metres, above or below the last floor at which hardly any landing lies."""
-_LEAST_LANDING_M2 = 1.0
-"""Ground that suffices there for a floor, square metres: the head of stairs may be small."""
-_WALKED_M = 0.75
-"""Distance at one height, metres, that tells a floor from stairs: treads are shorter."""
 
 
 class Memory:
@@ -69,9 +48,7 @@ class Memory:
         connectors: Connectors between floors, seen from both ends; a number is an index.
         elevation: Heights of the ground around the robot; None if it looks for no stairs.
         way: Positions ``(x, y)`` of the robot in the present search, stairs included, metres.
-        z: Height of the robot, ``map`` frame, metres.
-        rose_m: By how much the latest step changed it, metres.
-        ground_z: Height of the ground that it walked on last, on its floor, ``map`` frame, metres.
+        footing: What the robot stands on.
     """
 
     def __init__(
@@ -98,7 +75,7 @@ class Memory:
         self.connectors: tuple[Connector, ...] = ()
         self.elevation: ElevationMap | None = None
         self.way: list[tuple[float, float]] = []
-        self._stand(Pose2(0.0, 0.0, 0.0), 0.0)
+        self.footing: Footing = Footing.on_level_ground(Pose2(0.0, 0.0, 0.0), 0.0, 0.0)
 
     @property
     def floor(self) -> Floor:
@@ -143,24 +120,16 @@ class Memory:
 
     def follow(self, observation: Observation) -> Floor:
         """Note the robot's height, in every step; return the floor that the robot is on now."""
-        z = self.height_of(observation)
-        self.rose_m, self.z = z - self.z, z
-        here = observation.robot.xy
+        z, here = self.height_of(observation), observation.robot.xy
         moved_m = math.dist(self.way[-1], here) if self.way else 0.0
         self.way.append(here)
         shows_steps = self.elevation is not None and self.elevation.integrate(observation)
-        if abs(z - self._level_z) > _LEVEL_M:
-            self._level_z, self._walked_m = z, 0.0
-            self._level_began = observation.robot
-        else:
-            self._walked_m += moved_m
-        is_another = abs(self._level_z - self.floor.z) > _ANOTHER_M
-        if is_another and self._walked_m >= _WALKED_M and self._may_be_floor(here):
+        footing = self.footing.after(observation.robot, z, moved_m)
+        if footing.may_be_another_floor and (
+            self.elevation is None or footing.has_room(self.ground_around(here, down=False))
+        ):
             self.number = self._known_or_new(z)
-        if not self.is_off_floor:
-            self.ground_z = self.floor.z
-        elif self._walked_m >= _WALKED_M and abs(self._level_z - self.floor.z) <= _ANOTHER_M:
-            self.ground_z = self._level_z
+        self.footing = footing.on_floor(self.floor.z)
         if shows_steps and not self.on_stairs:
             ground = self.ground_around(here, down=True)
             seen = connectors_in(ground, self.number, self.ground_z)
@@ -172,7 +141,7 @@ class Memory:
         """The floor that the first frame is taken on; a memory from disk begins there."""
         z = self.height_of(observation)
         self.number = self._known_or_new(z)
-        self._stand(observation.robot, z)
+        self.footing = Footing.on_level_ground(observation.robot, z, self.floor.z)
         return self.floor
 
     def settle(self, robot: Pose2) -> None:
@@ -180,16 +149,17 @@ class Memory:
 
         From there it sees at least the way back; on stairs nothing is drawn and nothing looked for.
         """
-        self._stand(robot, self.z)
+        self.footing = Footing.on_level_ground(robot, self.z, self.floor.z)
 
-    def _stand(self, robot: Pose2, z: float) -> None:
-        """Begin on level ground at a pose and a height, metres."""
-        self.z: float = z
-        self.rose_m: float = 0.0
-        self.ground_z: float = z if self.is_off_floor else self.floor.z
-        self._level_began: Pose2 = robot
-        self._level_z: float = z
-        self._walked_m: float = 0.0
+    @property
+    def z(self) -> float:
+        """Height of the robot, ``map`` frame, metres."""
+        return self.footing.z
+
+    @property
+    def ground_z(self) -> float:
+        """Height of the ground that it walked on last, on its floor, ``map`` frame, metres."""
+        return self.footing.ground_z
 
     def height_of(self, observation: Observation) -> float:
         """Height of the robot in a frame, ``map`` frame, metres."""
@@ -237,22 +207,12 @@ class Memory:
     @property
     def on_stairs(self) -> bool:
         """Whether the robot, which looks for stairs, climbs: it is off the ground it walked on."""
-        return self.elevation is not None and abs(self.z - self.ground_z) > _OFF_M
+        return self.elevation is not None and self.footing.is_off_ground
 
     @property
     def is_off_floor(self) -> bool:
         """Whether the robot is not at its floor's height: on stairs, landings, split levels."""
-        return abs(self.z - self.floor.z) > _OFF_M
-
-    @property
-    def is_storey_away(self) -> bool:
-        """Whether the robot is so far above or below its floor that hardly a landing lies there."""
-        return abs(self.z - self.floor.z) >= _STOREY_M
-
-    @property
-    def is_on_slope(self) -> bool:
-        """Whether the latest step changed the robot's height, as treads and ramps do."""
-        return self._walked_m == 0.0
+        return self.footing.is_off_floor
 
     def ground_around(self, position: tuple[float, float], *, down: bool) -> Ground:
         """The ground that a climbing robot could walk to; see `ElevationMap.ground_from`."""
@@ -307,46 +267,16 @@ class Memory:
 
     def crossed(self, number: int) -> None:
         """Note that a connector led to the floor that the robot is on now."""
-        here = self._level_began
+        here = self.footing.began
         self.connectors = with_crossing(
             self.connectors, number, self.number, here.xy, here.yaw + math.pi
         )
-
-    def _may_be_floor(self, position: tuple[float, float]) -> bool:
-        """Whether there is enough ground at the robot's height for a floor."""
-        if self.elevation is None:
-            return True
-        ground = self.ground_around(position, down=False)
-        rises_far = abs(self._level_z - self.floor.z) >= _STOREY_M
-        least_m2 = _LEAST_LANDING_M2 if rises_far else _LEAST_FLOOR_M2
-        return ground.area_m2(self._level(ground, self._level_z)) >= least_m2
-
-    def way_on(
-        self, ground: Ground, z: float, least_m: float, looked: Sequence[tuple[float, float]] = ()
-    ) -> Bool[np.ndarray, "rows columns"]:
-        """Mask of the level ground so far from where the robot came to it, or has looked around.
-
-        Args:
-            ground: Ground around the robot.
-            z: Height of the level ground, as it looks, metres.
-            least_m: The distance, metres.
-            looked: Where the robot has looked around ``(x, y)``, metres.
-        """
-        on = self._level(ground, z)
-        for position in (self._level_began.xy, *looked):
-            on &= ground.distances_m(position) >= least_m
-        return on
-
-    def _level(self, ground: Ground, z: float) -> Bool[np.ndarray, "rows columns"]:
-        """Mask of the ground about as high as the robot and a height, and between them."""
-        low, high = sorted((z, self.z))
-        return ground.between(low - _LEVEL_M, high + _LEVEL_M)
 
     def number_at(self, z: float) -> int | None:
         """The number of the known floor nearest to a height, metres; None if none is near it."""
         away_m = [abs(floor.z - z) for floor in self.floors]
         nearest = away_m.index(min(away_m))
-        return nearest if away_m[nearest] <= _ANOTHER_M else None
+        return nearest if away_m[nearest] <= ANOTHER_M else None
 
     def _known_or_new(self, z: float) -> int:
         """The number of the floor at a height, metres, which is added if none is near it."""
