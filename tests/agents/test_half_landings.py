@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import cache
 
+import numpy as np
 import pytest
 
 from box_scenes import Box, scene_of
@@ -10,7 +11,7 @@ from hypernav.build.agents import build_search
 from hypernav.build.presets import preset, with_changes
 from hypernav.core.actions import Action
 from hypernav.core.episodes.episode import Episode
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Mode
 from hypernav.perception.local.ground_truth import GroundTruthDetector
@@ -75,3 +76,24 @@ def test_stairs_that_turn_back_take_few_steps(goal: str, between_m: float, yaw: 
     assert agent.last_step.action is Action.STOP
     assert len(agent.memory.floors) == 2
     assert climbing <= 40
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("far_end", "yaw"), [(True, 0.3), (False, 0.0)])
+def test_a_half_landing_whose_height_errs_keeps_no_robot(far_end: bool, yaw: float):
+    """Either end of it may seem lower than the other, as odometry and meshes tell heights."""
+    world = building(0.1)
+    agent = build_search(CONFIG, GroundTruthDetector())
+    agent.reset(Goal("bed"))
+    start = Pose2(2.6, 0.8, yaw)
+    observation = world.reset(Episode("x", "0", Goal("bed"), start, start_z=0.0))
+    for _ in range(120):
+        seen = observation.camera_to_map
+        x, y, _ = start.to_transform().apply(np.array([[*observation.robot.xy, 0.0]]))[0]
+        errs = x > FAR_X - 0.05 and (x > FAR_X + 0.55 if far_end else y > 0.9)
+        lowered = Transform(seen.rotation, seen.translation - np.array([0.0, 0.0, 0.13 * errs]))
+        action = agent.act(replace(observation, camera_to_map=lowered))
+        if action is None or action is Action.STOP:
+            break
+        observation = world.step(action)
+    assert agent.last_step.action is Action.STOP

@@ -218,6 +218,7 @@ class Climbing:
         is_back: Whether the robot has turned back on it.
         steps: Number of steps and turns spent on it so far.
         turned: Number of turns since stairs were last seen ahead.
+        came_by: Where its steps began ``(x, y, z)``, metres.
         touching: Whether the robot has bumped into something and has not got away from it yet.
         flight: The flight of stairs that it is on or goes to; None if it knows of none.
         looked: Where it turned all around on landings and saw no stairs ``(x, y)``, metres.
@@ -228,6 +229,7 @@ class Climbing:
     is_back: bool = False
     steps: int = 0
     turned: int = 0
+    came_by: tuple[tuple[float, float, float], ...] = ()
     touching: bool = False
     flight: Connector | None = None
     looked: tuple[Position, ...] = ()

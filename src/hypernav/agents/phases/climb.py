@@ -27,6 +27,8 @@ _OFF_STAIRS_M = 0.8
 """Length of the way on from the head or foot of stairs, metres, before it is clear of them."""
 _PATIENCES = 2
 """Patience with one connector, in patiences with a destination (`SearchConfig.endurance_steps`)."""
+_SAME_HEIGHT_M = 0.3
+"""Difference in height up to which two places on stairs may be one, metres."""
 _MOVED_SHARE = 0.5
 """Share of a step below which the robot has bumped into something."""
 
@@ -75,6 +77,9 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     words = f"on the stairs {_where_to(memory, climbing, goes_up=stairs.goes_up)}"
     if action is not None:
         climbing = replace(climbing, turned=0, looked=_looked(step, climbing))
+        if action is Action.MOVE_FORWARD:
+            here = (*step.robot.xy, memory.z)
+            climbing = replace(climbing, came_by=(*climbing.came_by, here))
         return Decision(action, Mode.CLIMB, words), replace(plan, climbing=climbing)
     turn = Action.TURN_LEFT
     if not (memory.is_off_floor or leads_on):
@@ -94,7 +99,8 @@ def _connector(memory: Memory, climbing: Climbing) -> Connector:
 
 def _around(step: Step, memory: Memory, climbing: Climbing, *, goes_up: bool) -> _Stairs:
     ground = memory.ground_around(step.robot.xy, down=not goes_up)
-    on_slope = memory.is_off_floor and memory.footing.is_on_slope and not _is_lost(step, climbing)
+    on_slope = memory.is_off_floor and memory.footing.is_on_slope
+    on_slope = on_slope and not _is_lost(step, memory, climbing)
     level_z = landing_z(ground, step.robot, memory.z)
     return _Stairs(ground, goes_up, on_slope, level_z, memory.z if on_slope else level_z)
 
@@ -116,7 +122,7 @@ def _flight(
     if stairs.goes_up:
         return known
     if not stairs.on_slope:
-        known = None if _is_lost(step, climbing) else known
+        known = None if _is_lost(step, memory, climbing) else known
         return flight_down(ground, robot, stairs.z, known, first)
     if memory.footing.rose_m < -LEVEL_M and before is not None:
         return flight_underfoot(known, first, before, robot)
@@ -146,9 +152,17 @@ def _next_step(
     return True, action
 
 
-def _is_lost(step: Step, climbing: Climbing) -> bool:
-    """Whether something stops the robot, or it has looked around for long."""
-    return climbing.touching or climbing.turned > step.motion.turns_of_a_circle // 4
+def _is_lost(step: Step, memory: Memory, climbing: Climbing) -> bool:
+    """Whether something stops the robot, it is where it was before, or has looked around for long.
+
+    Heights err by a few centimetres: either end of a landing may seem lower than the other.
+    """
+    near_m = _MOVED_SHARE * step.motion.forward_m
+    was_here = any(
+        step.robot.distance_to(x, y) < near_m and abs(memory.z - z) < _SAME_HEIGHT_M
+        for x, y, z in climbing.came_by
+    )
+    return climbing.touching or was_here or climbing.turned > step.motion.turns_of_a_circle // 4
 
 
 def _looked(step: Step, climbing: Climbing) -> tuple[tuple[float, float], ...]:
