@@ -253,9 +253,12 @@ def _beside(end: tuple[float, float], grid: OccupancyGrid) -> Float64[np.ndarray
 
     The directions are 0 to 179 degrees; the lengths are in metres.
     """
-    walls = grid.occupied
+    reach = math.ceil(_WALLS_M / grid.resolution_m) + 2
+    row, column = grid.cell_of(*end)
+    corner = np.maximum((row - reach, column - reach), 0)
+    walls = grid.occupied[corner[0] : max(row + reach, 0), corner[1] : max(column + reach, 0)]
     is_inside = cv2.erode(walls.view(np.uint8), np.ones((3, 3), np.uint8)) > 0  # as in steps up
-    away = grid.centres_of(np.argwhere(walls & ~is_inside)) - end
+    away = grid.centres_of(np.argwhere(walls & ~is_inside) + corner) - end
     away = away[np.linalg.norm(away, axis=1) <= _WALLS_M]
     angles = np.radians(np.arange(180.0))
     to_left_m = away @ np.stack([-np.sin(angles), np.cos(angles)])
