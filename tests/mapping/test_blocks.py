@@ -10,7 +10,7 @@ from drawn_grids import divide_into_blocks, drawn
 from hypernav.core.exploring.floors import WayOut
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.mapping.blocks import stairs_blocks
+from hypernav.mapping.blocks import drop_blocks, stairs_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.inflation import inflate
 from hypernav.mapping.reachable_area import ReachableArea
@@ -152,3 +152,14 @@ def test_stairs_are_blocks_of_their_own_where_the_robot_can_reach_them():
     assert (block.number, block.connector, block.words) == (7, 3, "stairs up")
     assert block.travel_m == pytest.approx(math.hypot(1.5, 1.0), abs=0.3)
     assert block.holds(near.xy)
+
+
+def test_where_the_floor_ends_is_a_block_if_the_robot_can_go_near():
+    cells = FLOOR.copy()
+    cells[:, 100:104] = Cell.OCCUPIED
+    reach = ReachableArea.of(OccupancyGrid(cells, 0.05, CORNER), ORIGIN, CONFIG, CLEARANCE_M)
+    (block,) = drop_blocks(reach, [(4.0, 1.0), (1.5, 1.0)], 7)
+    assert (block.number, block.connector) == (7, None)
+    assert block.holds((1.5, 1.0))
+    assert block.destination == pytest.approx((1.5, 1.0), abs=0.1)
+    assert block.beyond_m2 > 0.0

@@ -20,7 +20,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.ways import known_floors, new_ways
+from hypernav.mapping.memory.ways import drops_to_look_at, known_floors, new_ways
 from hypernav.perception.image_recall import ImageRecall
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.config import PlanningConfig
@@ -122,6 +122,7 @@ class Step:
     def view(self, memory: Memory) -> ExplorationView:
         """What explorers are told."""
         floor = memory.floor
+        looks_for_stairs = self.config.use_stairs and memory.elevation is not None
         return ExplorationView(
             goal=self.goal,
             observation=self.observation,
@@ -133,6 +134,7 @@ class Step:
             notes=floor.search.notes,
             ways_out=new_ways(memory) if self.config.use_stairs else (),
             elsewhere=known_floors(memory) if self.config.use_stairs else (),
+            drops=drops_to_look_at(memory) if looks_for_stairs else (),
         )
 
 

@@ -1,6 +1,7 @@
 """Division of the explored map into blocks: numbered squares."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 
 import cv2
@@ -16,9 +17,17 @@ from hypernav.mapping.reachable_area import ReachableArea
 
 CLIMB_M = 8.0
 """Length of path that stairs to another floor are worth, metres: their own, and the way back."""
+UNSEEN_FLOOR_M2 = 20.0
+"""Area that the first look at an unseen floor is expected to show, square metres."""
+DROP_M2 = 10.0
+"""The same where the floor ends, as it does at the head of stairs, and behind a railing."""
 STAIRS_SIDE_M = 1.0
 _BESIDE_CELLS = 10
 """Rows and columns around the position before stairs in which a reachable cell is looked for."""
+_BESIDE_DROP_M = 1.0
+"""Distance, along each axis, from where the floor ends within which the robot goes there, metres:
+there may be a railing before it.
+"""
 
 
 def blocks_of(reach: ReachableArea, config: MappingConfig, first: int = 1) -> tuple[Block, ...]:
@@ -77,24 +86,49 @@ def stairs_blocks(
     """
     blocks: list[Block] = []
     for one in ways_out:
-        at = nearest_open_cell(reach.reachable, *reach.grid.cell_of(*one.xy), _BESIDE_CELLS)
-        if at == (-1, -1):
-            continue
-        blocks.append(
-            Block(
-                number=first + len(blocks),
-                x_min=one.x - STAIRS_SIDE_M / 2.0,
-                y_min=one.y - STAIRS_SIDE_M / 2.0,
-                size_m=STAIRS_SIDE_M,
-                free_cells=0,
-                frontier_cells=round(STAIRS_SIDE_M / reach.grid.resolution_m),
-                destination=reach.grid.centre_of(*at),
-                travel_m=float(reach.travel_m[at]),
-                connector=one.connector,
-                words=one.words,
-            )
-        )
+        there = _block_at(reach, one.xy, first + len(blocks), _BESIDE_CELLS)
+        if there is not None:
+            to = {"connector": one.connector, "words": one.words, "beyond_m2": UNSEEN_FLOOR_M2}
+            blocks.append(replace(there, **to))
     return tuple(blocks)
+
+
+def drop_blocks(
+    reach: ReachableArea, drops: Sequence[tuple[float, float]], first: int
+) -> tuple[Block, ...]:
+    """Edges of the floor as blocks of their own, those that the robot can go to.
+
+    Args:
+        reach: The map and what the robot can reach on it.
+        drops: Positions ``(x, y)`` where the floor ends, metres.
+        first: Number of the first of them.
+    """
+    blocks: list[Block] = []
+    within_cells = int(_BESIDE_DROP_M / reach.grid.resolution_m + 1e-9)
+    for one in drops:
+        there = _block_at(reach, one, first + len(blocks), within_cells)
+        if there is not None:
+            blocks.append(replace(there, words="the floor ends", beyond_m2=DROP_M2))
+    return tuple(blocks)
+
+
+def _block_at(
+    reach: ReachableArea, position: tuple[float, float], number: int, within_cells: int
+) -> Block | None:
+    """A block around a position ``(x, y)``, metres; None if the robot can't go near it."""
+    at = nearest_open_cell(reach.reachable, *reach.grid.cell_of(*position), within_cells)
+    if at == (-1, -1):
+        return None
+    return Block(
+        number=number,
+        x_min=position[0] - STAIRS_SIDE_M / 2.0,
+        y_min=position[1] - STAIRS_SIDE_M / 2.0,
+        size_m=STAIRS_SIDE_M,
+        free_cells=0,
+        frontier_cells=round(STAIRS_SIDE_M / reach.grid.resolution_m),
+        destination=reach.grid.centre_of(*at),
+        travel_m=float(reach.travel_m[at]),
+    )
 
 
 def _squares(

@@ -20,7 +20,7 @@ from hypernav.mapping.memory.connectors import (
     with_sightings,
 )
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.ways import new_ways, ways_out, ways_to_unseen
+from hypernav.mapping.memory.ways import drops_to_look_at, new_ways, ways_out, ways_to_unseen
 from stair_views import FIRST_X, SIDES_Y, stairs_down, stairs_up
 
 CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
@@ -119,6 +119,28 @@ def test_stairs_that_were_refuted_are_no_way_out_however_often_they_are_seen():
     for pose in before_stairs(2.5, 2.4):
         memory.follow(view_of([FLOOR, *stairs_up()], pose, camera=CAMERA))
     assert not ways_out(memory)
+
+
+def test_where_the_floor_ends_is_looked_at_from_near_unless_stairs_are_known_there():
+    well = [*stairs_down(), ((5.2, -10.0, -3.0), (12.0, 10.0, 2.5))]
+    memory = memory_after([FLOOR])
+    floor = memory.floor
+
+    def look_from(*distances_m: float):
+        for pose in before_stairs(*distances_m):
+            floor.integrate(view_of(well, pose, camera=CAMERA))
+
+    look_from(3.0, 2.5, 2.0)
+    ((x, y),) = drops_to_look_at(memory)
+    assert (x, y) == pytest.approx((FIRST_X, MIDDLE_Y), abs=0.7)
+    for is_up in (True, False):
+        memory.connectors = (Connector(0, is_up, (FIRST_X, MIDDLE_Y), 0.0),)
+        assert not drops_to_look_at(memory)
+    memory.connectors = (Connector(1, False, (FIRST_X, MIDDLE_Y), 0.0),)
+    assert drops_to_look_at(memory) == [(x, y)]
+    memory.connectors = ()
+    look_from(1.0, 0.5, 0.2)
+    assert not drops_to_look_at(memory)
 
 
 def test_used_stairs_are_known_from_both_ends_and_lead_on_until_all_is_explored():

@@ -412,6 +412,21 @@ def test_the_wall_of_a_stairwell_shows_from_afar_that_there_is_no_floor():
     assert states(map_of_a_climber(UPSTAIRS, far), np.array([[3.0, 0.0]])) == {Cell.UNKNOWN}
 
 
+def test_a_robot_that_climbs_knows_where_the_floor_ends():
+    edges = map_of_a_climber(UPSTAIRS, TOWARDS_STAIRS).edges_to_drops()
+    assert len(edges) > 0.5 / CONFIG.cell_size_m
+    assert edges[:, 0].min() == pytest.approx(2.0, abs=0.1)
+    assert len(map_of(UPSTAIRS, TOWARDS_STAIRS).edges_to_drops()) == 0
+    assert len(map_of_a_climber([FLOOR], [HERE]).edges_to_drops()) == 0
+
+
+def test_an_edge_is_forgotten_where_floor_is_seen():
+    world_map = map_of_a_climber(UPSTAIRS, TOWARDS_STAIRS)
+    world_map.integrate(view_of([FLOOR], HERE))
+    assert states(world_map, DROP) == {Cell.FREE}
+    assert len(world_map.edges_to_drops()) == 0
+
+
 def test_ground_two_steps_lower_is_floor_to_a_robot_that_climbs():
     lower = [((-30.0, -30.0, -1.0), (2.0, 30.0, 0.0)), ((2.0, -30.0, -1.0), (30.0, 30.0, -0.35))]
     world_map = map_of_a_climber(lower, TOWARDS_STAIRS)

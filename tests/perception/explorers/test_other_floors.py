@@ -185,6 +185,36 @@ def test_a_floor_whose_stairs_are_out_of_reach_is_not_shown():
     assert "floor 2" not in answered(view(far), "1")[1].asked[0].text
 
 
+def test_an_edge_of_the_floor_is_a_choice():
+    seen = replace(view(), drops=[(2.0, 0.6)])
+    line = line_of(answered(seen, "1")[1], "the floor ends")
+    destination, _ = answered(seen, number_in(line))
+    assert destination.connector is None
+    assert destination.xy == pytest.approx((2.0, 0.6), abs=0.3)
+
+
+def test_edges_that_were_visited_use_up_no_questions():
+    explorer = BlockExplorer(
+        GeometricReasoner(ExchangeLog()),
+        OverviewConfig(last_frontier_m=None),
+        MappingConfig(),
+        (0.22,),
+        Embodiment(),
+    )
+    drops = [(x, 0.6) for x in (-1.0, 0.5, 1.0, 1.5, 2.0)]
+    destination = certain(explorer.next_destination(replace(view(), drops=drops, visits=drops)))
+    assert "unknown in view" in destination.reason
+
+
+def test_the_geometric_rule_goes_by_an_edge_of_the_floor():
+    explorer = BlockExplorer(
+        GeometricReasoner(ExchangeLog()), OverviewConfig(), MappingConfig(), (0.22,), Embodiment()
+    )
+    destination = certain(explorer.next_destination(replace(view(), drops=[(1.0, 0.6)])))
+    assert destination.xy == pytest.approx((1.0, 0.6), abs=0.3)
+    assert "the floor ends" in destination.reason
+
+
 @pytest.mark.parametrize("elsewhere", [(), (ABOVE,)])
 def test_the_geometric_rule_chooses_on_its_floor(elsewhere: tuple[KnownFloor, ...]):
     explorer = BlockExplorer(

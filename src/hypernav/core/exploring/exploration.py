@@ -34,6 +34,8 @@ class ExplorationView:
         ways_out: Stairs that the robot has not taken yet. Those to floors that it left before all
             was seen are taken where the explorer has nothing left to offer.
         elsewhere: Other floors that the robot knows, those with the fewest stairs on the way first.
+        drops: Positions ``(x, y)`` where the floor ends, seen from afar, metres: stairs down may
+            begin there.
         may_be_here: Whether a component has just said that the goal is where the robot is.
     """
 
@@ -47,6 +49,7 @@ class ExplorationView:
     notes: dict[str, Any] = field(default_factory=dict)
     ways_out: Sequence[WayOut] = ()
     elsewhere: Sequence[KnownFloor] = ()
+    drops: Sequence[tuple[float, float]] = ()
     may_be_here: bool = False
 
     @property

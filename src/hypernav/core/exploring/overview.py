@@ -27,7 +27,8 @@ class Block:
             of a free cell.
         travel_m: Length of the path there over the known map, metres; infinite if there is none.
         connector: Number of the connector that begins there; None for a part of the floor.
-        words: Name of the connector, such as "stairs up".
+        words: Name of the connector, such as "stairs up", or of an edge of the floor; else empty.
+        beyond_m2: Unknown floor that is expected beyond one of these, square metres.
     """
 
     number: int
@@ -40,6 +41,7 @@ class Block:
     travel_m: float
     connector: int | None = None
     words: str = ""
+    beyond_m2: float = 0.0
 
     def holds(self, position: tuple[float, float]) -> bool:
         """Whether a position ``(x, y)``, metres, lies in the block."""

@@ -1,13 +1,25 @@
 """Ways over stairs from floor to floor, as far as a memory knows them."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+
+import cv2
+import numpy as np
+from jaxtyping import Float64, Int64
 
 from hypernav.core.exploring.floors import KnownFloor, WayOut
 from hypernav.mapping.memory.connectors import Connector
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.memory import Memory
 
+_PATCH_M = 0.2
+"""Side of the patches that edges of the floor are made of, metres."""
+_EDGE_PATCHES = 4
+"""Least number of patches in an edge at which stairs may begin."""
+_NEAR_M = 1.5
+"""Distance from which the robot sees whether stairs begin at an edge, metres."""
+_IN_SIGHT_M = 8.0
+"""Distance from which images hardly show edges, metres."""
 _UNDERFOOT_M = 1.5
 """Greatest distance of a robot on the first steps of stairs from where they seem to end, metres."""
 
@@ -16,6 +28,56 @@ def new_ways(memory: Memory) -> list[WayOut]:
     """The stairs here of which nobody knows where they lead."""
     here = _open_from(memory, memory.number)
     return [_way_over(memory, number) for number in here if memory.connectors[number].is_new]
+
+
+def drops_to_look_at(memory: Memory) -> list[tuple[float, float]]:
+    """Where the floor of a climbing robot ends, as it does at the head of stairs.
+
+    From afar images show that floor is missing, but not whether stairs lead down there. What the
+    robot has been near is left out, and so are edges at stairs that it knows, up or down.
+
+    Returns:
+        For each edge, the position ``(x, y)`` on it that is nearest to where the robot has been,
+        metres.
+    """
+    patches = np.unique(np.floor(memory.floor.map.edges_to_drops() / _PATCH_M), axis=0)
+    if len(patches) < _EDGE_PATCHES:
+        return []
+    known = [one.end for one in memory.connectors if one.floor == memory.number]
+    been_m = _distances_m(patches, memory.floor.trajectory)
+    patches, been_m = patches[been_m > _NEAR_M], been_m[been_m > _NEAR_M]
+    nearest = [patches[edge[been_m[edge].argmin()]] for edge in _edges(patches)]
+    found = [(float(_PATCH_M * (x + 0.5)), float(_PATCH_M * (y + 0.5))) for x, y in nearest]
+    return [one for one in found if all(math.dist(one, end) > _NEAR_M for end in known)]
+
+
+def _distances_m(
+    patches: Float64[np.ndarray, "n 2"], positions: Sequence[tuple[float, float]]
+) -> Float64[np.ndarray, "n"]:
+    """Distance of each patch from the nearest of the positions in sight of any, metres."""
+    reach = math.ceil(_IN_SIGHT_M / _PATCH_M)
+    first = patches.min(axis=0) - reach
+    shape = (patches.max(axis=0) - first).astype(np.int64) + reach + 1
+    at = np.floor(np.array(positions).reshape(-1, 2) / _PATCH_M) - first
+    at = at[((at >= 0) & (at < shape)).all(axis=1)].astype(np.int64)
+    if len(at) == 0:
+        return np.full(len(patches), np.inf)
+    away = np.ones(shape, dtype=np.uint8)
+    away[tuple(at.T)] = 0
+    away_m = _PATCH_M * cv2.distanceTransform(away, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    return away_m[tuple((patches - first).astype(np.int64).T)].astype(np.float64)
+
+
+def _edges(patches: Float64[np.ndarray, "n 2"]) -> list[Int64[np.ndarray, "_"]]:
+    """Numbers of the patches of each connected edge that may be as long as stairs are wide."""
+    if len(patches) == 0:
+        return []
+    at = (patches - patches.min(axis=0)).astype(np.int64)
+    there = np.zeros(at.max(axis=0) + 1, dtype=np.uint8)
+    there[tuple(at.T)] = 1
+    count, edge_of = cv2.connectedComponents(there, connectivity=8)
+    edges = [np.flatnonzero(edge_of[tuple(at.T)] == k) for k in range(1, count)]
+    return [edge for edge in edges if len(edge) >= _EDGE_PATCHES]
 
 
 def ways_to_unseen(memory: Memory) -> list[WayOut]:

@@ -10,7 +10,8 @@ type in it is renamed:
 
 - ``arrays``, the map, rows along y and columns along x: ``evidence`` uint8 (rows, columns, layers)
   of every voxel of the height band; ``raised`` uint32 bit mask of the layers that have evidence;
-  ``seen`` uint8, 1 where the cell was seen to be free floor or the robot stood; ``bumps`` and
+  ``seen`` uint8, 1 where the cell was seen to be free floor or the robot stood, 2 where it was seen
+  to have no floor, if that makes no obstacle; ``bumps`` and
   ``drops`` uint8, clear views until the robot's bump there, or a drop, is forgotten: no cell has
   both; ``cells`` uint8, the outcome, values of `Cell`
 - ``window``: row and column in the map, rows, columns
@@ -34,6 +35,7 @@ from hypernav.mapping.top_down.depth_kernels import in_sight, is_measured, sees_
 from hypernav.mapping.top_down.drop_kernels import DROP_VIEWS, shows_below
 
 UNKNOWN, FREE, OCCUPIED = 0, 1, 2
+FLOOR, NO_FLOOR = 1, 2
 
 
 @register_jitable(no_cfunc_wrapper=True)
@@ -109,7 +111,7 @@ def state_of(arrays, row, column, enough):
     for k in range(evidence.shape[2]):
         if evidence[row, column, k] >= enough:
             return OCCUPIED
-    return FREE if seen[row, column] > 0 else UNKNOWN
+    return FREE if seen[row, column] == FLOOR else UNKNOWN
 
 
 @register_jitable(no_cfunc_wrapper=True)
@@ -138,15 +140,15 @@ def sweep_window(depth, lens, pose, heights, window, sizes, weights, margins, fa
             below = 0
             if floor > 0 and fall[1] < np.inf:
                 below = shows_below(depth, lens, pose, x, y, fall)
-            if below == 2 and (floor == 2 or seen[row, column] == 0):
+            if below == 2 and (floor == 2 or seen[row, column] != FLOOR):
                 if fall[3] == np.inf:
                     drops[row, column], bumps[row, column] = DROP_VIEWS, 0
                 else:
-                    seen[row, column] = 0
+                    seen[row, column] = NO_FLOOR
                 changed = True
             elif floor == 2 or (floor == 1 and below == 0):
-                changed = seen[row, column] == 0
-                seen[row, column] = 1
+                changed = seen[row, column] != FLOOR
+                seen[row, column] = FLOOR
                 if floor == 2 and below == 0 and cells[row, column] == OCCUPIED:
                     for views in (bumps, drops):
                         if views[row, column] > 0:
@@ -186,7 +188,7 @@ def free_footprint(robot, arrays):
                     evidence[i, j, k] = 0
                 raised[i, j] = 0
                 bumps[i, j] = drops[i, j] = 0
-                seen[i, j] = 1
+                seen[i, j] = FLOOR
                 cells[i, j] = FREE
 
 

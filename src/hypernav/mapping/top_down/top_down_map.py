@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
+import cv2
 import numpy as np
 from jaxtyping import Float, Float64
 
@@ -27,7 +28,14 @@ from hypernav.mapping.config import (
     MappingConfig,
 )
 from hypernav.mapping.top_down.camera_rays import rays_in_voxels, reach
-from hypernav.mapping.top_down.integrate_kernels import FREE, OCCUPIED, UNKNOWN, integrate_frame
+from hypernav.mapping.top_down.integrate_kernels import (
+    FLOOR,
+    FREE,
+    NO_FLOOR,
+    OCCUPIED,
+    UNKNOWN,
+    integrate_frame,
+)
 from hypernav.mapping.top_down.map_arrays import arrays_of, empty_arrays
 
 
@@ -223,6 +231,14 @@ class TopDownMap:
         cells = self.grid.cells_of(points_xy)
         return bool(self._arrays.drops[tuple(cells[self.grid.contains(cells)].T)].any())
 
+    def edges_to_drops(self) -> Float64[np.ndarray, "n 2"]:
+        """Middles ``(x, y)`` of cells without floor that are beside free ones, metres.
+
+        Empty for a robot that doesn't climb, to which such cells are obstacles.
+        """
+        beside = cv2.dilate(self.grid.free.view(np.uint8), np.ones((3, 3), np.uint8))
+        return self.grid.centres_of(np.argwhere((self._arrays.seen == NO_FLOOR) & (beside > 0)))
+
     def shows_obstacle(self, points_xy: Float[np.ndarray, "n 2"]) -> bool:
         """Whether images show an obstacle at one of some positions ``(x, y)``, metres.
 
@@ -237,7 +253,7 @@ class TopDownMap:
         arrays = self._arrays
         bumped = arrays.bumps > 0
         occupied = (arrays.evidence[bumped] >= OCCUPIED_EVIDENCE).any(axis=1)
-        free = np.where(arrays.seen[bumped] > 0, FREE, UNKNOWN)
+        free = np.where(arrays.seen[bumped] == FLOOR, FREE, UNKNOWN)
         arrays.cells[bumped] = np.where(occupied, OCCUPIED, free)
         arrays.bumps[bumped] = 0
 

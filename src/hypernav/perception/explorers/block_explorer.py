@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Literal
 
@@ -17,7 +17,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.floors import KnownFloor
 from hypernav.core.exploring.overview import Block, Overview, Prospects
-from hypernav.mapping.blocks import CLIMB_M, blocks_of, stairs_blocks
+from hypernav.mapping.blocks import CLIMB_M, blocks_of, drop_blocks, stairs_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import fresh_frontiers
 from hypernav.mapping.prospects import find_legs_m, find_prospects
@@ -32,8 +32,6 @@ from hypernav.perception.explorers.other_floors import (
 )
 from hypernav.show.drawing.question_map import QuestionStyle, draw_question_map
 
-UNSEEN_FLOOR_M2 = 20.0
-"""Area that the first look at an unseen floor is expected to show, square metres."""
 _KEY = "blocks"
 """Key of this explorer's notes."""
 
@@ -143,6 +141,7 @@ class BlockExplorer:
             reach = ReachableArea.of(view.grid, view.robot, self.mapping, clearance_m)
             blocks = blocks_of(reach, self.mapping)
             blocks += stairs_blocks(reach, view.ways_out, len(blocks) + 1)
+            blocks += self._unvisited_edges(reach, view, len(blocks) + 1)
             if _squares(blocks) == _squares(offered):
                 break
             offered = blocks
@@ -188,19 +187,15 @@ class BlockExplorer:
         return Destination(*nearest.destination, reason=reason)
 
     def _ask(self, overview: Overview, view: ExplorationView) -> Destination | None:
-        blocks, radius_m = overview.blocks, self.config.visited_radius_m
+        blocks = overview.blocks
         excluded: frozenset[int] = frozenset()
-        visits_here = self._visits(view)
         for _ in range(self.config.max_questions or len(blocks)):
             choice = self.reasoner.choose(overview, view.goal, excluded)
             if choice.number is None:
                 return None
             block = overview.block(choice.number)
             floor = overview.floor_of(block.number)
-            visits = visits_here if floor is None else self._visits(floor.known)
-            if block.connector is not None or all(
-                math.dist(block.destination, visit) >= radius_m for visit in visits
-            ):
+            if not self._was_visited(block, view if floor is None else floor.known):
                 there = Destination(
                     *block.destination,
                     reason=choice.reason,
@@ -210,6 +205,21 @@ class BlockExplorer:
                 return there if floor is None else by_way_of(floor.known.way, there, blocks)
             excluded |= {choice.number}
         return None
+
+    def _unvisited_edges(
+        self, reach: ReachableArea, view: ExplorationView, first: int
+    ) -> tuple[Block, ...]:
+        """Edges of the floor as blocks: visited ones would only use up questions."""
+        edges = drop_blocks(reach, view.drops, first)
+        new = [one for one in edges if not self._was_visited(one, view)]
+        return tuple(replace(one, number=first + k) for k, one in enumerate(new))
+
+    def _was_visited(self, block: Block, floor: ExplorationView | KnownFloor) -> bool:
+        """Whether a block of a floor counts as visited; stairs never do."""
+        radius_m = self.config.visited_radius_m
+        return block.connector is None and any(
+            math.dist(block.destination, visit) < radius_m for visit in self._visits(floor)
+        )
 
     def _visits(self, floor: ExplorationView | KnownFloor) -> Sequence[tuple[float, float]]:
         """Positions ``(x, y)`` that count as visited on a floor, ``map`` frame, metres."""
@@ -254,15 +264,15 @@ def _drawn(
 
 def _prospects(reach: ReachableArea, range_m: float, of: Sequence[Block]) -> Prospects:
     shown = find_prospects(reach, [one.destination for one in of], range_m)
-    stairs = [k for k, one in enumerate(of) if one.connector is not None]
-    if not stairs:
+    leads_on = [k for k, one in enumerate(of) if one.beyond_m2 > 0.0]
+    if not leads_on:
         return shown
-    beyond = np.zeros((len(of), len(stairs)), dtype=bool)
-    beyond[stairs, np.arange(len(stairs))] = True
+    beyond = np.zeros((len(of), len(leads_on)), dtype=bool)
+    beyond[leads_on, np.arange(len(leads_on))] = True
     return Prospects(
-        np.concatenate([shown.areas_m2, np.full(len(stairs), UNSEEN_FLOOR_M2)]),
+        np.concatenate([shown.areas_m2, [of[k].beyond_m2 for k in leads_on]]),
         np.concatenate([shown.shows, beyond], axis=1),
-        np.concatenate([shown.positions, [of[k].destination for k in stairs]]),
+        np.concatenate([shown.positions, [of[k].destination for k in leads_on]]),
     )
 
 

@@ -136,6 +136,9 @@ class GeometricReasoner:
             return (
                 f"block {block.number}: {block.words}, another floor, {block.travel_m:.1f} m away"
             )
+        if block.words:
+            away = f"{block.travel_m:.1f} m away"
+            return f"block {block.number}: {block.words} there, stairs down may begin, {away}"
         worth = f"{gain:.1f} m² of the unknown in view"
         if self.config.gain == "boundary":
             worth = f"{block.frontier_cells} cells of unexplored boundary"

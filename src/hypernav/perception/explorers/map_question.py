@@ -207,7 +207,7 @@ def _text(
 
 def _facts(blocks: list[Block], overview: Overview) -> str:
     """What is known of each block, a line for each."""
-    boundary = max(sum(b.frontier_cells for b in overview.everywhere if b.connector is None), 1)
+    boundary = max(sum(b.frontier_cells for b in overview.everywhere if not b.words), 1)
     lines = []
     for block in blocks:
         there = overview.floor_of(block.number)
@@ -219,6 +219,11 @@ def _facts(blocks: list[Block], overview: Overview) -> str:
             where = f"on {there.known.words}, {_far(block)}"
         if block.connector is not None:
             lines.append(f"- block {block.number}: {block.words} to another floor; {where}")
+            continue
+        if block.words:
+            lines.append(
+                f"- block {block.number}: {block.words} there, stairs down may begin; {where}"
+            )
             continue
         share = block.frontier_cells / boundary
         borders = f"{share:.0%} of the boundary to the unexplored" if share else "nothing new"
