@@ -95,6 +95,38 @@ def test_a_view_counts_and_not_the_boundary():
         assert choose(*blocks, order=order, prospects=crumbs_and_a_room).number == 2
 
 
+def sized(*areas_m2):
+    """Prospects of blocks each of which shows an area of its own."""
+
+    def of(blocks):
+        areas = np.array([areas_m2[one.number - 1] for one in blocks])
+        return Prospects(areas, np.eye(len(blocks), dtype=bool), np.zeros((len(blocks), 2)))
+
+    return of
+
+
+def test_small_views_come_after_all_others_and_the_most_soon_among_them():
+    near, far = block(1, 20, 0.5), block(2, 20, 30.0)
+    for order in ("greedy", "tour"):
+        assert choose(near, far, prospects=sized(4.9, 5.0), order=order).number == 2
+        assert choose(near, far, prospects=sized(5.0, 5.0), order=order).number == 1
+        assert choose(near, far, prospects=sized(0.5, 4.0), order=order).number == 1
+
+
+def test_what_only_small_views_show_is_not_expected_of_the_others():
+    """The tour over the large ones is the same with and without small ones beside them."""
+    rooms = [block(1, 20, 3.0, (3.0, 0.0)), block(2, 20, 3.5, (-3.5, 0.0))]
+    corners = [block(k, 20, 0.1 * k, (0.0, 0.1 * k)) for k in range(3, 12)]
+    areas = [6.0, 9.0, *[4.0] * 9]
+    alone = choose(*rooms, prospects=sized(*areas))
+    assert choose(*rooms, *corners, prospects=sized(*areas)) == alone
+
+
+def test_where_boundaries_count_none_is_small():
+    near, far = block(1, 6, 0.5), block(2, 60, 30.0)
+    assert choose(near, far, gain="boundary", prospects=sized(0.1, 50.0)).number == 1
+
+
 def test_a_tour_finishes_what_is_near_where_greed_leaves():
     near = [block(1, 20, 1.0, (-1.0, 0.0)), block(2, 20, 1.5, (-1.5, 0.0))]
     far = block(3, 90, 4.0, (4.0, 0.0))
