@@ -23,6 +23,7 @@ from hypernav.core.components.protocols import (
     ExplainsItself,
     Explorer,
     Guide,
+    ImageTextModel,
     PresenceCheck,
     SceneScorer,
     Segmenter,
@@ -81,6 +82,7 @@ def broken(thing: Any, **values: Any) -> Any:
     return made
 
 
+_VECTORS = ("image_vectors", "text_vectors")
 DETECTED = {
     "no list": None,
     "a generator": (one for one in [GOOD]),
@@ -125,6 +127,13 @@ CASES = [
     )),
     *((Guide, "direct", (None, GOAL), value) for value in (
         "left", broken(GuideChoice(Direction.LEFT, "x"), direction="left"),
+    )),
+    *((ImageTextModel, "image_vectors", (np.zeros((4, 4, 3), np.uint8),), value) for value in (
+        None, [[1.0]], np.ones(3), np.ones((1, 3), int), np.zeros((0, 3)), np.zeros((1, 3)),
+        np.array([[1.0, math.nan]]), np.array([[1e300]]),
+    )),
+    *((ImageTextModel, "text_vectors", (("a bed", "a sofa"),), value) for value in (
+        np.ones((1, 3)), np.array([[1.0], [0.0]]),
     )),
     *((protocol, "take_report", (), value) for protocol, value in (
         (Detector, None), (Agent, {"a": math.nan}), (Explorer, {"a": object()}),
@@ -189,6 +198,12 @@ def test_good_values_pass():
     assert arrows.choose(ARROWS, GOAL).numbers == (0,)
     guide = through_door(returning("direct", GuideChoice(Direction.LEFT, "x")), Guide)
     assert guide.direct(None, GOAL).direction is Direction.LEFT  # pyright: ignore[reportArgumentType]
+    vectors = np.array([[3.0, 4.0], [0.0, 1.0]])
+    model = through_door(
+        own(**dict.fromkeys(_VECTORS, lambda self, given: vectors)), ImageTextModel
+    )
+    assert model.image_vectors(SEEN.rgb).tolist() == vectors.tolist()
+    assert model.text_vectors(["a bed", "a sofa"]).dtype == np.float32
     explorer = through_door(returning("next_destination", None), Explorer)
     assert explorer.next_destination(None) is None  # pyright: ignore[reportArgumentType]
 

@@ -51,6 +51,7 @@ def test_colour_and_depth_come_back_as_they_were_but_for_compression():
     assert image is not None
     view = view_of(HALL, Pose2(4.0, 3.0, 0.0))
     assert image.rgb.shape == view.rgb.shape
+    assert image.rgb.flags.c_contiguous  # networks take nothing else
     assert image.depth == pytest.approx(view.depth[::4, ::4], abs=0.0006)
 
 

@@ -1,9 +1,10 @@
 """The protocols between the rooms of this package, and for your own code."""
 
+from collections.abc import Sequence
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float32
 
 from hypernav.core.actions import Action
 from hypernav.core.chat import Answer, Image, Question
@@ -172,4 +173,20 @@ class Similarity(Protocol):
 
     def similarity(self, image: Image, text: str) -> float:
         """Similarity from 0 (none at all) to 1; comparable only between answers of one model."""
+        ...
+
+
+@runtime_checkable
+class ImageTextModel(Protocol):
+    """Vectors of images and of texts: the smaller the angle of two, the better they fit.
+
+    That of an image depends on no text, so that it can be kept for the next goal.
+    """
+
+    def image_vectors(self, image: Image) -> Float32[np.ndarray, "n size"]:
+        """Vectors of an image (RGB), none of length 0; the one counts that fits a text best."""
+        ...
+
+    def text_vectors(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts size"]:
+        """Vector of each text, none of length 0."""
         ...

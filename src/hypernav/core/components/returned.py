@@ -30,6 +30,8 @@ _ROUNDING = 1e-6
 _FARTHEST_M = 10_000.0
 _FARTHEST_PIXELS = 1e6
 _LARGEST = sys.float_info.max
+_LENGTHS = (1e-30, 1e30)
+"""Lengths of vectors whose numbers single precision holds."""
 _MOST_DETECTIONS = 1_000
 _MOST_CHARACTERS = 32_768
 """Length of a text, as of a model's answer."""
@@ -181,6 +183,20 @@ def _score(value: Any, *_: Any) -> float:
     return float(value)
 
 
+def _vectors(value: Any, given: Any) -> np.ndarray:
+    is_one = type(value) is np.ndarray and value.ndim == 2 and value.size > 0
+    is_one = is_one and np.issubdtype(value.dtype, np.floating)
+    _expect(is_one, value, "an array of floating-point numbers with the shape (vectors, numbers)")
+    texts = None if isinstance(given, np.ndarray) else len(given)
+    _expect(texts in (None, len(value)), value, f"a vector for each of {texts} texts")
+    with np.errstate(over="ignore"):
+        lengths = np.linalg.norm(value.astype(np.float64), axis=1)
+    shortest, longest = _LENGTHS
+    fits = bool(((lengths > shortest) & (lengths < longest)).all())
+    _expect(fits, value, "finite vectors, none of length 0", "no direction in ")
+    return value.astype(np.float32)
+
+
 def _yes_or_no(value: Any, *_: Any) -> bool:
     _expect(isinstance(value, bool | np.bool_), value, "True or False")
     return bool(value)
@@ -232,6 +248,7 @@ CHECKS: dict[str, dict[str, Check]] = {
     "ArrowReasoner": _ALL | {"choose": _arrows},
     "Guide": _ALL | {"direct": _direction},
     "SceneScorer": _ALL | {"score": _score},
+    "ImageTextModel": _ALL | {"image_vectors": _vectors, "text_vectors": _vectors},
     "PresenceCheck": _ALL | {"is_present": _yes_or_no},
 }
 """The checks of each protocol, by the names of its methods and of what else it may have."""

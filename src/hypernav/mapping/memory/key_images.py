@@ -70,7 +70,7 @@ class KeyImage:
     @property
     def rgb(self) -> UInt8[np.ndarray, "height width 3"]:
         """The colour image."""
-        return _decoded(self.jpeg, cv2.IMREAD_COLOR)[..., ::-1]
+        return cv2.cvtColor(_decoded(self.jpeg, cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
 
     @property
     def depth(self) -> Float32[np.ndarray, "rows columns"]:
@@ -138,6 +138,10 @@ class KeyImages:
         """The image of a number; None if it was forgotten."""
         return next((one for one in self.kept if one.number == number), None)
 
+    def earlier(self, floor: int, *, before: int) -> list[KeyImage]:
+        """The images of a floor that were taken before the search of a number."""
+        return [one for one in self.kept if one.floor == floor and one.search < before]
+
     def most_telling(self, floor: int, *, before: int, most: int) -> tuple[int, ...]:
         """Numbers of images that together show as much of a floor as so many can.
 
@@ -149,7 +153,7 @@ class KeyImages:
             before: Number of the search before which they were taken.
             most: Largest number of images.
         """
-        left = [one for one in self.kept if one.floor == floor and one.search < before]
+        left = self.earlier(floor, before=before)
         chosen, shown = list[int](), np.empty(0, np.int64)
         while left and len(chosen) < most:
             new = [len(one.patches) - int(np.isin(one.patches, shown).sum()) for one in left]

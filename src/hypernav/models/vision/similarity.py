@@ -5,7 +5,11 @@ probability by a sigmoid; its text is padded to 64 tokens, as it was trained), L
 (BLIP-2: image-text matching, a probability, and image-text contrast, a cosine).
 """
 
+from collections.abc import Sequence
 from typing import Any, Literal
+
+import numpy as np
+from jaxtyping import Float32
 
 from hypernav.core.chat import Image
 from hypernav.core.components.extras import require
@@ -21,6 +25,8 @@ from hypernav.models.torch_device import (
 )
 
 _SIGLIP_TOKENS = 64
+_NO_TEXT = ("",)
+_NO_IMAGE = np.zeros((32, 32, 3), np.uint8)
 
 
 class SimilarityConfig(RoomConfig):
@@ -30,7 +36,8 @@ class SimilarityConfig(RoomConfig):
         device: "auto", "cpu", "cuda", "mps".
         dtype: "auto" is bfloat16 if the device supports it.
         head: Head of BLIP-2: "itm", matching, whose probability saturates at 0 or 1, or "itc",
-            contrast, whose cosine is graded; other models have only one.
+            contrast, whose cosine is graded, and which alone has vectors; other models have only
+            one.
     """
 
     device: str = "auto"
@@ -67,17 +74,56 @@ class ImageTextSimilarity:
         self._model = load_network(auto_class, path, self._device, self._dtype)
         self._processor = load_pretrained("AutoProcessor", path)
         self._matches = config.head == "itm"
+        self._path = path
 
     def similarity(self, image: Image, text: str) -> float:
         """Similarity from 0 (none) to 1; comparable only between answers of the same model."""
-        siglip = self._kind.startswith("siglip")
-        padding = {"padding": "max_length", "max_length": _SIGLIP_TOKENS} if siglip else {}
-        inputs = self._processor(
-            images=image, text=[text], return_tensors="pt", truncation=True, **padding
-        )
         with self._torch.inference_mode():
-            outputs = self._run(moved_to_device(inputs, self._device, self._dtype))
+            outputs = self._run(self._inputs(image, (text,)))
         return min(max(outputs, 0.0), 1.0)
+
+    def image_vectors(self, image: Image) -> Float32[np.ndarray, "n size"]:
+        """Unit vectors of an image: one, or BLIP-2's several, of which the best one counts.
+
+        Raises:
+            ModelError: The model's head has no vectors.
+        """
+        return self._vectors(image, _NO_TEXT)[0]
+
+    def text_vectors(self, texts: Sequence[str]) -> Float32[np.ndarray, "texts size"]:
+        """Unit vector of each text.
+
+        Raises:
+            ModelError: The model's head has no vectors.
+        """
+        return self._vectors(_NO_IMAGE, texts)[1]
+
+    def _vectors(self, image: Image, texts: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+        """The vectors of an image, and of texts: neither depend on the other side."""
+        if self._kind == "blip-2" and self._matches:
+            raise ModelError(
+                f"'{self._path}' with its head \"itm\" compares pairs of an image and a text, and "
+                'has no vectors of either; use the head "itc"'
+            )
+        with self._torch.inference_mode():
+            outputs = self._model(**self._inputs(image, texts))
+        of_image, of_texts = (
+            one.float().reshape(-1, one.shape[-1]).cpu().numpy()
+            for one in (outputs.image_embeds, outputs.text_embeds)
+        )
+        return of_image, of_texts
+
+    def _inputs(self, image: Image, texts: Sequence[str]) -> dict[str, Any]:
+        siglip = self._kind.startswith("siglip")
+        length = {"padding": "max_length", "max_length": _SIGLIP_TOKENS} if siglip else {}
+        inputs = self._processor(
+            images=image,
+            text=list(texts),
+            return_tensors="pt",
+            truncation=True,
+            **({"padding": True} | length),
+        )
+        return moved_to_device(inputs, self._device, self._dtype)
 
     def _run(self, inputs: dict[str, Any]) -> float:
         if self._kind == "blip-2":
