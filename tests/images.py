@@ -1,12 +1,14 @@
-"""Synthetic observations: a coloured thing in front of a wall."""
+"""Synthetic observations: a coloured thing in front of a wall; a key image of colours."""
 
+import cv2
 import numpy as np
 from jaxtyping import Bool
 
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
+from hypernav.mapping.memory.key_images import KeyImage
 
 CAMERA = PinholeCamera.from_hfov(160, 120, 79.0)
 THING = 3
@@ -45,3 +47,13 @@ def thing_before_wall(
         robot=robot,
         truth=LabelledPixels(ids, labels) if with_truth else None,
     )
+
+
+def key_image(number: int, rgb: np.ndarray) -> KeyImage:
+    """A key image of nothing but colours."""
+    height, width, _ = rgb.shape
+    camera = PinholeCamera.from_hfov(width, height, 79.0)
+    _, jpeg = cv2.imencode(".jpg", rgb[..., ::-1])
+    pose = Transform.identity()
+    patches = np.array([number], np.int64)
+    return KeyImage(number, 0, 1, jpeg.tobytes(), b"", camera, pose, Pose2(0.0, 0.0, 0.0), patches)

@@ -3,6 +3,7 @@
 import json
 import sys
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +16,21 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import preset
 from hypernav.cli.main import main
 from hypernav.core.config import layered
-from hypernav.core.errors import ConfigError, ContractError, GoalError, HyPerNavError
+from hypernav.core.errors import (
+    ComponentError,
+    ConfigError,
+    ContractError,
+    GoalError,
+    HyPerNavError,
+    MissingExtraError,
+    ModelError,
+)
 from hypernav.core.goal import Goal
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
 MODULE = '''
+import numpy as np
+
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import GoalError
 from hypernav.core.geometry.boxes import Box, Detection
@@ -84,6 +95,22 @@ class Closing(Sees):
 
     def close(self):
         open(self.path, "w").close()
+
+
+class Compares:
+    def __init__(self, path="", *, config: OwnConfig):
+        self.path, self.config = path, config
+
+    def image_vectors(self, image):
+        return np.ones((1, 2))
+
+    def text_vectors(self, texts):
+        return np.ones((len(texts), 2))
+
+
+class ComparesNothing(Compares):
+    def text_vectors(self, texts):
+        return np.zeros((len(texts), 2))
 
 
 class Blind:
@@ -191,6 +218,23 @@ def test_optional_abilities_are_asked_for(folder: Path):
     assert built(ComponentSpecs(detector="own_parts:Sees")).looks_at_colours
 
 
+def test_a_model_of_ones_own_compares_key_images(folder: Path):
+    parts = built(ComponentSpecs(similarity="own_parts:Compares:weights.onnx"))
+    agent: Any = parts.agent
+    ranking = agent.components.image_ranking
+    assert (ranking.name, ranking.least) == ("Compares of own_parts weights.onnx", 3.0)
+    assert (ranking.model.path, ranking.model.config.score) == ("weights.onnx", 0.9)
+    assert parts.looks_at_colours  # key images of a world without colours could not be compared
+    assert parts.chosen.as_dict()["similarity"] == "own_parts:Compares:weights.onnx"
+
+
+def test_without_one_nothing_is_compared(folder: Path):
+    parts = built(ComponentSpecs())
+    agent: Any = parts.agent
+    assert agent.components.image_ranking is None
+    assert "similarity" not in parts.chosen.as_dict()
+
+
 def test_an_explorer_of_ones_own_is_driven_for(folder: Path):
     parts = built(ComponentSpecs(agent="own_parts:Explorer"))
     assert parts.reasoner_words == "Explorer of own_parts"
@@ -225,6 +269,25 @@ def test_an_agent_of_ones_own_asks_for_a_detector(folder: Path):
             ConfigError,
             "own.detector.score: Input should be a valid number",
         ),
+        ({"similarity": "own_parts:Blind"}, (), ContractError, "no image_vectors and no text"),
+        (
+            {"similarity": "own_parts:ComparesNothing"},
+            (),
+            ComponentError,
+            "text_vectors returned no direction in",
+        ),
+        (
+            {"similarity": "local:no/such-model"},
+            (),
+            (MissingExtraError, ModelError),
+            "no/such-model" if find_spec("torch") else "local-vlm",
+        ),
+        (
+            {"agent": "own_parts:Whole", "similarity": "own_parts:Compares"},
+            (),
+            ConfigError,
+            "--agent own_parts:Whole asks no similarity",
+        ),
         ({}, ("own.detector.score=1",), ConfigError, "own.detector is not for ground-truth"),
         ({}, ("own.segmenter.score=1",), ConfigError, "own.segmenter: no segmenter is asked"),
         (
@@ -239,7 +302,7 @@ def test_what_does_not_fit_names_the_remedy(
     folder: Path,
     specs: dict[str, Any],
     assignments: tuple[str, ...],
-    error: type[HyPerNavError],
+    error: type[HyPerNavError] | tuple[type[HyPerNavError], ...],
     words: str,
 ):
     with pytest.raises(error) as caught:

@@ -12,9 +12,10 @@ FIND = ("find", "bed", "--scene", "room.glb")
 EVAL = ("eval", "scene:room.glb")
 LONG = "x" * 5000
 EMPTY_OPTIONS = {
-    FIND: "agent vlm detector reasoner segmenter record config set scene out max-steps seed preset",
-    EVAL: "agent vlm detector reasoner segmenter config set out episodes scenes goals scenes-dir "
-    "workers ray save max-steps success-distance seed",
+    FIND: "agent vlm detector reasoner segmenter similarity record config set scene out max-steps "
+    "seed preset",
+    EVAL: "agent vlm detector reasoner segmenter similarity config set out episodes scenes goals "
+    "scenes-dir workers ray save max-steps success-distance seed",
     ("ablate", "scene:room.glb"): "of study only out vlm set",
     ("exam",): "vlm detector reasoner segmenter config compare set out size bank at-once preset",
 }
@@ -44,6 +45,7 @@ TYPOS = [
         ["--detector", "yolox:"], ["--detector", "vlm"],
         ["--detector", "yolox:no.onnx"], ["--reasoner", "geo"], ["--reasoner", "vlm"],
         ["--segmenter", "sam"], ["--segmenter", "onnx-sam:a"], ["--segmenter", "onnx-sam:a,b"],
+        ["--similarity", "clip"], ["--similarity", "local:"], ["--similarity", "local:a,b"],
         ["--config", "no.yaml"], ["--config", "."], ["--config", "room.glb"],
         ["--set", "search"], ["--set", "=1"], ["--set", "search=1"], ["--set", "a.b=1"],
         ["--set", "search.endurence_steps=3"], ["--set", "search.endurance_steps=many"],

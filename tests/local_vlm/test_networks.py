@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 
 from chat_models import image
+from hypernav.agents.search import SearchAgent
+from hypernav.build.agents import build_agent
+from hypernav.build.component_specs import ComponentSpecs
 from hypernav.core.errors import ModelError
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.camera import PinholeCamera
@@ -18,6 +21,8 @@ from hypernav.models.vision import sam, zero_shot
 from hypernav.models.vision.sam import SamConfig, SamSegmenter
 from hypernav.models.vision.similarity import ImageTextSimilarity, SimilarityConfig
 from hypernav.models.vision.zero_shot import ZeroShotConfig, ZeroShotDetector
+from images import key_image
+from small_worlds import small_config
 
 Tiny = Callable[[str], Path]
 BOX = Box(10.0, 12.0, 50.0, 40.0)
@@ -159,6 +164,56 @@ def test_the_contrasting_head_of_blip2_says_the_cosine_of_the_query_that_fits_be
     assert values == pytest.approx(np.clip(cosines, 0.0, 1.0), abs=1e-5)
     matching = ImageTextSimilarity(path, SimilarityConfig(device=device, dtype="float32"))
     assert matching.similarity(image(0), "a bed") != values[0]
+
+
+@pytest.mark.parametrize("name", ["clip", "siglip", "blip2"])
+def test_vectors_of_one_side_do_not_depend_on_the_other_and_say_the_similarity(
+    tiny: Tiny, device: str, name: str
+):
+    config = SimilarityConfig(device=device, dtype="float32", head="itc")
+    model = ImageTextSimilarity(str(tiny(name)), config)
+    texts = ["a bed", "a long red sofa", "a"]
+    of_texts = model.text_vectors(texts)
+    of_images = [model.image_vectors(image(number)) for number in (0, 1)]
+    for vectors in (of_texts, *of_images):
+        assert vectors.dtype == np.float32
+        assert np.linalg.norm(vectors, axis=1) == pytest.approx(np.ones(len(vectors)), abs=1e-5)
+    assert len(of_images[0]) == (4 if name == "blip2" else 1)
+    for text, vector in zip(texts, of_texts, strict=True):
+        assert model.text_vectors([text])[0] == pytest.approx(vector, abs=1e-5)
+    cosines = np.array([[(one @ text).max() for text in of_texts] for one in of_images])
+    said = np.array([[model.similarity(image(k), text) for text in texts] for k in (0, 1)])
+    if name == "clip":
+        assert said == pytest.approx((cosines + 1.0) / 2.0, abs=1e-5)
+    elif name == "blip2":
+        assert said == pytest.approx(cosines.clip(0.0, 1.0), abs=1e-5)
+    else:  # the sigmoid of a rising line
+        assert (said.ravel().argsort() == cosines.ravel().argsort()).all()
+
+
+def test_a_head_that_compares_pairs_has_no_vectors(tiny: Tiny, device: str):
+    model = ImageTextSimilarity(str(tiny("blip2")), SimilarityConfig(device=device, head="itm"))
+    for ask in (lambda: model.image_vectors(image(0)), lambda: model.text_vectors(["a bed"])):
+        with pytest.raises(ModelError, match=r'"itm" compares pairs .* use the head "itc"'):
+            ask()
+
+
+def test_remembered_images_are_ranked_by_a_model_that_is_named(tiny: Tiny, device: str):
+    path = str(tiny("clip"))
+    use = {"similarity": {"device": device}}
+    config = small_config(similarity_scorer=use, image_recall={"least_similarity": 1.5})
+    parts = build_agent(config, ComponentSpecs(similarity=f"local:{path}"))
+    assert parts.looks_at_colours
+    assert parts.chosen.as_dict()["similarity"] == f"local:{path}"
+    assert isinstance(parts.agent, SearchAgent)
+    ranking = parts.agent.components.image_ranking
+    assert ranking is not None
+    assert (ranking.least, ranking.name) == (1.5, f"similarity by {Path(path).name}")
+    images = [key_image(number, image(number)) for number in range(9)]
+    ranked = ranking.ranked(images, Goal("bed"))
+    assert sorted(one.number for one in ranked) == list(range(9))
+    assert ranked == ranking.ranked(images, Goal("bed"))
+    assert ranked != ranking.ranked(images, Goal("long red sofa"))
 
 
 @pytest.mark.parametrize("load", [SamSegmenter, ZeroShotDetector, ImageTextSimilarity])

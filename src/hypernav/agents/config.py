@@ -80,8 +80,9 @@ class SearchConfig(RoomConfig):
         pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:
             to where that range ended, also through the unknown, before anything else is explored.
         recall: Whether a search with a memory first goes to remembered things that may be the goal,
-            then to where key images were taken in which a chat model sees it, and looks again at
-            what it knows where they are gone or nothing new is left.
+            then to where key images were taken in which a chat model sees it (or that look like
+            it, by ``--similarity``), and looks again at what it knows where they are gone or
+            nothing new is left.
     """
 
     stop_distance_m: float = Field(default=0.2, ge=0.0, le=10.0)

@@ -21,6 +21,7 @@ from hypernav.core.trace import Ending, ExchangeLog, Mode
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.ways import drops_to_look_at, known_floors, new_ways
+from hypernav.perception.image_ranking import ImageRanking
 from hypernav.perception.image_recall import ImageRecall
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.config import PlanningConfig
@@ -39,6 +40,8 @@ class SearchComponents:
         embodiment: Body, camera, step and turn of the robot.
         presence: Presence check before STOP; None trusts the goal area.
         image_recall: Question about remembered images; None where there is no chat model.
+        image_ranking: Ranking of remembered images by their similarity with the goal's words; None
+            where no model compares them.
         log: Log of the questions to detectors and reasoners, for the trace.
         config: Configuration of the search, for steps of 0.5 m and turns of 30 degrees.
     """
@@ -50,6 +53,7 @@ class SearchComponents:
     embodiment: Embodiment
     presence: PresenceCheck | None
     image_recall: ImageRecall | None
+    image_ranking: ImageRanking | None
     log: ExchangeLog
     config: SearchConfig
 

@@ -22,6 +22,7 @@ from hypernav.core.components.protocols import (
     Agent,
     Detector,
     Explorer,
+    ImageTextModel,
     PresenceCheck,
     Segmenter,
 )
@@ -30,13 +31,14 @@ from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.ledger import Ledger
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
+from hypernav.perception.image_ranking import ImageRanking
 from hypernav.perception.image_recall import ImageRecall
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.perception.local.presence import VlmPresenceCheck
 from hypernav.show.captions import ITS_OWN
 
-_PROTOCOLS = {"detector": Detector, "segmenter": Segmenter}
+_PROTOCOLS = {"detector": Detector, "segmenter": Segmenter, "similarity": ImageTextModel}
 
 
 def build_agent(
@@ -79,6 +81,10 @@ def build_agent(
         detector.check_model()  # refuse it now, not at the first step
     presence = VlmPresenceCheck(chat, log, config.presence) if chat and chosen.presence else None
     image_recall = ImageRecall(chat, log, config.image_recall) if chat else None
+    image_ranking = None
+    if chosen.similarity is not None:
+        name, least = chosen.similarity.words(), config.image_recall.least_similarity
+        image_ranking = ImageRanking(built["similarity"], log, name, least)
     if not chosen.is_whole_agent:
         agent = _search(
             config,
@@ -88,6 +94,7 @@ def build_agent(
             segmenter=built.get("segmenter"),
             presence=presence,
             image_recall=image_recall,
+            image_ranking=image_ranking,
         )
     model = "" if chat is None or chosen.vlm is None else model_words(chosen.vlm, chat.identify)
     detector_words = chosen.detector.words(model=model) if chosen.detector else ITS_OWN
@@ -118,6 +125,7 @@ def build_search(
     reasoner: object | None = None,
     presence: PresenceCheck | None = None,
     image_recall: ImageRecall | None = None,
+    image_ranking: ImageRanking | None = None,
 ) -> SearchAgent:
     """Build an agent around existing components, for example a detector of your own.
 
@@ -130,6 +138,7 @@ def build_search(
         reasoner: Reasoner that the explorer asks; by default the one that needs no model.
         presence: Presence check before STOP; None makes no check.
         image_recall: Question about the images of a memory; None asks none.
+        image_ranking: Ranking of these images by a model that compares them with the goal's words.
     """
     log = log or ExchangeLog()
     return _search(
@@ -140,6 +149,7 @@ def build_search(
         segmenter=None if segmenter is None else through_door(segmenter, Segmenter),
         presence=None if presence is None else through_door(presence, PresenceCheck),
         image_recall=image_recall,
+        image_ranking=image_ranking,
     )
 
 
@@ -179,6 +189,7 @@ def _search(
     segmenter: Segmenter | None,
     presence: PresenceCheck | None,
     image_recall: ImageRecall | None,
+    image_ranking: ImageRanking | None,
 ) -> SearchAgent:
     """The search of this package around an explorer."""
     components = SearchComponents(
@@ -196,6 +207,7 @@ def _search(
         embodiment=config.embodiment,
         presence=presence,
         image_recall=image_recall,
+        image_ranking=image_ranking,
         log=log,
         config=config.search,
     )

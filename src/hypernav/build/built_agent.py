@@ -14,7 +14,14 @@ from hypernav.core.components.abilities import (
     looks_at_colours,
     warning_of,
 )
-from hypernav.core.components.protocols import Agent, Detector, Guide, SceneScorer, Segmenter
+from hypernav.core.components.protocols import (
+    Agent,
+    Detector,
+    Guide,
+    ImageTextModel,
+    SceneScorer,
+    Segmenter,
+)
 from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.goal import Goal
 from hypernav.models.chat.ledger import Ledger
@@ -73,7 +80,7 @@ class BuiltAgent:
         given_images = [
             one
             for one in self.components
-            if isinstance(one, Detector | Segmenter | SceneScorer | Guide | Agent)
+            if isinstance(one, Detector | Segmenter | SceneScorer | Guide | ImageTextModel | Agent)
         ]
         return self.chosen.vlm is not None or any(map(looks_at_colours, given_images))
 

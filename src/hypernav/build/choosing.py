@@ -14,6 +14,7 @@ from hypernav.build.registries import (
     NATIVE_AGENTS,
     ROLES,
     SEGMENTERS,
+    SIMILARITIES,
     Factory,
     Role,
 )
@@ -36,6 +37,7 @@ class ChosenComponents:
         segmenter: Segmenter of the pixels in a box; None if detections carry their masks.
         presence: Whether the chat model checks the presence of the goal before STOP.
         native: Whether the agent has its own stop and moves.
+        similarity: Model that compares key images of a memory with the goal's words.
     """
 
     agent: Choice[Factory]
@@ -45,13 +47,14 @@ class ChosenComponents:
     segmenter: Choice[Factory] | None
     presence: bool
     native: bool = False
+    similarity: Choice[Factory] | None = None
 
     @property
     def by_kind(self) -> dict[str, Choice[Factory]]:
         """All components in use, each after those that it is made of."""
         return {
             kind: choice
-            for kind in ("detector", "segmenter", "reasoner", "agent")
+            for kind in ("detector", "segmenter", "similarity", "reasoner", "agent")
             if (choice := getattr(self, kind)) is not None
         }
 
@@ -73,6 +76,7 @@ class ChosenComponents:
     def as_dict(self) -> dict[str, str | None]:
         """Specifications that choose the same components again, for ``result.json``."""
         native = {"mode": "native"} if self.native else {}
+        similarity = {} if self.similarity is None else {"similarity": self.similarity.spec}
         return {
             "agent": self.agent.spec,
             "vlm": self.vlm,
@@ -81,6 +85,7 @@ class ChosenComponents:
             "segmenter": "none" if self.segmenter is None else self.segmenter.spec,
             "presence": "vlm" if self.presence else "none",
             **native,
+            **similarity,
         }
 
 
@@ -107,11 +112,14 @@ def choose_components(specs: ComponentSpecs, *, presence: bool = True) -> Chosen
     asked = set(asked_by(agent))
     drives_itself = hasattr(agent.load(), "act")
     if not drives_itself:
-        asked |= {"detector", "segmenter"}
+        asked |= {"detector", "segmenter", "similarity"}
     by_model = "vlm" if model else None
     detector = _choice(DETECTORS, specs.detector, by_model or "ground-truth", agent, asked)
     reasoner = _reasoner(ROLES.get(role_in(asked)), specs.reasoner, by_model, agent)
     segmenter = _choice(SEGMENTERS, specs.segmenter, "depth-cut", agent, asked)
+    similarity = None
+    if specs.similarity is not None:
+        similarity = _choice(SIMILARITIES, specs.similarity, "", agent, asked)
     # A whole agent gets the segmenter that it asks for, whatever it uses it for.
     if not drives_itself and detector and segmenter and gives_masks(detector.load()):
         if segmenter.spec != "depth-cut":
@@ -122,7 +130,14 @@ def choose_components(specs: ComponentSpecs, *, presence: bool = True) -> Chosen
         segmenter = None
     looks_once_more = model and presence and not drives_itself
     chosen = ChosenComponents(
-        agent, specs.vlm, detector, reasoner, segmenter, looks_once_more, specs.native
+        agent,
+        specs.vlm,
+        detector,
+        reasoner,
+        segmenter,
+        looks_once_more,
+        specs.native,
+        similarity,
     )
     _check_model(chosen)
     return chosen

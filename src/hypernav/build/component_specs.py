@@ -38,6 +38,7 @@ class ComponentSpecs:
         segmenter: Segmenter of the pixels in a box.
         native: Whether the agent has its own published stop and moves, if it has any; its
             configuration is then that of `hypernav.native_config`.
+        similarity: Model that compares key images of a memory with the goal's words; None for none.
     """
 
     agent: str = "hypernav"
@@ -46,6 +47,7 @@ class ComponentSpecs:
     reasoner: str | None = None
     segmenter: str | None = None
     native: bool = False
+    similarity: str | None = None
 
     @property
     def name(self) -> str:

@@ -21,6 +21,7 @@ guide           for agents: the `Guide` of ``--reasoner``
 arrow_reasoner  for agents: the `ArrowReasoner` of ``--reasoner``
 detector        for agents: the `Detector` of ``--detector``
 segmenter       for agents: the `Segmenter` of ``--segmenter``
+similarity      for agents: the `ImageTextModel` of ``--similarity``
 ==============  ==================================================================================
 
 The section of a component of another package is the pydantic model that annotates its parameter
@@ -106,7 +107,7 @@ def section_of(choice: Choice[Factory], kind: str, config: HyPerNavConfig) -> Ba
         ConfigError: ``own`` holds values that the component doesn't know, or can't use.
         ContractError: The component doesn't say what its section holds.
     """
-    values: dict[str, Any] = getattr(config.own, kind)
+    values: dict[str, Any] = getattr(config.own, kind, {})  # none for a similarity
     if choice.entry.is_foreign and "config" in asked_by(choice):
         return read_section(_section_model(choice), values, section=f"own.{kind}")
     if values:

@@ -82,7 +82,7 @@ class HyPerNavConfig(RoomConfig):
         grounding: Question to a chat model for boxes.
         block_choice: Map question to a chat model.
         presence: Question to a chat model whether the goal is really there.
-        image_recall: Question to a chat model in which remembered images it sees the goal.
+        image_recall: Remembered images: question to a chat model, least similarity to the goal.
         price: Prices of tokens, for the cost in the results.
         depth_cut: Segmentation of a box without a model.
         yolox: Use of a YOLOX export.
@@ -92,7 +92,7 @@ class HyPerNavConfig(RoomConfig):
         noisy_detector: Error rates of the detector noisy:custom, which stands in for a model.
         value_frontier: VLFM's choice of a frontier.
         truth_scorer: Errors of the stand-in that scores views by the truth.
-        similarity_scorer: Scores of views by a model that compares images with texts.
+        similarity_scorer: Scores of views, and use, of a model that compares images with texts.
         chat_scorer: Scores of views by a chat model.
         navvlm: NavVLM's areas and turns.
         chat_guide: Question about directions to a chat model.

@@ -84,6 +84,22 @@ SEGMENTERS: Registry[Factory] = Registry(
 )
 """Segmenters of the pixels in a box (`hypernav.core.components.protocols.Segmenter`)."""
 
+SIMILARITIES: Registry[Factory] = Registry(
+    "similarity",
+    "hypernav.similarities",
+    [
+        Entry(
+            "local",
+            "hypernav.perception.vlfm.model_scorers:load_similarity",
+            form="local:PATH_OR_ID",
+            words="similarity by {files}",
+            section="similarity_scorer",
+        ),
+    ],
+)
+"""Models that compare key images of a memory with the goal's words
+(`hypernav.core.components.protocols.ImageTextModel`)."""
+
 REASONERS: Registry[Factory] = Registry(
     "reasoner",
     "hypernav.reasoners",
@@ -296,6 +312,7 @@ COMPONENTS = (
     NATIVE_AGENTS,
     DETECTORS,
     SEGMENTERS,
+    SIMILARITIES,
     *(role.registry for role in ROLES.values()),
 )
 """The registries of all that an agent is made of."""

@@ -81,7 +81,7 @@ class Exchange(_Record):
 
     Attributes:
         kind: "ground", "crop", "verify", "stop", "score view", "summarise", "choose block",
-            "choose arrow", "choose direction", "choose frontier" or "choose images".
+            "choose arrow", "choose direction", "choose frontier", "choose images" or "rank images".
         asked: Name of the component that was asked: a model's name, "geometric", "ground truth".
         by_model: Whether a chat model answered.
         question: Text of the question.

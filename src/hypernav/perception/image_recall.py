@@ -47,17 +47,21 @@ _LAST_LINE = re.compile(r"^\W*(?:final )?answer\W+(.+)", re.IGNORECASE | re.MULT
 
 
 class ImageRecallConfig(RoomConfig):
-    """Configuration of the question about remembered images; the paper asks none.
+    """What is made of remembered images; the paper has none.
 
     Attributes:
         prompt: Text of the question; ``{goal}`` is filled in, with its own article for
             ``a {goal}``.
         max_questions: Number of questions in one search about one floor, each about six images;
             0 asks none.
+        least_similarity: Where no chat model is asked: how far an image must stand out by its
+            similarity to the goal's words, for a model of ``--similarity``, for the robot to go
+            there; in standard deviations of all images (`hypernav.perception.image_ranking`).
     """
 
     prompt: str = _PROMPT
     max_questions: int = Field(default=4, ge=0, le=100)
+    least_similarity: float = Field(default=3.0, ge=0.0, le=1000.0)
 
 
 @dataclass(eq=False)

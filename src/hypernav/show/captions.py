@@ -39,6 +39,7 @@ QUESTIONS: dict[str, str] = {
     "choose arrow": "Which arrow to follow?",
     "choose direction": "Which way leads there?",
     "choose images": "Which remembered image shows it?",
+    "rank images": "Which remembered image looks like it?",
     "score view": "Does it look as if it were near?",
     "stop": "Is the robot there?",
 }

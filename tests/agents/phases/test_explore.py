@@ -98,6 +98,7 @@ class Exploration:
             embodiment=Embodiment(),
             presence=None,
             image_recall=None,
+            image_ranking=None,
             log=ExchangeLog(),
             config=SearchConfig(**{"least_unseen_m2": None, **options}),
         )

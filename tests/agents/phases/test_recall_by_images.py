@@ -1,6 +1,6 @@
 """Searches for what no detector named, and a key image shows."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -11,14 +11,17 @@ from hypernav.agents.search import SearchAgent
 from hypernav.build.agents import build_agent, build_search
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.core.chat import Question
+from hypernav.core.components.door import through_door
+from hypernav.core.components.protocols import ImageTextModel
 from hypernav.core.episodes.episode import Outcome
-from hypernav.core.errors import ModelUnavailableError
+from hypernav.core.errors import ComponentError, ModelUnavailableError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.mapping.memory.key_images import KeyImage, KeyImages
 from hypernav.mapping.memory.memory import Memory
+from hypernav.perception.image_ranking import NEUTRAL_WORDS, ImageRanking
 from hypernav.perception.image_recall import ImageRecall, ImageRecallConfig
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.prompt_text import prompt_hash
@@ -39,14 +42,18 @@ class GoalsOnly:
         return GroundTruthDetector().detect(observation, goal)
 
 
-def searched(goal, start, memory, *says, config=None, **search):
-    """The steps of a search with a model that says so of the images, its result and questions."""
+def searched(goal, start, memory, *says, config=None, similar=None, **search):
+    """The steps of a search with a model that says so of the images, its result and questions.
+
+    `similar` is a model that compares images with texts; without it no model does.
+    """
     log, chat = ExchangeLog(), Parrot(*says)
     agent = build_search(
         small_config(search=search),
         GoalsOnly(),
         log,
         image_recall=ImageRecall(chat, log, config or ImageRecallConfig()) if says else None,
+        image_ranking=ImageRanking(similar, log, "colours", 3.0) if similar else None,
     )
     world = two_rooms()
     world.keep_map_frame(START.to_transform())
@@ -216,3 +223,84 @@ def test_the_most_telling_images_come_first_and_only_those_of_earlier_searches(m
     assert len(images.most_telling(0, before=2, most=1000)) == len(images.kept)
     assert images.most_telling(0, before=1, most=3) == ()
     assert images.most_telling(1, before=2, most=3) == ()
+
+
+class Likes:
+    """A model by which the goal's words fit some images better than the others."""
+
+    def __init__(self, images: KeyImages, liked: Callable[[KeyImage], bool]) -> None:
+        self.liked = {one.rgb.tobytes(): bool(liked(one)) for one in images.kept}
+        self.seen = 0
+
+    def image_vectors(self, image: np.ndarray) -> np.ndarray:
+        self.seen += 1
+        return np.array([[0.5 if self.liked[image.tobytes()] else 0.1, 1.0]], np.float32)
+
+    def text_vectors(self, texts: Sequence[str]) -> np.ndarray:
+        words = [[0.0 if text in NEUTRAL_WORDS else 1.0, 1.0] for text in texts]
+        return np.array(words, np.float32)
+
+
+MAY_BE = TOLD.replace("is in", "may be in")
+
+
+def test_without_a_chat_model_the_robot_goes_to_what_looks_like_the_goal(memory):
+    steps, result, _ = searched(
+        "sofa", IN_BEDROOM, memory, similar=Likes(images_of(memory), shows_sofa)
+    )
+    assert steps[0].reason == MAY_BE
+    assert kinds(steps) == ["rank images"]
+    assert result.metrics.success
+    assert result.metrics.spl > 0.8
+
+
+@pytest.mark.parametrize("liked", [lambda one: False, lambda one: True])
+def test_where_no_image_stands_out_the_search_is_as_without_a_model(memory, liked):
+    similar = Likes(images_of(memory), liked)
+    ranked, _, _ = searched("sofa", IN_BEDROOM, memory.copy(), similar=similar)
+    steps, _, _ = searched("sofa", IN_BEDROOM, memory)
+    assert similar.seen == len(similar.liked)
+    assert [(one.action, one.reason) for one in ranked] == [
+        (one.action, one.reason) for one in steps
+    ]
+
+
+def test_an_image_that_stands_out_in_vain_is_gone_to_once(memory):
+    similar = Likes(images_of(memory), lambda one: one.number == 8)
+    steps, result, _ = searched("piano", IN_BEDROOM, memory, similar=similar)
+    told = MAY_BE.replace("sofa", "piano")
+    assert [a.reason == told and b.reason != told for a, b in pairwise(steps)].count(True) == 1
+    assert steps[-1].reason == "nothing is left to explore"
+    assert result.metrics.success is False
+
+
+def test_a_chat_model_is_asked_first_about_the_images_that_look_like_the_goal(memory):
+    images = images_of(memory)
+    order = images.most_telling(0, before=2, most=1000)
+    last = next(one for one in images.kept if one.number == order[-1])
+    similar = Likes(images, lambda one: one is last)
+    steps, _, _ = searched("sofa", IN_BEDROOM, memory, "1", "none", similar=similar)
+    assert kinds(steps)[:2] == ["rank images", "choose images"]
+    assert steps[0].reason == TOLD
+    assert steps[0].destination == last.robot.xy
+
+
+@pytest.mark.parametrize("off", ["recall", "memory", "images"])
+def test_nothing_is_compared_without_memory_images_or_leave_to(memory, off):
+    similar = Likes(images_of(memory), shows_sofa)
+    if off == "images":
+        memory.images = None
+    given = None if off == "memory" else memory
+    steps, _, _ = searched("sofa", IN_BEDROOM, given, similar=similar, recall=off != "recall")
+    assert similar.seen == 0
+    assert "rank images" not in kinds(steps)
+
+
+def test_a_model_that_fails_on_the_way_ends_the_search_as_every_component_does(memory):
+    class Fails(Likes):
+        def image_vectors(self, image: np.ndarray) -> np.ndarray:
+            raise RuntimeError("out of memory")
+
+    similar = through_door(Fails(images_of(memory), shows_sofa), ImageTextModel, "--similarity own")
+    with pytest.raises(ComponentError, match="--similarity own: image_vectors raised"):
+        searched("sofa", IN_BEDROOM, memory, similar=similar)

@@ -11,6 +11,7 @@ from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.mapping.memory.floor import Floor
+from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import LIKELY
@@ -19,6 +20,8 @@ from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.mapping.sight_lines import lines_are_clear
 from hypernav.perception.image_recall import IMAGES_PER_QUESTION
 
+_MOST_ALIKE = 3
+"""Number of images that look like the goal to which the robot goes unasked."""
 _WORTH_STAIRS = 0.5
 """Chance from which that is so over stairs: more than a thing of the goal's kind alone has."""
 _BESIDE_M = 1.0
@@ -137,21 +140,20 @@ def seen_in_image(step: Step, memory: Memory) -> Destination | None:
     """The nearest position where a key image was taken in which a chat model sees the goal.
 
     The model is asked about the images of earlier searches, a few at a time, until it sees it in
-    one. A position from which it is not seen now is not gone to again.
+    one: those first that look most like it, where a model compares them with its words, else those
+    that show most. Where no chat model is asked, it is the nearest position of the few images that
+    look like the goal much more than the others. A position from which it is not seen now is not
+    gone to again.
 
     Returns:
         None if no such image is left, or there is no model or memory.
     """
     search, images, recall = memory.search, memory.images, step.use.image_recall
-    if not step.config.recall or recall is None or images is None or not search.lasts:
+    if not step.config.recall or images is None or not search.lasts:
         return None
     if search.images_to_ask is None:
-        search.images_to_ask = images.most_telling(
-            memory.number,
-            before=search.number,
-            most=recall.config.max_questions * IMAGES_PER_QUESTION,
-        )
-    while not search.images_to_visit and search.images_to_ask:
+        search.images_to_ask, search.images_to_visit = _first_images(step, memory, images)
+    while recall is not None and not search.images_to_visit and search.images_to_ask:
         asked, search.images_to_ask = (
             search.images_to_ask[:IMAGES_PER_QUESTION],
             search.images_to_ask[IMAGES_PER_QUESTION:],
@@ -164,13 +166,34 @@ def seen_in_image(step: Step, memory: Memory) -> Destination | None:
     if not known:
         return None
     nearest = min(known, key=lambda one: step.robot.distance_to(*one.robot.xy))
+    shows = "is in" if _most_to_ask(step) else "may be in"
     return Destination(
         *nearest.robot.xy,
-        reason=f"the {step.goal.thing} is in an image that was taken there before",
+        reason=f"the {step.goal.thing} {shows} an image that was taken there before",
         holds=True,
         face=nearest.robot.yaw,
         image=nearest.number,
     )
+
+
+def _first_images(
+    step: Step, memory: Memory, images: KeyImages
+) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Numbers of the images to ask a chat model about, in order, and of those to go to unasked."""
+    most, ranking, before = _most_to_ask(step), step.use.image_ranking, memory.search.number
+    if ranking is None:
+        return images.most_telling(memory.number, before=before, most=most), ()
+    with step.clock("global"):
+        ranked = ranking.ranked(images.earlier(memory.number, before=before), step.goal)
+    if most > 0:
+        return tuple(one.number for one in ranked[:most]), ()
+    return (), tuple(one.number for one in ranked[:_MOST_ALIKE] if one.above >= ranking.least)
+
+
+def _most_to_ask(step: Step) -> int:
+    """Number of images that a chat model may be asked about; 0 where none is."""
+    recall = step.use.image_recall
+    return 0 if recall is None else recall.config.max_questions * IMAGES_PER_QUESTION
 
 
 def refutation(memory: Memory, plan: Plan) -> str | None:

@@ -40,6 +40,9 @@ class AgentOptions:
     what --exam says."""
     segmenter: str | None = None
     """Segmenter of the pixels in a box: depth-cut, sam:ID or onnx-sam:ENC.onnx,DEC.onnx."""
+    similarity: str | None = None
+    """What compares key images of a memory with the goal's words: local:PATH_OR_ID or module:Name;
+    none without it."""
     exam: Path | None = None
     """exam.json of hypernav exam about the model: answers count for what they are worth."""
     record: Path | None = None
@@ -53,7 +56,7 @@ class AgentOptions:
 
     @property
     def specs(self) -> ComponentSpecs:
-        """Specifications of agent, model, detector, reasoner and segmenter.
+        """Specifications of agent, model and components.
 
         Raises:
             ConfigError: The reasoner is "auto", and no exam says which.
@@ -104,7 +107,13 @@ class AgentOptions:
     @property
     def _requested(self) -> ComponentSpecs:
         return ComponentSpecs(
-            self.agent, self.vlm, self.detector, self.reasoner, self.segmenter, self.native
+            self.agent,
+            self.vlm,
+            self.detector,
+            self.reasoner,
+            self.segmenter,
+            self.native,
+            self.similarity,
         )
 
     def _examined(self) -> "tuple[ComponentSpecs, ExamFile | None, bool]":

@@ -56,7 +56,8 @@ class SearchMemory:
         given_up: Numbers of the connectors of this floor that it has tried to take in vain.
         images_to_ask: Numbers of the key images that a chat model is to be asked about, in the
             order in which it is; None before the first question.
-        images_to_visit: Numbers of those in which it sees the goal, and that are left to go to.
+        images_to_visit: Numbers of those in which it sees the goal, or that look like it where no
+            chat model is asked, and that are left to go to.
         meant: The one that is gone to before all others, as it was known; None if any will do.
         looked_over: What it has looked at of the floor; None if the floor was not known before.
         looks_again: Whether it explores what it has not looked at itself, known or not.

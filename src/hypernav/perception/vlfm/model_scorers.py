@@ -67,6 +67,20 @@ class SimilarityScorerConfig(RoomConfig):
     similarity: SimilarityConfig = Field(default=SimilarityConfig(head="itc"))
 
 
+def load_similarity(path: str, config: SimilarityScorerConfig | None = None) -> ImageTextSimilarity:
+    """Load a model that compares images with texts.
+
+    Args:
+        path: A folder, or the id of a model in the local Hugging Face cache.
+        config: Use of the model; the sentence is for scores of views.
+
+    Raises:
+        MissingExtraError: torch or transformers is not installed.
+        ModelError: There are no such weights, or they compare nothing.
+    """
+    return ImageTextSimilarity(path, (config or SimilarityScorerConfig()).similarity)
+
+
 class SimilarityScorer:
     """Scores a view by the similarity of its image and one sentence about the goal."""
 
@@ -87,9 +101,7 @@ class SimilarityScorer:
             ModelError: There are no such weights, or they compare nothing.
         """
         self._config = config or SimilarityScorerConfig()
-        if isinstance(model, str):
-            model = ImageTextSimilarity(model, self._config.similarity)
-        self._model = model
+        self._model = load_similarity(model, self._config) if isinstance(model, str) else model
 
     def score(self, observation: Observation, goal: Goal) -> float:
         """Similarity of the image and the sentence, 0 to 1."""
