@@ -97,6 +97,13 @@ def test_relocalizing_needs_a_memory(searched, tmp_path, capsys):
     assert "add --memory FOLDER" in capsys.readouterr().err
 
 
+def test_comparing_images_needs_a_memory(searched, tmp_path, capsys):
+    scene = searched / "room.glb"
+    options = ("--scene", scene, "--out", tmp_path, "--similarity", "local:clip")
+    assert hypernav("find", "bed", *options) == 2
+    assert "add --memory FOLDER" in capsys.readouterr().err
+
+
 def test_the_page_shows_things_images_and_searches(home, capsys):
     assert hypernav("memory", home) == 0
     page = (home / "index.html").read_text()

@@ -82,6 +82,8 @@ def run(options: Options) -> int:
     check_start(options.start)
     if options.relocalize and options.memory is None:
         raise ConfigError("--relocalize finds the start in a memory; add --memory FOLDER")
+    if options.who.similarity and options.memory is None:
+        raise ConfigError("--similarity compares the images of a memory; add --memory FOLDER")
     goal = Goal(options.goal)
     folder = options.out or _new_folder(goal)
     check_folder(folder, OUTPUT_FILES)
