@@ -67,7 +67,7 @@ def main(
             for one in known:
                 told[one.searches, _judged(one, world, episode)] += 1
             for one in before:
-                found = find_start(one.memory, world, episode, None)
+                found, _ = find_start(one.memory, world, episode, None)
                 told["another building", "don't know" if found.doubt else "wrong"] += 1
         before = known
         world.close()
@@ -104,7 +104,7 @@ def _lived(world: SimulatedWorld, life: list[Episode], config: HyPerNavConfig) -
 
 def _judged(known: _Known, world: SimulatedWorld, episode: Episode) -> str:
     """Whether the place that the robot takes for its own is right."""
-    found = find_start(known.memory, world, episode, None)
+    found, _ = find_start(known.memory, world, episode, None)
     if found.doubt or found.place is None:
         return "don't know"
     true = known.map_to_scene.inverse() @ world.map_to_scene

@@ -67,7 +67,8 @@ def test_the_frame_that_it_finds_is_the_memorys(both_rooms):
     search, _ = run(both_rooms, "bed", BEDROOM, 1, relocalize=True)
     true = LIVING_ROOM.to_transform()
     assert search.found_start is not None
-    found = search.found_start.map_to_scene
+    assert search.found_start.place is not None
+    found = BEDROOM.to_transform() @ search.found_start.place.own_to_map.inverse()
     assert math.dist(found.translation, true.translation) < 0.1
     assert abs(found.yaw - true.yaw) < math.radians(2.0)
 

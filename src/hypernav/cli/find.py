@@ -44,8 +44,8 @@ from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.datasets.benchmarks import robot_in
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
-from hypernav.episodes.unknown_start import FoundStart
 from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.mapping.memory.unknown_start import FoundStart
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.warmup.background import warm_up_in_background
 from hypernav.worlds.simulation import SimulatedWorld

@@ -23,15 +23,17 @@ from hypernav.core.errors import (
     ModelUnavailableError,
 )
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, StepTrace
 from hypernav.core.world import KeepsMapFrame, World
 from hypernav.episodes.goal_sight import GoalSight, PathParts
 from hypernav.episodes.trial import Trial
 from hypernav.episodes.true_paths import true_paths
-from hypernav.episodes.unknown_start import FoundStart, find_start
+from hypernav.episodes.unknown_start import find_start
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.mapping.memory.unknown_start import FoundStart
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,9 +147,11 @@ class EpisodeRun:
         self._began = time.perf_counter()
         self._clock = ModuleClock()
         self.found_start: FoundStart | None = None
+        self._found_frame: Transform | None = None
         if relocalize and self._folder is not None and self._folder.place is not None:
             self._folder.check_building(_building(episode))
-            self.found_start = find_start(self._folder.memory, world, episode, rng)
+            known = self._folder.memory
+            self.found_start, self._found_frame = find_start(known, world, episode, rng)
             if self.found_start.doubt:
                 self._folder = memory = None
         self.trial: Trial = self._placed(world, episode, rng, goes_on=goes_on)
@@ -184,7 +188,7 @@ class EpisodeRun:
     def _placed(
         self, world: World, episode: Episode, rng: np.random.Generator | None, *, goes_on: bool
     ) -> Trial:
-        with self._clock("world"), _map_frame_of(self._folder, world, episode, self.found_start):
+        with self._clock("world"), _map_frame_of(self._folder, world, episode, self._found_frame):
             return Trial(world, episode, rng, goes_on=goes_on)
 
     def __iter__(self) -> Iterator[EpisodeStep]:
@@ -292,7 +296,7 @@ def _building(episode: Episode) -> str:
 
 @contextmanager
 def _map_frame_of(
-    folder: MemoryFolder | None, world: World, episode: Episode, found: FoundStart | None
+    folder: MemoryFolder | None, world: World, episode: Episode, found: Transform | None
 ) -> Iterator[None]:
     """Let a world that is reset in the block begin in a memory's ``map`` frame, as far as known."""
     if folder is None or folder.place is None:
@@ -304,8 +308,7 @@ def _map_frame_of(
             f"{type(world).__name__} begins a map frame at every start; a memory needs a world "
             "with keep_map_frame, such as SimulatedWorld"
         )
-    frame = folder.place.map_to_scene if found is None else found.map_to_scene
-    world.keep_map_frame(frame)
+    world.keep_map_frame(folder.place.map_to_scene if found is None else found)
     try:
         yield
     finally:
