@@ -27,6 +27,7 @@ from servers.robots import Answer, RobotLink, body_of
         (["--detector", "no-such"], "no-such"),
         (["--set", "search.speed=3"], "speed"),
         (["--memory", "home", "--memory-mb", "0"], "--memory-mb"),
+        (["--relocalize"], "add --memory FOLDER"),
         (["--memory", "home", "--agent", "servers.robots:ScriptedAgent"], "keeps no memory"),
     ],
 )

@@ -46,6 +46,8 @@ def run(options: Options) -> int:
         raise ConfigError("--record: a server records the exchanges of every search in --state")
     if options.who.native:
         raise ConfigError("--native: a real robot has its own camera and step; leave it out")
+    if options.relocalize and options.memory is None:
+        raise ConfigError("--relocalize finds the starts in a memory; add --memory FOLDER")
     token = None if options.token_file is None else read_token(options.token_file)
     access = Access(options.host, token)
     check_access(access)
@@ -65,7 +67,9 @@ def run(options: Options) -> int:
         # The robot's own description replaces that of the configuration.
         values = config.model_dump() | {"embodiment": request.robot.model_dump()}
         config = HyPerNavConfig.model_validate(values).for_steps(request.max_steps)
-        return AgentPlan(config, who.specs, memory, options.memory_mb)
+        return AgentPlan(
+            config, who.specs, memory, options.memory_mb, relocalize=options.relocalize
+        )
 
     own = options.who.resolve()
     detector = AgentPlan(own, options.who.specs, memory, options.memory_mb).check()

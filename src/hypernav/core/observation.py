@@ -1,7 +1,7 @@
 """Observations: all that an agent may know about one moment."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -9,7 +9,7 @@ from jaxtyping import Float32, Float64, Int32, Int64, UInt8
 
 from hypernav.core.errors import CameraError
 from hypernav.core.geometry.camera import PinholeCamera
-from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.core.labels import ObjectLabel
 
 
@@ -59,6 +59,17 @@ class Observation:
     def farthest_m(self) -> Float32[np.ndarray, " width"]:
         """Largest depth in every column of the image, metres."""
         return self.depth.max(axis=0)
+
+    def in_frame(self, map_to_other: Transform) -> "Observation":
+        """The same observation with its poses in another upright frame.
+
+        Args:
+            map_to_other: The transform from the present frame to the other.
+        """
+        x, y, _ = map_to_other.apply(np.array([[self.robot.x, self.robot.y, 0.0]]))[0].tolist()
+        yaw = wrap_angle(self.robot.yaw + map_to_other.yaw)
+        moved = map_to_other @ self.camera_to_map
+        return replace(self, camera_to_map=moved, robot=Pose2(x, y, yaw))
 
     def points_at(
         self, rows: Int64[np.ndarray, " n"], columns: Int64[np.ndarray, " n"]

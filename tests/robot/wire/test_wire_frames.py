@@ -39,6 +39,17 @@ def decoded(body: bytes) -> Observation:
     return decode_observation(packed, CAMERA.intrinsics, CAMERA.camera_to_base)
 
 
+def test_poses_of_a_robot_with_a_frame_of_its_own_are_taken_to_the_map():
+    facts = FACTS.model_copy(update={"base_to_odom": PlanarPose(x=300.0, y=300.0)})
+    packed = unpack_observation(pack_observation(facts, *images()))
+    with pytest.raises(WireError, match="a map reaches"):
+        decode_observation(packed, CAMERA.intrinsics, CAMERA.camera_to_base)
+    to_map = facts.base_to_map.inverse()
+    seen = decode_observation(packed, CAMERA.intrinsics, CAMERA.camera_to_base, to_map)
+    assert np.allclose((*seen.robot.xy, seen.robot.yaw), 0.0)
+    assert np.allclose(seen.camera_to_map.matrix, CAMERA.camera_to_base.matrix)
+
+
 def png(width: int, height: int, depth: int = 16, kind: int = 0, rows: bytes = b"") -> bytes:
     def chunk(name: bytes, data: bytes) -> bytes:
         crc = zlib.crc32(name + data)

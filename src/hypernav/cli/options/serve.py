@@ -26,5 +26,8 @@ class Options:
     """Folder of a memory of the building: every search begins with what earlier ones learned."""
     memory_mb: float = 50.0
     """Size of that memory, megabytes."""
+    relocalize: bool = False
+    """Let robots turn once around at the start of a search to find out where they are in it: poses
+    may be in any frame."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agents."""

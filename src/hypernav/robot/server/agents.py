@@ -34,12 +34,14 @@ class AgentPlan:
         specs: Specifications of the components.
         memory: Folder of the memory that a search begins with and adds to; None if there is none.
         memory_mb: Size of the memory, megabytes.
+        relocalize: Whether robots don't know where they start in it, and find out by a turn.
     """
 
     config: HyPerNavConfig
     specs: ComponentSpecs
     memory: Path | None = None
     memory_mb: float = MOST_MEGABYTES
+    relocalize: bool = False
 
     def check(self) -> str:
         """Build the agent once without a goal, so that mistakes show before a robot comes.

@@ -16,18 +16,22 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.trace import Ending, StepTrace, floor_of
+from hypernav.core.trace import Ending, Mode, StepTrace, floor_of
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.robot.motion.config import DriveConfig
 from hypernav.robot.motion.obstacles import MapObstacles
 from hypernav.robot.motion.pure_pursuit import PurePursuit
+from hypernav.robot.motion.velocity import Velocity as BaseVelocity
 from hypernav.robot.server.sensing import Sensing
 from hypernav.robot.server.state.journal import EndRecord, Journal, SearchRecord, StepRecord
+from hypernav.robot.server.unknown_start import UnknownStart
 from hypernav.robot.wire.frames import PackedObservation, decode_observation, unpack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding, Velocity
+from hypernav.robot.wire.requests import ObservationFacts
 
 _LOG = logging.getLogger(__name__)
 _BLOCKED = "the robot says that it was blocked"
+_LOOKING = "finding out where it is in the memory"
 _BLIND = "the camera measures no depth, turning instead of driving"
 _SURROUNDINGS_M = 3.0
 _SUGGESTED_S = 1.0
@@ -58,6 +62,9 @@ class Decisions:
         self._camera_to_base = request.embodiment.camera.camera_to_base
         self._sensing = Sensing(request.embodiment)
         self._has_labels = request.labels
+        self._start: UnknownStart | None = None
+        if record.relocalize and memory is not None and memory.index is not None:
+            self._start = UnknownStart(memory, self._robot)
         self._told: Action | None = None
         self._steps = 0
 
@@ -80,7 +87,8 @@ class Decisions:
         """Decide about an observation that was checked.
 
         Returns:
-            The decision, and a copy of the map that it was made on; None if the steps have run out.
+            The decision, and a copy of the map that it was made on; None if the steps have run out,
+            or the robot still turns to find out where it is in the memory.
 
         Raises:
             ModelUnavailableError: A model did not answer.
@@ -88,17 +96,23 @@ class Decisions:
             MemoryStartError: What the robot sees first contradicts the memory.
             HyPerNavError: The agent cannot go on.
         """
-        number = packed.header.sequence
-        if number >= self._most_steps:
-            return StepRecord(reply=_reply_out_of_steps(number), trace=None), None
+        step, grid = self._decided(packed, seen)
+        self._told = step.reply.action
+        return step if self._start is None else self._start.as_robot_knows(step), grid
+
+    def _decided(
+        self, packed: PackedObservation, seen: Observation
+    ) -> tuple[StepRecord, OccupancyGrid | None]:
+        """The decision in the ``map`` frame of the search, and the map."""
+        number, start = packed.header.sequence, self._start
+        if self._steps >= self._most_steps:
+            return StepRecord(reply=_reply_out_of_steps(number, self._steps), trace=None), None
         self._sensing.note(packed, seen, self._told)
-        if number == 0 and self._memory is not None:
-            agent = cast(Remembers, self._built.agent)
-            memory = self._memory.begin(self._goal, seen)
-            agent.reset(self._goal, memory)
-            if self._thing is not None:
-                memory.go_first_to(self._thing.floor - 1, self._thing.number)
-        self._steps = number + 1
+        if start is not None and start.told is None and not start.look(packed.header, seen):
+            return StepRecord(reply=_reply_looking_around(number, self._robot), trace=None), None
+        if self._steps == 0 and self._memory is not None:
+            seen = self._begin(self._memory, packed.header, seen)
+        self._steps += 1
         self._built.agent.act(seen)
         grid, trace = self._agent.grid, self._agent.last_step
         if self._sensing.blind > 0 and trace.action is Action.MOVE_FORWARD:
@@ -106,8 +120,31 @@ class Decisions:
         if packed.header.blocked:
             trace = trace.model_copy(update={"events": [*trace.events, _BLOCKED]})
         reply = reply_of(number, trace, grid, self._robot)
-        self._told = reply.action
         return StepRecord(reply=reply, trace=trace), grid.cropped().copy()
+
+    def _begin(
+        self, folder: MemoryFolder, facts: ObservationFacts, seen: Observation
+    ) -> Observation:
+        """Begin with the memory, unless the robot's place there is not sure.
+
+        Returns:
+            The first frame, ``map`` frame of the search.
+
+        Raises:
+            MemoryStartError: What the robot sees contradicts the memory, and it knew its place.
+        """
+        if self._start is None:
+            memory = folder.begin(self._goal, seen)
+        else:
+            memory, seen = self._start.begin(facts, self._goal)
+        if memory is None:
+            folder.leave()
+            self._memory = None
+            return seen
+        cast(Remembers, self._built.agent).reset(self._goal, memory)
+        if self._thing is not None:
+            memory.go_first_to(self._thing.floor - 1, self._thing.number)
+        return seen
 
     def repeat(self, journal: Journal, is_wanted: Callable[[], bool]) -> dict[int, OccupancyGrid]:
         """After a restart, give the agent all decided observations again.
@@ -127,8 +164,6 @@ class Decisions:
             if not is_wanted():
                 break
             recorded = journal.step(number)
-            if recorded.trace is None:
-                continue
             packed = unpack_observation(journal.observation(number))
             again, grid = self.decide(packed, self._decoded(packed))
             if again.trace is not None and grid is not None:
@@ -162,7 +197,9 @@ class Decisions:
             self._memory.leave()
 
     def _decoded(self, packed: PackedObservation) -> Observation:
-        return decode_observation(packed, self._camera, self._camera_to_base)
+        start = self._start
+        to_map = None if start is None else start.robot_to_map(packed.header)
+        return decode_observation(packed, self._camera, self._camera_to_base, to_map)
 
 
 def reply_of(sequence: int, trace: StepTrace, grid: OccupancyGrid, robot: Embodiment) -> Reply:
@@ -192,12 +229,23 @@ def reply_of(sequence: int, trace: StepTrace, grid: OccupancyGrid, robot: Embodi
     )
 
 
-def _reply_out_of_steps(sequence: int) -> Reply:
+def _reply_looking_around(sequence: int, robot: Embodiment) -> Reply:
+    """The reply during the turn that finds the start in the memory."""
+    return Reply(
+        sequence=sequence,
+        action=Action.TURN_LEFT,
+        velocity=_rotation(Action.TURN_LEFT, robot),
+        mode=Mode.LOOK_AROUND,
+        reason=_LOOKING,
+    )
+
+
+def _reply_out_of_steps(sequence: int, steps: int) -> Reply:
     """The reply when the steps have run out."""
     return Reply(
         sequence=sequence,
         action=Action.STOP,
-        reason=f"the limit of {sequence} steps is reached",
+        reason=f"the limit of {steps} steps is reached",
         done=True,
         ending=SearchEnding.GAVE_UP,
     )
@@ -220,13 +268,21 @@ def _suggested(
 ) -> Velocity:
     """A velocity along the path; without a path, that of the action's rotation."""
     pursuit = PurePursuit(DriveConfig(), robot.body.radius_m)
-    turn = math.radians(robot.motion.turn_angle_deg)
     if len(trace.path) > 1:
-        found = pursuit.command(pose, trace.path, _SUGGESTED_S, obstacles)
-    elif trace.action in (Action.TURN_LEFT, Action.TURN_RIGHT):
-        found = pursuit.rotate(turn if trace.action is Action.TURN_LEFT else -turn, _SUGGESTED_S)
-    else:
-        found = pursuit.command(pose, (), _SUGGESTED_S)
+        return _rounded(pursuit.command(pose, trace.path, _SUGGESTED_S, obstacles))
+    if trace.action is Action.TURN_LEFT or trace.action is Action.TURN_RIGHT:
+        return _rotation(trace.action, robot)
+    return _rounded(pursuit.command(pose, (), _SUGGESTED_S))
+
+
+def _rotation(action: Action, robot: Embodiment) -> Velocity:
+    """The velocity of a turn on the spot."""
+    turn = math.radians(robot.motion.turn_angle_deg)
+    pursuit = PurePursuit(DriveConfig(), robot.body.radius_m)
+    return _rounded(pursuit.rotate(turn if action is Action.TURN_LEFT else -turn, _SUGGESTED_S))
+
+
+def _rounded(found: BaseVelocity) -> Velocity:
     return Velocity(
         linear_m_s=round(found.linear_m_s, 4), angular_rad_s=round(found.angular_rad_s, 4)
     )

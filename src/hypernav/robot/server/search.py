@@ -285,7 +285,7 @@ class Search:
         maps = {} if grid is None or step.trace is None else {floor_of(step.trace): grid}
         with self._lock:
             if self._now.end is None:
-                turn.reply, self._now = step.reply, self._now.showing(step.trace, maps)
+                turn.reply, self._now = step.reply, self._now.showing(step, maps)
             if step.reply.ending is None:  # else the end follows at once
                 self._tell(self._now)
         if step.reply.ending is not None:

@@ -171,6 +171,7 @@ class Searches:
                 config=plan.config,
                 memory=plan.memory,
                 memory_mb=plan.memory_mb,
+                relocalize=plan.relocalize,
             )
             search = Search(Journal.create(folder, record), self._pace)
             failed.pop_all()

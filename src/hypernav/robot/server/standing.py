@@ -6,10 +6,10 @@ from dataclasses import dataclass, field, replace
 from hypernav.core.actions import Action
 from hypernav.core.errors import RequestRefusedError, RunFolderError, WireError
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.trace import StepTrace, floor_of
-from hypernav.robot.server.state.journal import EndRecord, Journal, SearchRecord
+from hypernav.core.trace import floor_of
+from hypernav.robot.server.state.journal import EndRecord, Journal, SearchRecord, StepRecord
 from hypernav.robot.wire.frames import PackedObservation
-from hypernav.robot.wire.replies import MapExtent, Reply, SearchState, Status
+from hypernav.robot.wire.replies import MapExtent, Reply, SearchState, StartInMemory, Status
 
 
 @dataclass(eq=False)
@@ -57,6 +57,7 @@ class Standing:
         next_sequence: Number of the observation that is expected next.
         is_resuming: Whether the agent is given again what came before a restart.
         end: End of the search; None as long as it goes on.
+        start: Where the robot is in the server's memory; None if it knew, or still turns.
         pose: Last pose of the robot ``(x, y, yaw)``, ``map`` frame; None before the first decision.
         floor: Number of the floor that it is on.
         extent: Where the map of that floor lies; None before the first decision.
@@ -71,6 +72,7 @@ class Standing:
     next_sequence: int = 0
     is_resuming: bool = False
     end: EndRecord | None = None
+    start: StartInMemory | None = None
     pose: tuple[float, float, float] | None = None
     floor: int = 1
     extent: MapExtent | None = None
@@ -95,10 +97,10 @@ class Standing:
                 last.reply = end_reply(last.sequence, end)
         now = Standing(last=last, next_sequence=count, end=end)
         if end is None:
-            return replace(now, colour=journal.image_of(count - 1)).showing(trace, {})
+            return replace(now, colour=journal.image_of(count - 1)).showing(step, {})
         floor = 1 if trace is None else floor_of(trace)
         grid = journal.read_map(floor, floor)
-        return now.showing(trace, {} if grid is None else {floor: grid}).kept_on(journal)
+        return now.showing(step, {} if grid is None else {floor: grid}).kept_on(journal)
 
     @property
     def grid(self) -> OccupancyGrid | None:
@@ -178,11 +180,13 @@ class Standing:
             return now
         return replace(now, colour=(packed.header.colour.format, packed.colour))
 
-    def showing(self, trace: StepTrace | None, maps: Mapping[int, OccupancyGrid]) -> "Standing":
-        """With pose and maps after a decision; no trace, or no map of a floor, leaves the old."""
+    def showing(self, step: StepRecord | None, maps: Mapping[int, OccupancyGrid]) -> "Standing":
+        """With start, pose and maps after a decision; what there is none of leaves the old."""
         now = replace(self, maps={**self.maps, **maps})
-        if trace is not None:
-            now = replace(now, pose=trace.pose, floor=floor_of(trace))
+        if step is not None:
+            now = replace(now, start=step.start or now.start)
+        if step is not None and step.trace is not None:
+            now = replace(now, pose=step.trace.pose, floor=floor_of(step.trace))
         return now if now.grid is None else replace(now, extent=MapExtent.of(now.grid))
 
     def kept_on(self, journal: Journal) -> "Standing":
@@ -206,6 +210,7 @@ class Standing:
             next_sequence=self.next_sequence,
             last=None if self.last is None else self.last.reply,
             pose=self.pose,
+            start=self.start,
             map=self.extent,
             silent_s=round(silent_s, 3) if self.end is None else None,
             ending=None if self.end is None else self.end.ending,

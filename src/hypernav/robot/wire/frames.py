@@ -144,7 +144,10 @@ def unpack_observation(body: bytes) -> PackedObservation:
 
 
 def decode_observation(
-    packed: PackedObservation, camera: PinholeCamera, camera_to_base: Transform
+    packed: PackedObservation,
+    camera: PinholeCamera,
+    camera_to_base: Transform,
+    robot_to_map: Transform | None = None,
 ) -> Observation:
     """The observation as an agent takes it.
 
@@ -152,6 +155,8 @@ def decode_observation(
         packed: Observation with encoded images.
         camera: Camera model of the search, whose size the images must have.
         camera_to_base: Pose of the camera on the robot, unless the observation has its own.
+        robot_to_map: Transform from the frame of the robot's poses to the ``map`` frame of the
+            search; None if that is the same.
 
     Raises:
         WireError: An image is broken, or of another size or format than announced; or the robot is
@@ -159,6 +164,8 @@ def decode_observation(
     """
     header = packed.header
     base_to_map = header.base_to_map
+    if robot_to_map is not None:
+        base_to_map = robot_to_map @ base_to_map
     x, y, _ = base_to_map.translation
     if max(abs(x), abs(y)) > MAP_REACH_M:
         raise WireError(

@@ -4,6 +4,7 @@ from enum import StrEnum
 
 from hypernav.core.actions import Action
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.trace import Mode
 from hypernav.robot.wire.values import Message, SearchId
 
@@ -68,8 +69,10 @@ class Reply(Message):
         sequence: Number of the observation.
         hold: Whether the decision is still pending: stand still, and ask again.
         action: What to do, once; STOP when the search is over, None while it is on hold.
-        destination: Position ``(x, y)`` that the robot is going to, ``map`` frame, metres.
-        path: Remaining path there, from the robot on, ``map`` frame, metres.
+        destination: Position ``(x, y)`` that the robot is going to, metres, in the frame of the
+            robot's poses: its ``map`` frame, which is that of the search unless the server finds
+            the start (`StartInMemory`).
+        path: Remaining path there, from the robot on, in the same frame, metres.
         clearance_m: Distance from the robot to the nearest obstacle on the map, metres; None if
             there is none within 3 m.
         velocity: Suggestion for continuous driving at the pose of the observation.
@@ -121,6 +124,44 @@ class SearchState(StrEnum):
     """The search is over."""
 
 
+class StartInMemory(Message):
+    """Where a robot that doesn't know its start is in the server's memory, by its first turn.
+
+    Attributes:
+        sure: Whether the place is sure. If not, the search goes on with a new memory, which is not
+            kept, and the server's memory stays as it was.
+        doubt: The reason why it isn't, for people; empty if it is.
+        turns: Number of turns that it took.
+        robot_frame: Pose ``(x, y, yaw)`` at which the frame of the robot's poses begins, in the
+            ``map`` frame of the search: the memory's, or one that begins where the robot stood.
+        robot_frame_z: Height of that frame there, metres.
+        floor: Number of the likeliest floor, from 1; None if there was nothing to compare.
+        evidence: What speaks for the place, at most 1.
+        rival: What speaks for the best other place, as a share of that.
+    """
+
+    sure: bool
+    doubt: str
+    turns: int
+    robot_frame: tuple[float, float, float]
+    robot_frame_z: float
+    floor: int | None = None
+    evidence: float | None = None
+    rival: float | None = None
+
+    @property
+    def words(self) -> str:
+        """What became of it, for people."""
+        if self.sure:
+            return f"found on floor {self.floor} of the memory by one turn"
+        return f"not found in the memory: {self.doubt}; the search began anew"
+
+    @property
+    def robot_to_map(self) -> Transform:
+        """The transform from the frame of the robot's poses to the ``map`` frame of the search."""
+        return Pose2(*self.robot_frame).to_transform(self.robot_frame_z)
+
+
 class Status(Message):
     """The present state of a search.
 
@@ -134,7 +175,8 @@ class Status(Message):
         state: What the search is waiting for.
         next_sequence: Number of the observation that is expected next.
         last: The last answer; None before the first.
-        pose: Last pose of the robot ``(x, y, yaw)``, ``map`` frame.
+        pose: Last pose of the robot ``(x, y, yaw)``, ``map`` frame of the search.
+        start: Where the robot is in the server's memory; None if it knew, or still turns.
         map: Extent of the map; None before the first answer.
         silent_s: Time since the robot's last message, seconds; 0 while it waits for an answer, None
             once the search is over.
@@ -151,6 +193,7 @@ class Status(Message):
     next_sequence: int
     last: Reply | None = None
     pose: tuple[float, float, float] | None = None
+    start: StartInMemory | None = None
     map: MapExtent | None = None
     silent_s: float | None = None
     ending: SearchEnding | None = None

@@ -57,7 +57,8 @@ class OpenSearch(Message):
             principal point. With it, ``hfov_deg`` is calculated.
         preset: Values of the method; None takes the server's.
         agent: Name of an agent; None takes the server's.
-        max_steps: Number of observations after which the search ends as given up.
+        max_steps: Number of observations after which the search ends as given up; those of a turn
+            that finds the start in the server's memory don't count.
         labels: Whether the observations bring true labels, as only a simulation can. Without them a
             search is refused where the server's detector reads labels.
         deadline_s: Longest wait for an answer before the reply says ``hold``, seconds.

@@ -37,7 +37,7 @@ from hypernav.mapping.memory.memory_folder import MOST_MEGABYTES
 from hypernav.mapping.ros_map import load_ros_map, save_ros_map
 from hypernav.robot.server.state.record_file import RecordFile
 from hypernav.robot.wire.frames import unpack_observation
-from hypernav.robot.wire.replies import Reply, SearchEnding
+from hypernav.robot.wire.replies import Reply, SearchEnding, StartInMemory
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.robot.wire.values import Message, SearchId
 
@@ -64,6 +64,7 @@ class SearchRecord(Message):
         config: Configuration of the agent.
         memory: Folder of the memory that it adds to; None if there is none.
         memory_mb: Size of the memory, megabytes.
+        relocalize: Whether the robot doesn't know where it starts in that memory.
     """
 
     id: SearchId
@@ -75,6 +76,7 @@ class SearchRecord(Message):
     config: HyPerNavConfig
     memory: Path | None = None
     memory_mb: float = MOST_MEGABYTES
+    relocalize: bool = False
 
 
 class StepRecord(Message):
@@ -82,11 +84,14 @@ class StepRecord(Message):
 
     Attributes:
         reply: What the robot was told.
-        trace: What the agent knew and decided; None if the search ended at the step limit.
+        trace: What the agent knew and decided; None if the search ended at the step limit, or the
+            robot still turns to find out where it is in the memory.
+        start: Where it is there; None if it knew, or still turns.
     """
 
     reply: Reply
     trace: StepTrace | None
+    start: StartInMemory | None = None
 
 
 class EndRecord(Message):
