@@ -18,7 +18,7 @@ from hypernav.core.trace import Mode, StepTrace
 from hypernav.robot.client.links import HttpServer
 from hypernav.robot.client.robot import Executed, Sensed
 from hypernav.robot.client.robot_client import ClientStep, RobotClient
-from hypernav.robot.wire.replies import Reply, SearchOpened
+from hypernav.robot.wire.replies import Reply, SearchOpened, SearchState, Status
 
 CAMERA = PinholeCamera.from_hfov(2, 2, 79.0)
 HERE = Pose2(0.0, 0.0, 0.0)
@@ -51,6 +51,17 @@ class Server(HttpServer):
         for step in range(since, self.asked):
             action, mode = Action.TURN_LEFT, Mode.EXPLORE
             yield StepTrace(step=step, pose=(0.0, 0.0, 0.0), action=action, mode=mode, reason="")
+
+    def status(self, search_id: str, *, after: int = -1, wait_s: float = 0.0) -> Status:
+        return Status(
+            id=search_id,
+            version=self.asked,
+            goal="bed",
+            words="",
+            opened_s=0.0,
+            state=SearchState.WAITING,
+            next_sequence=self.asked,
+        )
 
     def grid(self, search_id: str) -> OccupancyGrid:
         return OccupancyGrid(np.ones((1, 1), np.uint8), 0.05, (0.0, 0.0))

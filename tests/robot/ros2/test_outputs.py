@@ -7,17 +7,20 @@ from typing import Any
 import numpy as np
 
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import BlockRecord, Mode, StepTrace
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.idl_types import Header, Time
 from hypernav.robot.ros2.network import Quality
 from hypernav.robot.ros2.outputs import (
     Ros2Outputs,
+    frame_message,
     grid_message,
     image_message,
     marker_message,
     path_message,
 )
+from hypernav.robot.wire.replies import StartInMemory
 
 HEADER = Header(Time(5, 6), "map")
 
@@ -99,3 +102,36 @@ def test_the_floor_of_the_map_is_named():
         rgb = np.zeros((4, 4, 3), dtype=np.uint8)
         outputs.publish(trace, grid, rgb, at_s=0.0, camera_frame="camera")
     assert [one.data for one in network.published["/hypernav/floor"]] == ["floor 1", "floor 2"]
+
+
+def found_at(x: float, y: float, yaw: float) -> StartInMemory:
+    """The frame of the robot's poses begins there in the memory."""
+    return StartInMemory(
+        sure=True, doubt="", turns=11, floor=1, robot_frame=(x, y, yaw), robot_frame_z=0.5
+    )
+
+
+def test_a_position_of_the_memory_is_where_the_robot_has_it_by_the_published_frame():
+    start = found_at(3.0, -1.0, 2.0)
+    (made,) = frame_message(start, HEADER, "hypernav_map").transforms
+    assert (made.header.frame_id, made.child_frame_id) == ("map", "hypernav_map")
+    at, turn = made.transform.translation, made.transform.rotation
+    published = Pose2(at.x, at.y, 2.0 * math.atan2(turn.z, turn.w)).to_transform(at.z)
+    in_memory = np.array([[0.7, 0.2, 0.1]])
+    there = start.robot_to_map.apply(published.apply(in_memory))
+    assert np.allclose(there, in_memory)
+
+
+def test_where_the_start_was_found_people_see_everything_in_the_memorys_frame():
+    network: Any = Network()
+    outputs = Ros2Outputs(network, Ros2Config())
+    step = StepTrace(step=0, pose=(0.0, 0.0, 0.0), action=None, mode=Mode.EXPLORE, path=[(1, 2)])
+    grid = OccupancyGrid(np.zeros((2, 3), dtype=np.uint8), 0.05, (0.0, 0.0))
+    rgb = np.zeros((4, 4, 3), dtype=np.uint8)
+    for start in (None, found_at(3.0, -1.0, 2.0), found_at(3.0, -1.0, 2.0)):
+        outputs.publish(step, grid, rgb, at_s=0.0, camera_frame="camera", start=start)
+    for topic in ("map", "path"):
+        frames = [one.header.frame_id for one in network.published[f"/hypernav/{topic}"]]
+        assert frames == ["odom", "hypernav_map", "hypernav_map"]
+    (told,) = network.published["/tf_static"]
+    assert told.transforms[0].header.frame_id == "odom"

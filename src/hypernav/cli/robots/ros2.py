@@ -15,7 +15,7 @@ from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.robot import Ros2
 from hypernav.cli.robots.own_server import server_at
-from hypernav.cli.robots.recording import recording
+from hypernav.cli.robots.recording import found_start_of, found_start_values, recording
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.views import Views, check_views
 from hypernav.cli.screen.warnings_shown import warnings_on
@@ -133,6 +133,7 @@ def _searched(
         with StopListener(server.address, opened.id, client.stop):
             ending, length_m = _search(client, senses, server, opened, outputs, views, status)
             detector, reasoner = opened.detector_and_reasoner
+            found = found_start_of(server, opened)
             result: dict[str, Any] = {
                 "goal": goal.text,
                 "scene": "a robot on ROS 2",
@@ -141,6 +142,7 @@ def _searched(
                 "drive": options.drive,
                 "detector": detector,
                 "reasoner": reasoner,
+                **found_start_values(found),
                 "outcome": _OUTCOMES.get(ending, Outcome.INTERRUPTED),
                 "steps": client.steps,
                 "path_length_m": length_m,
@@ -151,6 +153,8 @@ def _searched(
             views.finish(result)
         ended = f"{goal.text}: {ending or 'stopped'} after {client.steps} steps"
         console.print(ended, markup=False)
+        if found is not None:
+            console.print(f"start {found.words}", markup=False)
     return ending, views
 
 
@@ -201,15 +205,21 @@ def _search(
         status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
         # An error of the display must not end the search; the next step catches up.
         try:
+            start = server.status(opened.id).start
             for trace in server.trace(opened.id, since=known):
                 grid = server.grid(opened.id)
                 is_present = trace.step == reply.sequence
                 # The images of earlier steps are no longer available.
-                views.add(trace, grid, senses.observation(sensed) if is_present else None)
+                seen = senses.observation(sensed) if is_present else None
+                if seen is not None and start is not None:
+                    seen = seen.in_frame(start.robot_to_map)
+                views.add(trace, grid, seen)
                 known = trace.step + 1
                 if is_present:
                     frame, at_s = senses.sensors.calibration.frame, sensed.stamp_s
-                    outputs.publish(trace, grid, sensed.rgb, at_s=at_s, camera_frame=frame)
+                    outputs.publish(
+                        trace, grid, sensed.rgb, at_s=at_s, camera_frame=frame, start=start
+                    )
         except (LinkLostError, RequestRefusedError, RosNetworkError) as error:
             _LOG.warning("step %d is not shown: %s", reply.sequence + 1, error)
     return ending, length_m

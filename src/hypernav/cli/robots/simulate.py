@@ -22,7 +22,7 @@ from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.robot import Simulate
 from hypernav.cli.robots.own_server import server_at
-from hypernav.cli.robots.recording import recording
+from hypernav.cli.robots.recording import found_start_of, found_start_values, recording
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.views import Views, check_views
 from hypernav.core.config import check_option, layered
@@ -115,6 +115,7 @@ def run(options: Simulate) -> int:
                     path_length_m=base.path_length_m,
                     success_distance_m=SUCCESS_DISTANCE_M,
                 )
+                found = found_start_of(server, opened)
                 result = {
                     "goal": goal.text,
                     "scene": base.world.scene.name,
@@ -124,6 +125,7 @@ def run(options: Simulate) -> int:
                     "reasoner": opened.detector_and_reasoner[1],
                     "seed": options.seed,
                     "start": [start.x, start.y, float(np.degrees(start.yaw))],
+                    **found_start_values(found),
                     "outcome": _outcome(ending, metrics),
                     "steps": client.steps,
                     **asdict(metrics),
@@ -133,6 +135,8 @@ def run(options: Simulate) -> int:
                 views.finish(result)
                 status.stop()
                 _say(console, options, result)
+                if found is not None:
+                    console.print(f"  start {escape(found.words)}", soft_wrap=True)
                 views.stay(console)
         finally:
             with suppress(RobotLinkError, RequestRefusedError):
@@ -158,6 +162,8 @@ def _search(
         status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
         if views.are_open:
             seen = step.sensed.observation(camera.intrinsics, camera.camera_to_base)
+            if (start := server.status(opened.id).start) is not None:
+                seen = seen.in_frame(start.robot_to_map)
             for trace in server.trace(opened.id, since=known):
                 views.add(trace, server.grid(opened.id), seen)
                 known = trace.step + 1

@@ -23,11 +23,16 @@ from hypernav.robot.ros2.idl_types import (
     Point,
     Pose,
     PoseStamped,
+    Quaternion,
     String,
+    TFMessage,
+    Transform,
+    TransformStamped,
     Vector3,
 )
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.robot.ros2.poses import pose_message, ros_time
+from hypernav.robot.wire.replies import StartInMemory
 from hypernav.show.drawing import palette
 from hypernav.show.video.camera_panel import draw_camera
 
@@ -42,11 +47,14 @@ class Ros2Outputs:
         """Announce the topics, below ``topics.output``."""
         below = config.topics.output.rstrip("/")
         self._frame = config.frames.map or config.frames.odom
+        self._memory_frame = f"{below.strip('/').replace('/', '_')}_map"
+        self._frames = network.publisher(config.topics.tf_static, TFMessage, Quality.STATIC)
         self._map = network.publisher(f"{below}/map", OccupancyGrid, Quality.LATCHED)
         self._floor = network.publisher(f"{below}/floor", String, Quality.LATCHED)
         self._path = network.publisher(f"{below}/path", Path)
         self._markers = network.publisher(f"{below}/markers", MarkerArray)
         self._image = network.publisher(f"{below}/image", Image, Quality.LATCHED)
+        self._start: StartInMemory | None = None
         self._blocks: list[BlockRecord] = []
 
     def publish(
@@ -57,8 +65,12 @@ class Ros2Outputs:
         *,
         at_s: float,
         camera_frame: str,
+        start: StartInMemory | None = None,
     ) -> None:
         """Publish one step.
+
+        Where the server has found the start, map, path and markers are in a frame of their own,
+        whose pose is published as a static one.
 
         Args:
             trace: What the agent knew and decided.
@@ -66,8 +78,14 @@ class Ros2Outputs:
             rgb: The camera image of the step.
             at_s: Time of the image, seconds.
             camera_frame: Frame of the image.
+            start: Where the robot is in the server's memory; None if it knew.
         """
         header = Header(ros_time(at_s), self._frame)
+        if start is not None:
+            if start != self._start:
+                self._frames.publish(frame_message(start, header, self._memory_frame))
+            self._start = start
+            header = Header(header.stamp, self._memory_frame)
         self._map.publish(grid_message(grid, header))
         self._floor.publish(String(f"floor {trace.floor or 1}"))
         self._path.publish(path_message(trace.path, header))
@@ -76,6 +94,15 @@ class Ros2Outputs:
         height, width = rgb.shape[:2]
         drawn = draw_camera(rgb, trace.detections, width=width, height=height)
         self._image.publish(image_message(drawn, Header(header.stamp, camera_frame)))
+
+
+def frame_message(start: StartInMemory, header: Header, name: str) -> TFMessage:
+    """The pose of the search's ``map`` frame in that of the robot's poses, and its name."""
+    map_to_robot = start.robot_to_map.inverse()
+    x, y, z = map_to_robot.translation.tolist()
+    half = map_to_robot.yaw / 2.0
+    rotation = Quaternion(z=math.sin(half), w=math.cos(half))
+    return TFMessage([TransformStamped(header, name, Transform(Vector3(x, y, z), rotation))])
 
 
 def grid_message(grid: Grid, header: Header) -> OccupancyGrid:
