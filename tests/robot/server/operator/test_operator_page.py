@@ -1,6 +1,7 @@
 """The operator's page in a real browser, with a simulated robot that waits for goals."""
 
 import json
+import math
 import re
 import shutil
 import subprocess
@@ -27,6 +28,7 @@ from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.stop_listener import StopListener
 from hypernav.robot.driving.driven_robot import DrivenRobot
+from hypernav.robot.server.agents import AgentPlan
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.search import Search
 from hypernav.robot.server.searches import Searches
@@ -504,3 +506,25 @@ def test_the_page_notes_which_things_have_no_way_and_says_that_the_memory_is_bro
         page.driver.refresh()
         page.until(lambda: "memory.json is broken" in page.memory.text)
         assert buttons() == []
+
+
+def test_the_page_says_what_became_of_a_start_that_the_robot_did_not_know(page, tmp_path):
+    def plan(request: OpenSearch) -> AgentPlan:
+        return replace(real_plan(request), memory=tmp_path / "home", relocalize=True)
+
+    with robot_server(tmp_path / "state", plan) as link:
+        drive(link, link.open(), BoxRoom())
+        room, search = BoxRoom(Pose2(0.5, 0.0, math.pi)), link.open()  # looks alike from both ends
+        page.driver.get(f"http://127.0.0.1:{link.port}/")
+        replies = drive(link, search, room, most=3)
+        page.until(lambda: "finding out where it is in the memory" in page.reason.text)
+        assert not page.start.is_displayed()
+        replies += drive(link, search, room, first=3)
+        page.until(lambda: page.headline.text == "Found “door”")
+        assert page.start.text.startswith("Start: not found in the memory: ")
+        assert page.start.text.endswith("The search began anew; the memory stays as it was.")
+        assert page.step.text == f"{len(replies)} of {len(replies)}"
+        first = page.driver.find_elements(By.CSS_SELECTOR, "#events button")[-1]
+        assert first.text == "Step 12"  # those of the turn before have no trace
+        first.click()
+        page.until(lambda: page.step.text == f"12 of {len(replies)}")

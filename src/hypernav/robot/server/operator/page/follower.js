@@ -58,7 +58,7 @@ export class Follower {
     const isNew = !this.status || status.next_sequence !== this.status.next_sequence
       || status.last?.sequence !== this.status.last?.sequence || !status.map !== !this.maps.size;
     if (isNew && status.next_sequence > 0) {
-      const lines = await (await this.request(`/trace?since=${this.steps.length}`)).text();
+      const lines = await (await this.request(`/trace?since=${(this.steps.at(-1)?.step ?? -1) + 1}`)).text();
       const known = this.steps.length;
       for (const line of lines.split("\n")) if (line) this.steps.push(parse(line));
       // Stairs change only where a climb begins or ends.

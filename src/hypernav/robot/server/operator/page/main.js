@@ -55,7 +55,9 @@ function show() {
   byId("eyebrow").textContent = `Search of ${time(status.opened_s)}`;
   byId("headline").textContent = headline(status);
   byId("reason").textContent = reason(status, step);
-  byId("step").textContent = step ? `${step.step + 1} of ${steps.length}` : "–";
+  byId("start").hidden = !status.start;
+  byId("start").textContent = status.start ? startWords(status.start) : "";
+  byId("step").textContent = step ? `${step.step + 1} of ${steps.at(-1).step + 1}` : "–";
   byId("driven").textContent = step ? `${driven(steps, timeline.shown).toFixed(1)} m` : "–";
   byId("action").textContent = next(status, step);
   document.body.dataset.silent = String(isSilent(status));
@@ -99,8 +101,15 @@ function reason(status, step) {
   if (status.ending && (status.detail || status.ending !== "found")) return sentence(status.detail || "the search has ended");
   if (status.state === "resuming") return `${STATES.resuming}.`;
   if (isSilent(status)) return `The robot has been silent for ${span(silentS(status))}.`;
+  if (!step && status.last?.mode) return `${MODES[status.last.mode]}: ${status.last.reason}`;
   if (!step) return status.state === "deciding" ? "Deciding about the first image …" : "Waiting for the robot’s first image.";
   return `${MODES[step.mode]}: ${step.reason}` + (status.state === "deciding" ? " · deciding …" : "");
+}
+
+/** Where a robot that didn’t know its start is in the server’s memory. */
+function startWords(start) {
+  if (start.sure) return `Start: found on floor ${start.floor} of the memory by one turn.`;
+  return `Start: not found in the memory: ${start.doubt}. The search began anew; the memory stays as it was.`;
 }
 
 const sentence = (words) => (/^\S+:\/\//.test(words) ? words : words.charAt(0).toUpperCase() + words.slice(1)) + (/[.!?]$/.test(words) ? "" : ".");

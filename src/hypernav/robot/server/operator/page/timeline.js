@@ -43,9 +43,9 @@ export class Timeline {
     if (this.isLive) this.slider.value = this.slider.max;
     this.live.setAttribute("aria-pressed", String(this.isLive));
     const step = steps[this.shown];
-    const words = step ? `Step ${step.step + 1} of ${steps.length}, ${MODES[step.mode]}` : "No step yet";
+    const words = step ? `Step ${step.step + 1} of ${steps.at(-1).step + 1}, ${MODES[step.mode]}` : "No step yet";
     this.slider.setAttribute("aria-valuetext", words);
-    for (; this.listed < steps.length; this.listed += 1) this.list(steps[this.listed], steps[this.listed - 1]);
+    for (; this.listed < steps.length; this.listed += 1) this.list(this.listed);
     this.draw();
   }
 
@@ -55,12 +55,13 @@ export class Timeline {
     this.onMove();
   }
 
-  list(step, before) {
+  list(place) {
+    const step = this.steps[place], before = this.steps[place - 1];
     const events = [...step.events];
     if (step.mode !== before?.mode) events.unshift(MODES[step.mode]);
     for (const event of events) {
       const button = element("button", { type: "button" }, `Step ${step.step + 1}`);
-      button.addEventListener("click", () => this.go(step.step));
+      button.addEventListener("click", () => this.go(place));
       this.events.prepend(element("li", {}, button, element("span", {}, event)));
     }
     while (this.events.childElementCount > MOST_EVENTS) this.events.lastElementChild.remove();
