@@ -7,7 +7,7 @@ import numpy as np
 from hypernav.agents.phases.approach import approach
 from hypernav.agents.phases.climb import climb
 from hypernav.agents.phases.end import end
-from hypernav.agents.phases.explore import explore, look_around
+from hypernav.agents.phases.explore import explore
 from hypernav.agents.phases.get_free import get_free, repeats, with_tried
 from hypernav.agents.phases.recall import errand
 from hypernav.agents.phases.second_look import second_look
@@ -19,7 +19,6 @@ from hypernav.mapping.memory.target import Target
 from hypernav.perception.local.belief import likeliest, reconsidered
 
 _PHASES: Mapping[Phase, Callable[[Step, Memory, Plan], tuple[Decision | Phase, Plan]]] = {
-    Phase.LOOK_AROUND: look_around,
     Phase.EXPLORE: explore,
     Phase.APPROACH: approach,
     Phase.VERIFY: verify,
@@ -56,7 +55,7 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
         return Phase.GET_FREE, plan
     must_finish_look = config.look_around_at_start and config.finish_first_look
     if must_finish_look and step.number < step.motion.turns_of_a_circle:
-        return Phase.LOOK_AROUND, plan
+        return Phase.EXPLORE, plan
     if _must_choose(step, memory):
         evidence = reconsidered(memory.search.evidence)
         memory.search.evidence = evidence or memory.search.evidence
@@ -78,9 +77,9 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
         ).with_new_patience(config)
         approaching = plan.approaching
     if target is None:
-        return Phase.LOOK_AROUND, plan
+        return Phase.EXPLORE, plan
     if approaching.rest_steps > 0 and not approaching.as_near_as_possible:
-        return Phase.LOOK_AROUND, plan.approach(rest_steps=approaching.rest_steps - 1)
+        return Phase.EXPLORE, plan.approach(rest_steps=approaching.rest_steps - 1)
     if approaching.second_look is not None:
         return Phase.SECOND_LOOK, plan
     return Phase.APPROACH, plan

@@ -132,7 +132,7 @@ class Exploring:
     insight: Insight | None = None
 
     def towards(
-        self, destination: Destination, config: SearchConfig, *, left: tuple[Position, ...]
+        self, destination: Destination, config: SearchConfig, *, left: tuple[Position, ...] = ()
     ) -> "Exploring":
         """The plan with the explorer's destination; patience goes on if it is the expired one."""
         again = self.expired

@@ -162,9 +162,8 @@ class Decision:
 
 
 class Phase(Enum):
-    """The phases that a step may be handed on to; LOOK_AROUND hands it on to EXPLORE."""
+    """The phases that a step may be handed on to."""
 
-    LOOK_AROUND = auto()
     EXPLORE = auto()
     APPROACH = auto()
     VERIFY = auto()

@@ -22,7 +22,7 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
     """Drive to the goal area and hand on to VERIFY there; explore for now where no path leads."""
     target, robot, config = memory.search.evidence.target, step.robot, step.config
     if target is None:
-        return Phase.LOOK_AROUND, plan
+        return Phase.EXPLORE, plan
     opens = _opens_the_way(step, memory, plan)
     goals = _goals(step, memory, plan, target, opens=opens)
     if _distance_m(robot.xy, goals[0]) > config.stop_distance_m:
@@ -40,7 +40,7 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
                     decision, plan = open_way(step, plan, np.concatenate(goals))
                 if decision is not None:
                     return decision, _without_exploration(step, plan)
-            return Phase.LOOK_AROUND, plan.with_new_patience(config)
+            return Phase.EXPLORE, plan.with_new_patience(config)
         left_m = route.left_m(robot)
         if action is not None:
             patience = plan.approaching.patience.after(left_m, len(route.actions))
@@ -56,11 +56,11 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
         if config.local_first and (action is not None or not leads_there):
             step.events.append("goal area given up for now")
             memory.search.evidence = rejected(memory.search.evidence, step.use.local.config)
-            return Phase.LOOK_AROUND, plan.with_new_patience(config)
+            return Phase.EXPLORE, plan.with_new_patience(config)
         if left_m > _CLOSE_BY_M and not must_do:
             step.events.append("goal out of reach for now")
             plan = plan.approach(rest_steps=config.endurance_steps)
-            return Phase.LOOK_AROUND, plan.with_new_patience(config)
+            return Phase.EXPLORE, plan.with_new_patience(config)
     return Phase.VERIFY, _without_exploration(step, plan)
 
 

@@ -59,7 +59,7 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     """
     climbing = plan.climbing
     if climbing is None:
-        return Phase.LOOK_AROUND, plan
+        return Phase.EXPLORE, plan
     connector = _connector(memory, climbing)
     climbing = replace(climbing, steps=climbing.steps + 1, touching=_touches(step, plan, climbing))
     if climbing.steps > _PATIENCES * step.config.endurance_steps:
@@ -195,11 +195,11 @@ def _given_up(
     if memory.is_off_floor and not (memory.on_stairs or climbing.is_back):
         memory.reached_level(climbing.connector)
         step.events.append("another level reached")
-        return Phase.LOOK_AROUND, replace(plan, climbing=None)
+        return Phase.EXPLORE, replace(plan, climbing=None)
     memory.give_up(climbing.connector)
     if climbing.is_back or not memory.on_stairs:
         step.events.append("stairs given up")
-        return Phase.LOOK_AROUND, replace(plan, climbing=None)
+        return Phase.EXPLORE, replace(plan, climbing=None)
     step.events.append("turning back on the stairs")
     connector = _connector(memory, climbing)
     flight = flight_from(connector, goes_up=not connector.goes_up)

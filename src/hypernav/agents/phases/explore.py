@@ -27,28 +27,14 @@ _WORTH_A_TURN_M = 0.3
 """Length of a boundary to the unknown, metres, below which it is noise and worth no turn."""
 
 
-def look_around(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
-    """The next turn of the look around; hands on to EXPLORE where none is left or worthwhile."""
-    turn = _next_turn(step, memory, plan)
-    if turn is None:
-        return Phase.EXPLORE, replace(plan, turns_left=0)
-    plan = replace(plan, turns_left=plan.turns_left - 1, looked_around_at=step.robot.xy)
-    return Decision(turn, Mode.LOOK_AROUND, "looking around"), plan
-
-
-def _next_turn(step: Step, memory: Memory, plan: Plan) -> Action | None:
-    gaze = step.use.gaze
-    if plan.turns_left == 0:
-        return None
-    if plan.full_turn or gaze is None:
-        return Action.TURN_LEFT
-    return gaze.worthwhile_turn(step.to_explore(memory), step.robot, memory.search.looked)
-
-
 def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
-    """Keep a destination until it is reached, given up or explored; then ask for the next."""
+    """Look around; keep a destination until reached, given up or explored; ask for the next."""
     config, robot = step.config, step.robot
-    plan = _pursuing(step, memory, plan)
+    turn = _turn_of_the_look_around(step, memory, plan)
+    if turn is not None:
+        plan = replace(plan, turns_left=plan.turns_left - 1, looked_around_at=robot.xy)
+        return Decision(turn, Mode.LOOK_AROUND, "looking around"), plan
+    plan = _pursuing(step, memory, replace(plan, turns_left=0))
     turn = _look_across(step, memory, plan)
     if turn is not None:
         plan = plan.explore(age=plan.exploring.age + 1)
@@ -61,18 +47,11 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
         if destination is None:
             if config.looks == "at-destinations" and not _has_looked(step, plan):
                 turns = step.motion.turns_of_a_circle
-                return Phase.LOOK_AROUND, replace(plan, turns_left=turns, full_turn=True)
-            destination = (
-                remembered(step, memory) or _explored(step, memory) or recalled(step, memory, 0.0)
-            )
-            if destination is None:
-                memory.floor.was_explored = True
-                memory.search.is_explored = not _may_look_again(step, memory)
-                destination = _way_out(step, memory)
+                return Phase.EXPLORE, replace(plan, turns_left=turns, full_turn=True)
+            destination = _next_destination(step, memory)
             if destination is None:
                 return Phase.END, plan
-            exploring = plan.exploring.towards(destination, config, left=())
-            plan = replace(plan, exploring=exploring)
+            plan = replace(plan, exploring=plan.exploring.towards(destination, config))
         if _is_at_stairs(destination, step):
             return _onto_stairs(destination, plan)
         turn = _facing_turn(destination, step)
@@ -99,6 +78,26 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
         plan = _ended(patience.worn_out, step, memory, plan)
     reason = "no way to any destination, looking again"
     return _decision(Action.TURN_LEFT, reason, step, plan), plan
+
+
+def _turn_of_the_look_around(step: Step, memory: Memory, plan: Plan) -> Action | None:
+    """The next turn of the look around; None if none is left or worthwhile."""
+    gaze = step.use.gaze
+    if plan.turns_left == 0:
+        return None
+    if plan.full_turn or gaze is None:
+        return Action.TURN_LEFT
+    return gaze.worthwhile_turn(step.to_explore(memory), step.robot, memory.search.looked)
+
+
+def _next_destination(step: Step, memory: Memory) -> Destination | None:
+    """What is remembered, what is unexplored, what was seen and is hardly the goal, the stairs."""
+    destination = remembered(step, memory) or _explored(step, memory)
+    destination = destination or recalled(step, memory, 0.0)
+    if destination is None:
+        memory.floor.was_explored = True
+        memory.search.is_explored = not _may_look_again(step, memory)
+    return destination or _way_out(step, memory)
 
 
 def _explored(step: Step, memory: Memory) -> Destination | None:

@@ -101,7 +101,7 @@ def second_look(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phas
     """Drive to the other side, face the target, then approach or reject it by the images."""
     target, position = memory.search.evidence.target, plan.approaching.second_look
     if target is None or position is None:
-        return Phase.LOOK_AROUND, plan
+        return Phase.EXPLORE, plan
     robot, config, thing = step.robot, step.config, step.goal.thing
     steps = plan.approaching.second_look_steps + 1
     plan = plan.approach(second_look_steps=steps)
@@ -126,4 +126,4 @@ def second_look(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phas
         return Phase.APPROACH, plan
     step.events.append("goal area rejected")
     memory.search.evidence = rejected(evidence, local)
-    return Phase.LOOK_AROUND, plan
+    return Phase.EXPLORE, plan

@@ -22,7 +22,7 @@ def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pl
     """Face the goal area and check it; then stop, look from elsewhere, or reject it."""
     target, search, config = memory.search.evidence.target, memory.search, step.config
     if target is None:
-        return Phase.LOOK_AROUND, plan
+        return Phase.EXPLORE, plan
     is_sure = _is_still_sure(step, memory, plan)
     if is_sure and step.number + 1 >= config.max_steps:
         return _stop(step), plan
@@ -55,7 +55,7 @@ def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pl
     step.events.append("goal area rejected")
     for_good = is_convincing(search.evidence, local)
     search.evidence = rejected(search.evidence, local, for_good=for_good)
-    return Phase.LOOK_AROUND, plan.with_new_patience(config)
+    return Phase.EXPLORE, plan.with_new_patience(config)
 
 
 def _is_still_sure(step: Step, memory: Memory, plan: Plan) -> bool:
