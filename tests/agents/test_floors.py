@@ -105,7 +105,7 @@ def test_a_robot_that_climbs_is_on_stairs_and_on_a_split_level_on_its_floor():
     assert on_stairs[2:6] == [True] * 4
     assert on_stairs[-5:] == [False] * 5
     assert len(found.floors) == 1
-    assert found.ground_z == pytest.approx(0.525)
+    assert found.footing.ground_z == pytest.approx(0.525)
 
 
 def test_heights_on_a_split_level_are_counted_from_its_ground():
@@ -126,14 +126,14 @@ def test_odometry_that_drifts_in_height_is_no_stairs():
         found.follow(seen_at(0.25 * k, 0.006 * k))
         on_stairs.append(found.on_stairs)
     assert sum(on_stairs) <= 3
-    assert abs(found.z - found.ground_z) <= 0.12
+    assert abs(found.footing.z - found.footing.ground_z) <= 0.12
 
 
 def test_back_from_stairs_the_floor_is_the_ground_at_once():
     found = climber()
     walk(found, *UP[:8], *reversed(UP[:8]))
     assert not found.on_stairs
-    assert found.ground_z == 0.0
+    assert found.footing.ground_z == 0.0
 
 
 @pytest.mark.parametrize("z", [0.3, 0.7, 0.95, 2.1, 3.4])
@@ -142,7 +142,7 @@ def test_a_search_begins_on_the_nearest_floor_that_is_less_than_a_floor_away(z):
     walk(found, *UP, *LANDED)
     assert found.begin_at(seen_at(5.0, z)) is found.floors[round(z / 2.8)]
     assert len(found.floors) == 2
-    assert (found.z, found.ground_z) == (pytest.approx(z), pytest.approx(z))
+    assert (found.footing.z, found.footing.ground_z) == (pytest.approx(z), pytest.approx(z))
 
 
 def test_a_search_that_begins_elsewhere_begins_on_level_ground_there():
@@ -150,7 +150,7 @@ def test_a_search_that_begins_elsewhere_begins_on_level_ground_there():
     found.connectors = (Connector(0, True, (4.0, 0.0), 0.0),)
     found.begin_at(seen_at(5.0, 2.8))
     assert not found.on_stairs
-    assert found.z == found.floor.z == pytest.approx(2.8)
+    assert found.footing.z == found.floor.z == pytest.approx(2.8)
     found.crossed(0)
     assert found.connectors[-1].end == (5.0, 0.0)
 

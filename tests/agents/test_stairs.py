@@ -133,7 +133,7 @@ def test_a_level_of_the_same_floor_is_drawn_on_its_map(steps):
     memory = agent.memory
     assert not memory.on_stairs
     assert len(memory.floors) == 1
-    assert memory.z == pytest.approx(steps * RISE_M, abs=0.1)
+    assert memory.footing.z == pytest.approx(steps * RISE_M, abs=0.1)
     grid = agent.grid
     ahead = [grid.cell_of(world.pose.x - START_X + k * 0.25, 0.0) for k in range(7)]
     assert {int(grid.cells[cell]) for cell in ahead} == {Cell.FREE}
@@ -175,7 +175,7 @@ def test_a_search_that_begins_on_stairs_is_not_blind():
     for _ in range(6):  # turns to the lower room
         agent.act(world.step(Action.TURN_LEFT))
     memory = agent.memory
-    assert memory.z > 0.3
+    assert memory.footing.z > 0.3
     assert not memory.on_stairs
     before = len(memory.floor.trajectory)
     agent.act(world.step(Action.TURN_LEFT))
@@ -238,7 +238,7 @@ def test_a_robot_that_gets_onto_stairs_on_its_way_takes_them():
     assert trace[-1].reason.startswith("on the stairs up")  # nobody knows where to
     for _ in range(3):
         agent.act(world.step(Action.TURN_LEFT))
-    assert agent.memory.ground_z == 0.0
+    assert agent.memory.footing.ground_z == 0.0
 
 
 def test_a_robot_that_gets_onto_stairs_down_that_it_has_not_seen_takes_them():

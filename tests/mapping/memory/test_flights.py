@@ -78,7 +78,7 @@ def test_a_landing_is_as_high_as_it_looks(off_m: float):
     memory = seen_from([FLOOR, wall], *poses, Pose2(1.0, 0.0, 0.0), z=off_m)
     robot = Pose2(1.0, 0.0, 0.0)
     ground = memory.ground_around(robot.xy, down=True)
-    assert landing_z(ground, robot, memory.z) == pytest.approx(0.0, abs=0.03)
+    assert landing_z(ground, robot, memory.footing.z) == pytest.approx(0.0, abs=0.03)
 
 
 @pytest.mark.parametrize("quarters", [-1, 0, 1, 2])

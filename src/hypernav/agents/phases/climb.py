@@ -57,7 +57,7 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
 
     The robot counts as on the floor that it came from until the memory says otherwise.
     """
-    climbing = plan.climbing
+    climbing, footing = plan.climbing, memory.footing
     if climbing is None:
         return Phase.EXPLORE, plan
     connector = _connector(memory, climbing)
@@ -65,24 +65,24 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     if climbing.steps > _PATIENCES * step.config.endurance_steps:
         return _given_up(step, memory, plan, climbing)
     has_turned = climbing.turned >= step.motion.turns_of_a_circle
-    if (climbing.is_back or has_turned) and not memory.is_off_floor:
+    if (climbing.is_back or has_turned) and not footing.is_off_floor:
         return _given_up(step, memory, plan, climbing)
     stairs = _around(step, memory, climbing, goes_up=connector.goes_up != climbing.is_back)
     before = None if plan.ordered is None else plan.ordered[0]
     flight = _flight(step, memory, climbing, stairs, connector, before)
     climbing = replace(climbing, flight=flight)
     leads_on, action = _next_step(step, memory, climbing, stairs, flight)
-    if action is None and flight is not None and (stairs.on_slope or not memory.is_off_floor):
+    if action is None and flight is not None and (stairs.on_slope or not footing.is_off_floor):
         leads_on, action = _next_step(step, memory, climbing, stairs, None)  # it may be another one
     words = f"on the stairs {_where_to(memory, climbing, goes_up=stairs.goes_up)}"
     if action is not None:
         climbing = replace(climbing, turned=0, looked=_looked(step, climbing))
         if action is Action.MOVE_FORWARD:
-            here = (*step.robot.xy, memory.z)
+            here = (*step.robot.xy, footing.z)
             climbing = replace(climbing, came_by=(*climbing.came_by, here))
         return Decision(action, Mode.CLIMB, words), replace(plan, climbing=climbing)
     turn = Action.TURN_LEFT
-    if not (memory.is_off_floor or leads_on):
+    if not (footing.is_off_floor or leads_on):
         turn = turn_towards(step.robot, (flight or connector).beyond, step.motion)
     if turn is None or has_turned:
         return _given_up(step, memory, plan, climbing)
@@ -99,10 +99,11 @@ def _connector(memory: Memory, climbing: Climbing) -> Connector:
 
 def _around(step: Step, memory: Memory, climbing: Climbing, *, goes_up: bool) -> _Stairs:
     ground = memory.ground_around(step.robot.xy, down=not goes_up)
-    on_slope = memory.is_off_floor and memory.footing.is_on_slope
+    footing = memory.footing
+    on_slope = footing.is_off_floor and footing.is_on_slope
     on_slope = on_slope and not _is_lost(step, memory, climbing)
-    level_z = landing_z(ground, step.robot, memory.z)
-    return _Stairs(ground, goes_up, on_slope, level_z, memory.z if on_slope else level_z)
+    level_z = landing_z(ground, step.robot, footing.z)
+    return _Stairs(ground, goes_up, on_slope, level_z, footing.z if on_slope else level_z)
 
 
 def _flight(
@@ -116,7 +117,7 @@ def _flight(
     """The flight that the robot is on or goes to, as far as it is known now."""
     ground, robot = stairs.ground, step.robot
     first, known = flight_from(connector, goes_up=stairs.goes_up), climbing.flight
-    if not memory.is_off_floor:  # stairs that it came by have the axis of its last step
+    if not memory.footing.is_off_floor:  # stairs that it came by have the axis of its last step
         is_untried = connector.passage is Passage.UNTRIED
         return first_flight(ground, first, memory.floor.z) if is_untried else None
     if stairs.goes_up:
@@ -143,7 +144,7 @@ def _next_step(
     else:
         way_on = first_ahead(ground, robot, way_on)
     is_there = memory.footing.is_storey_away and not on_slope and way_on.any()
-    if has_turned or is_there or (memory.is_off_floor and not to.any()):
+    if has_turned or is_there or (memory.footing.is_off_floor and not to.any()):
         to = way_on
     if not to.any():
         return False, None
@@ -159,7 +160,7 @@ def _is_lost(step: Step, memory: Memory, climbing: Climbing) -> bool:
     """
     near_m = _MOVED_SHARE * step.motion.forward_m
     was_here = any(
-        step.robot.distance_to(x, y) < near_m and abs(memory.z - z) < _SAME_HEIGHT_M
+        step.robot.distance_to(x, y) < near_m and abs(memory.footing.z - z) < _SAME_HEIGHT_M
         for x, y, z in climbing.came_by
     )
     return climbing.touching or was_here or climbing.turned > step.motion.turns_of_a_circle // 4
@@ -192,7 +193,7 @@ def _given_up(
     step: Step, memory: Memory, plan: Plan, climbing: Climbing
 ) -> tuple[Decision | Phase, Plan]:
     """Turn back; end the attempt on level ground, or where the robot has turned back already."""
-    if memory.is_off_floor and not (memory.on_stairs or climbing.is_back):
+    if memory.footing.is_off_floor and not (memory.on_stairs or climbing.is_back):
         memory.reached_level(climbing.connector)
         step.events.append("another level reached")
         return Phase.EXPLORE, replace(plan, climbing=None)

@@ -132,8 +132,8 @@ class Memory:
         self.footing = footing.on_floor(self.floor.z)
         if shows_steps and not self.on_stairs:
             ground = self.ground_around(here, down=True)
-            seen = connectors_in(ground, self.number, self.ground_z)
-            seen = reliable(seen, self.connectors, here, ground, self.ground_z)
+            seen = connectors_in(ground, self.number, self.footing.ground_z)
+            seen = reliable(seen, self.connectors, here, ground, self.footing.ground_z)
             self.connectors = with_sightings(self.connectors, seen)
         return self.floor
 
@@ -149,17 +149,7 @@ class Memory:
 
         From there it sees at least the way back; on stairs nothing is drawn and nothing looked for.
         """
-        self.footing = Footing.on_level_ground(robot, self.z, self.floor.z)
-
-    @property
-    def z(self) -> float:
-        """Height of the robot, ``map`` frame, metres."""
-        return self.footing.z
-
-    @property
-    def ground_z(self) -> float:
-        """Height of the ground that it walked on last, on its floor, ``map`` frame, metres."""
-        return self.footing.ground_z
+        self.footing = Footing.on_level_ground(robot, self.footing.z, self.floor.z)
 
     def height_of(self, observation: Observation) -> float:
         """Height of the robot in a frame, ``map`` frame, metres."""
@@ -167,7 +157,7 @@ class Memory:
 
     def seen_from_ground(self, observation: Observation) -> Observation:
         """The same observation with heights counted from the ground that the robot walked on."""
-        return counted_from(self.ground_z, observation)
+        return counted_from(self.footing.ground_z, observation)
 
     def keep_image(self, observation: Observation) -> None:
         """Keep a frame as key image if it tells enough, and if key images are kept.
@@ -209,11 +199,6 @@ class Memory:
         """Whether the robot, which looks for stairs, climbs: it is off the ground it walked on."""
         return self.elevation is not None and self.footing.is_off_ground
 
-    @property
-    def is_off_floor(self) -> bool:
-        """Whether the robot is not at its floor's height: on stairs, landings, split levels."""
-        return self.footing.is_off_floor
-
     def ground_around(self, position: tuple[float, float], *, down: bool) -> Ground:
         """The ground that a climbing robot could walk to; see `ElevationMap.ground_from`."""
         assert self.elevation is not None, "only a robot that looks for stairs has an elevation map"
@@ -240,7 +225,8 @@ class Memory:
             Their number; None if the robot is at most a step below its ground, or has tried stairs
             here already.
         """
-        if self.z >= self.ground_z - self.embodiment.body.max_step_m - UNEVEN_M:
+        z, ground_z = self.footing.z, self.footing.ground_z
+        if z >= ground_z - self.embodiment.body.max_step_m - UNEVEN_M:
             return None
         stairs = Connector(self.number, False, robot.xy, robot.yaw)
         self.connectors, number = relied_on(self.connectors, stairs)

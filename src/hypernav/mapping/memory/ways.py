@@ -141,7 +141,7 @@ def stairs_underfoot(memory: Memory, position: tuple[float, float]) -> int | Non
     here = [
         (math.dist(memory.connectors[k].end, position), k)
         for k in _open_from(memory, memory.number)
-        if memory.connectors[k].goes_up == (memory.z > memory.ground_z)
+        if memory.connectors[k].goes_up == (memory.footing.z > memory.footing.ground_z)
     ]
     away_m, number = min(here, default=(math.inf, None))
     return number if away_m <= _UNDERFOOT_M else None
