@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Int64
 
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import MotionConfig
@@ -43,67 +43,49 @@ def step_over_ground(
             room is, since beside a wall that it touches it may not get on.
 
     Returns:
-        The action; None if no step brings the robot nearer.
+        The action; None if no step brings the robot nearer, or there is nothing to go to.
     """
-    size = ground.grid.resolution_m
-    away = np.where(to, ground.clearance_m, -1.0)
-    aim = np.unravel_index(int(away.argmax()), away.shape)
+    here = ground.nearest_reached(robot.xy)
+    if here is None or not to.any():
+        return None
     if touching:
         to_go = np.where(ground.reached, -2.0 * ground.clearance_m, np.inf)
     else:
-        to_go = travel_cells(ground.reached.astype(np.uint8), int(aim[0]), int(aim[1])) * size
-    here = ground.nearest_reached(robot.xy)
-    if here is None:
-        return None
-    turns = _best_turns(ground, robot, to_go, here, motion, _EDGE_COST, touching=touching)
-    if turns is None and not touching:  # the way may lead through where it is narrow
-        turns = _best_turns(ground, robot, to_go, here, motion, 0.0, touching=touching)
-    if turns is None:
-        return None
-    if turns == 0:
-        return Action.MOVE_FORWARD
-    return Action.TURN_LEFT if turns > 0 else Action.TURN_RIGHT
+        middle = np.where(to, ground.clearance_m, -1.0)
+        row, column = np.unravel_index(int(middle.argmax()), middle.shape)
+        to_go = travel_cells(ground.reached.astype(np.uint8), int(row), int(column))
+        to_go *= ground.grid.resolution_m
+    narrow_m = np.maximum(_MIDDLE_M - ground.clearance_m.astype(np.float64), 0.0)
+    ahead = _open_steps(ground, robot, motion)
+    for edge_cost in (_EDGE_COST, 0.0):  # the way may lead through where it is narrow
+        now_m = float(to_go[here]) + edge_cost * float(narrow_m[here])
+        most_m = math.inf if touching else now_m - _LEAST_GAIN_M
+        costs = {
+            turns: left_m + _TURN_M * abs(turns) * (motion.turn_angle_deg / 30.0)
+            for turns, line in ahead.items()
+            if (left_m := float(to_go[line][-1] + edge_cost * narrow_m[line].max())) < most_m
+        }
+        if costs:
+            turns = min(costs, key=lambda one: costs[one])
+            if turns == 0:
+                return Action.MOVE_FORWARD
+            return Action.TURN_LEFT if turns > 0 else Action.TURN_RIGHT
+    return None
 
 
-def _best_turns(
-    ground: Ground,
-    robot: Pose2,
-    to_go: np.ndarray,
-    here: tuple[int, int],
-    motion: MotionConfig,
-    edge_cost: float,
-    *,
-    touching: bool,
-) -> int | None:
-    """Number of turns to the left before the best step; None if no step brings the robot nearer."""
-    turn, turns = math.radians(motion.turn_angle_deg), motion.turns_of_a_circle
-    least_m = math.inf
-    if not touching:
-        least_m = float(to_go[here]) + edge_cost * _narrow_m(ground.clearance_m[here])
-    best, best_turns = math.inf, None
-    for k in sorted(range(-(turns // 2) + 1, turns // 2 + 1), key=abs):
-        pose = Pose2(robot.x, robot.y, wrap_angle(robot.yaw + k * turn))
-        left_m = _left_after(ground, pose, to_go, motion.forward_m, edge_cost)
-        cost = left_m + _TURN_M * abs(k) * (motion.turn_angle_deg / 30.0)
-        if left_m < least_m - _LEAST_GAIN_M and cost < best:
-            best, best_turns = cost, k
-    return best_turns
-
-
-def _left_after(
-    ground: Ground, pose: Pose2, to_go: np.ndarray, forward_m: float, edge_cost: float
-) -> float:
-    """What is left to go after a step, metres, dearer near edges; infinite if it is not open."""
-    end = pose.ahead(forward_m)
-    count = max(math.ceil(forward_m / ground.grid.resolution_m), 1)
-    share = np.linspace(_FREED_M / forward_m, 1.0, count)[:, None]
-    line = ground.grid.cells_of(np.array(pose.xy) + share * (np.array(end.xy) - np.array(pose.xy)))
-    if not ground.grid.contains(line).all() or not ground.reached[tuple(line.T)].all():
-        return math.inf
-    on_line = tuple(line.T)
-    return float(to_go[on_line][-1]) + edge_cost * _narrow_m(ground.clearance_m[on_line].min())
-
-
-def _narrow_m(clearance_m: np.floating) -> float:
-    """How much nearer to an edge than wanted a clearance is, metres."""
-    return max(_MIDDLE_M - float(clearance_m), 0.0)
+def _open_steps(
+    ground: Ground, robot: Pose2, motion: MotionConfig
+) -> dict[int, tuple[Int64[np.ndarray, " n"], ...]]:
+    """Rows and columns of the cells of each step that is open, by turns to the left before it."""
+    count = max(math.ceil(motion.forward_m / ground.grid.resolution_m), 1)
+    share = np.linspace(_FREED_M / motion.forward_m, 1.0, count)[:, None]
+    half = motion.turns_of_a_circle // 2
+    steps = dict[int, tuple[Int64[np.ndarray, " n"], ...]]()
+    for turns in sorted(range(-half + 1, half + 1), key=abs):
+        yaw = wrap_angle(robot.yaw + turns * math.radians(motion.turn_angle_deg))
+        end = Pose2(robot.x, robot.y, yaw).ahead(motion.forward_m)
+        way = np.array(robot.xy) + share * (np.array(end.xy) - np.array(robot.xy))
+        cells = ground.grid.cells_of(way)
+        if ground.grid.contains(cells).all() and ground.reached[tuple(cells.T)].all():
+            steps[turns] = tuple(cells.T)
+    return steps

@@ -1,6 +1,10 @@
 """The way over stairs to another floor."""
 
 from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from jaxtyping import Bool
 
 from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
@@ -71,9 +75,13 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     before = None if plan.ordered is None else plan.ordered[0]
     flight = _flight(step, memory, climbing, stairs, connector, before)
     climbing = replace(climbing, flight=flight)
-    leads_on, action = _next_step(step, memory, climbing, stairs, flight)
-    if action is None and flight is not None and (stairs.on_slope or not footing.is_off_floor):
-        leads_on, action = _next_step(step, memory, climbing, stairs, None)  # it may be another one
+    step_towards = partial(step_over_ground, motion=step.motion, touching=climbing.touching)
+    with step.clock("plan"):
+        ground, to = _way_on(step, memory, climbing, stairs, flight)
+        action = step_towards(ground, step.robot, to)
+        if action is None and flight is not None and (stairs.on_slope or not footing.is_off_floor):
+            ground, to = _way_on(step, memory, climbing, stairs, None)  # it may be another one
+            action = step_towards(ground, step.robot, to)
     words = f"on the stairs {_where_to(memory, climbing, goes_up=stairs.goes_up)}"
     if action is not None:
         climbing = replace(climbing, turned=0, looked=_looked(step, climbing))
@@ -82,7 +90,7 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
             climbing = replace(climbing, came_by=(*climbing.came_by, here))
         return Decision(action, Mode.CLIMB, words), replace(plan, climbing=climbing)
     turn = Action.TURN_LEFT
-    if not (footing.is_off_floor or leads_on):
+    if not (footing.is_off_floor or to.any()):
         turn = turn_towards(step.robot, (flight or connector).beyond, step.motion)
     if turn is None or has_turned:
         return _given_up(step, memory, plan, climbing)
@@ -130,27 +138,26 @@ def _flight(
     return known
 
 
-def _next_step(
+def _way_on(
     step: Step, memory: Memory, climbing: Climbing, stairs: _Stairs, flight: Connector | None
-) -> tuple[bool, Action | None]:
-    """Whether the stairs lead on along a flight, and the turn or step that leads there."""
-    robot, on_slope = step.robot, stairs.on_slope
+) -> tuple[Ground, Bool[np.ndarray, "rows columns"]]:
+    """The ground along a flight, and the part of it to go to: nothing where it doesn't lead on.
+
+    That is the next part of the stairs or, where these end or the robot has looked all around in
+    vain, level ground beyond the landing. While the robot looks around, only what is ahead counts.
+    """
+    robot, footing, circle = step.robot, memory.footing, step.motion.turns_of_a_circle
     ground = on_flight(stairs.ground, robot, stairs.z, flight, goes_up=stairs.goes_up)
+    beyond = footing.way_on(ground, stairs.level_z, _OFF_STAIRS_M, _looked(step, climbing))
+    ahead = ahead_of if 0 < climbing.turned < circle else first_ahead
+    beyond = ahead(ground, robot, beyond)
+    if climbing.turned >= circle:
+        return ground, beyond
+    on_slope = stairs.on_slope
+    if footing.is_storey_away and not on_slope and beyond.any():
+        return ground, beyond
     to = stairs_ahead(ground, robot, stairs.z, flight, goes_up=stairs.goes_up, on_slope=on_slope)
-    way_on = memory.footing.way_on(ground, stairs.level_z, _OFF_STAIRS_M, _looked(step, climbing))
-    has_turned = climbing.turned >= step.motion.turns_of_a_circle
-    if climbing.turned and not has_turned:
-        way_on = ahead_of(ground, robot, way_on)
-    else:
-        way_on = first_ahead(ground, robot, way_on)
-    is_there = memory.footing.is_storey_away and not on_slope and way_on.any()
-    if has_turned or is_there or (memory.footing.is_off_floor and not to.any()):
-        to = way_on
-    if not to.any():
-        return False, None
-    with step.clock("plan"):
-        action = step_over_ground(ground, robot, to, step.motion, touching=climbing.touching)
-    return True, action
+    return ground, beyond if footing.is_off_floor and not to.any() else to
 
 
 def _is_lost(step: Step, memory: Memory, climbing: Climbing) -> bool:
