@@ -32,7 +32,7 @@ from hypernav.perception.local.belief import (
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.refinement import eroded, projected
 from hypernav.perception.shape.evidence import measure_of, shape_evidence
-from hypernav.perception.shape.form import Form, measured_form
+from hypernav.perception.shape.form import measured_form
 from hypernav.perception.shape.kinds import KindShape, kind_shape
 
 _NO_DEPTH = "too few points with depth"
@@ -95,27 +95,20 @@ class LocalPerception:
             floor.things = self._remembered(floor, observation, goal, detections)
         kind = kind_shape(goal.thing)
         evidence, records = search.evidence, list[DetectionRecord]()
-        sightings, far_positions = list[Sighting](), list[tuple[float, float]]()
+        sightings, far_position = list[Sighting](), evidence.far_position
         for detection in (one for one in detections if one.is_goal):
             whole = self._mask(detection, observation)
             mask = whole if config.pixels == "box" else eroded(whole, config)
-            area, reason = self._area(mask, observation, is_guessed=detection.mask is None)
-            if area is not None and is_rejected(evidence, area):
-                reason = _REJECTED
-            if area is not None and not (reason and config.target == "latest"):
-                form = self._form(detection, whole, observation, kind)
-                worth = weight_of(detection, config)
-                if form is None or kind is None:
-                    sightings.append(Sighting(detection, area, worth))
-                else:
-                    shape = shape_evidence(form, kind).log_odds
-                    measure = measure_of(form, area.centre, observation)
-                    sightings.append(Sighting(detection, area, worth, shape, measure))
-            elif reason == _NO_DEPTH and detection.score >= least:
+            area = self._area(mask, observation, is_guessed=detection.mask is None)
+            reason = _NO_DEPTH
+            if area is not None:
+                reason = _REJECTED if is_rejected(evidence, area) else ""
+                if not reason or config.target == "candidates":
+                    sightings.append(self._sighting(detection, area, whole, observation, kind))
+            elif far_position is None and detection.score >= least:
                 areas = evidence.rejected_areas
                 far_position = self._far_position(detection, observation, areas)
-                far_positions += [] if far_position is None else [far_position]
-            records.append(_record(detection, mask, accepted=not reason, reason=reason))
+            records.append(_record(detection, mask, reason))
         if config.target == "latest":
             evidence = with_latest(evidence, sightings, observation)
         else:
@@ -124,11 +117,7 @@ class LocalPerception:
             if evidence.count > search.evidence.count:
                 remembered = search.remembered_of(known)
                 evidence = with_earlier_looks(evidence, search.evidence, remembered, goal, config)
-        far_position = evidence.far_position
-        if evidence.target is not None:
-            far_position = None
-        elif far_position is None and far_positions:
-            far_position = far_positions[0]
+        far_position = far_position if evidence.target is None else None
         search.evidence = replace(evidence, far_position=far_position)
         return records
 
@@ -176,17 +165,23 @@ class LocalPerception:
             return detection.mask
         return self.segmenter.segment(observation, detection.box)
 
-    def _form(
+    def _sighting(
         self,
         detection: Detection,
+        area: GoalArea,
         mask: Bool[np.ndarray, "height width"],
         observation: Observation,
         kind: KindShape | None,
-    ) -> Form | None:
-        """The form of an uncertain detection; None if it is certain or the kind is not known."""
+    ) -> Sighting:
+        """A sighting, whose form counts if it is uncertain and the kind's forms are known."""
+        seen = Sighting(detection, area, weight_of(detection, self.config))
         if kind is None or self.config.target == "latest" or detection.score >= _CERTAIN:
-            return None
-        return measured_form(observation, mask, detection.box)
+            return seen
+        form = measured_form(observation, mask, detection.box)
+        if form is None:
+            return seen
+        shape = shape_evidence(form, kind).log_odds
+        return replace(seen, shape=shape, measure=measure_of(form, area.centre, observation))
 
     def _area(
         self,
@@ -194,7 +189,7 @@ class LocalPerception:
         observation: Observation,
         *,
         is_guessed: bool,
-    ) -> tuple[GoalArea | None, str]:
+    ) -> GoalArea | None:
         area = projected(
             mask,
             observation,
@@ -204,12 +199,12 @@ class LocalPerception:
             is_guessed=is_guessed and self.config.target == "candidates",
         )
         if area is None:
-            return None, _NO_DEPTH
+            return None
         area = replace(area, is_guessed=is_guessed)
         if self.config.entry_reach_m > 0.0:
             reach_m = self.config.entry_reach_m * (_NEARER if is_guessed else 1.0)
             area = area.entered_from(observation, reach_m)
-        return area, ""
+        return area
 
     def _far_position(
         self, detection: Detection, observation: Observation, rejected: Sequence[GoalArea]
@@ -228,12 +223,9 @@ class LocalPerception:
 
 
 def _record(
-    detection: Detection,
-    mask: Bool[np.ndarray, "height width"],
-    *,
-    accepted: bool,
-    reason: str,
+    detection: Detection, mask: Bool[np.ndarray, "height width"], reason: str
 ) -> DetectionRecord:
+    """The record of a detection; a reason says why it is not accepted."""
     contours, _ = cv2.findContours(
         mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_TC89_KCOS
     )
@@ -243,6 +235,6 @@ def _record(
         score=round(float(detection.score), 4),
         label=detection.label,
         outlines=[[(int(x), int(y)) for x, y in c.reshape(-1, 2)] for c in contours if len(c) > 2],
-        accepted=accepted,
+        accepted=not reason,
         reason=reason,
     )
