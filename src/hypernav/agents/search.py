@@ -14,7 +14,6 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import BlockRecord, DetectionRecord, Mode, StepTrace
-from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.ways import stairs_underfoot
 from hypernav.planning.bump_sensor import bumped_points
@@ -71,35 +70,23 @@ class SearchAgent:
 
     def act(self, observation: Observation) -> Action | None:
         """Integrate the observation and choose an action; None ends the search without a claim."""
-        goal, memory = self._running
-        number_before, use = memory.number, self.components
+        (goal, memory), use = self._running, self.components
         clock, events = ModuleClock(), list[str]()
-        floor = memory.follow(observation)
-        plan, then = self._plan, None
-        if plan is not None and plan.climbing is not None and memory.number != number_before:
-            if memory.connectors[plan.climbing.connector].other_floor == memory.number:
-                then = plan.climbing.then
-            memory.crossed(plan.climbing.connector)
-            events.append("another floor reached")
-        if plan is None or memory.number != number_before:
-            plan = Plan.at_start(use.paced, turns=self._first_turns(floor), then=then)
-        plan = plan.explore(offered=(), insight=None)
+        came_from, floor = memory.number, memory.follow(observation)
+        plan = self._plan
+        if plan is None or memory.number != came_from:
+            plan = self._plan_of_floor(memory, plan, events)
         if memory.on_stairs and plan.climbing is None:
             plan = _off_the_floor(observation.robot, memory, plan, events)
+        plan = plan.explore(offered=(), insight=None)
         seen = memory.seen_from_ground(observation)
         with clock("map"):
             if not memory.on_stairs:  # stairs belong to no floor
                 floor.integrate(seen)
-            memory.mark_occupied(
-                bumped_points(
-                    plan.ordered,
-                    seen.robot,
-                    memory.way,
-                    memory.obstacles,
-                    use.planning,
-                    use.embodiment,
-                )
+            bumped = bumped_points(
+                plan.ordered, seen.robot, memory.way, memory.obstacles, use.planning, use.embodiment
             )
+            memory.mark_occupied(bumped)
         with clock("local"):
             asks = self._asks_the_camera() and not memory.on_stairs
             detections = use.local.look(seen, goal, floor, asks=asks)
@@ -140,10 +127,17 @@ class SearchAgent:
             raise WorldError("no search is under way; call reset(goal) first")
         return self._goal, self._memory
 
-    def _first_turns(self, floor: Floor) -> int:
-        """Number of turns to begin with on a floor: 0 where the robot has been before."""
-        looks = self.components.config.look_around_at_start and not floor.trajectory
-        return self.embodiment.motion.turns_of_a_circle if looks else 0
+    def _plan_of_floor(self, memory: Memory, before: Plan | None, events: list[str]) -> Plan:
+        """The first plan on a floor: a look around, unless the robot has been there before."""
+        then, climbing = None, None if before is None else before.climbing
+        if climbing is not None:
+            if memory.connectors[climbing.connector].other_floor == memory.number:
+                then = climbing.then
+            memory.crossed(climbing.connector)
+            events.append("another floor reached")
+        config, turns = self.components.paced, self.embodiment.motion.turns_of_a_circle
+        looks = config.look_around_at_start and not memory.floor.trajectory
+        return Plan.at_start(config, turns=turns if looks else 0, then=then)
 
     def _asks_the_camera(self) -> bool:
         turned_around = self._trace is not None and self._trace.mode is Mode.LOOK_AROUND
