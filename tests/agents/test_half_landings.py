@@ -10,12 +10,13 @@ from box_scenes import Box, scene_of
 from hypernav.build.agents import build_search
 from hypernav.build.presets import preset, with_changes
 from hypernav.core.actions import Action
-from hypernav.core.episodes.episode import Episode
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
+from searches import searched
+from small_episodes import episode_from
 from stair_views import TREAD_M
 
 CONFIG = with_changes(preset("default"), {"embodiment": {"body": {"max_step_m": 0.2}}})
@@ -61,39 +62,27 @@ def building(between_m: float) -> SimulatedWorld:
 @pytest.mark.parametrize("between_m", [0.1, 0.7])
 @pytest.mark.parametrize("goal", GOALS)
 def test_stairs_that_turn_back_take_few_steps(goal: str, between_m: float, yaw: float):
-    world, start_z = building(between_m), LOW_M - GOALS[goal]
+    start = episode_from(Pose2(2.6, 0.8, yaw), goal, start_z=LOW_M - GOALS[goal])
     agent = build_search(CONFIG, GroundTruthDetector())
-    agent.reset(Goal(goal))
-    start = Pose2(2.6, 0.8, yaw)
-    observation = world.reset(Episode("x", "0", Goal(goal), start, start_z=start_z))
-    climbing = 0
-    for _ in range(200):
-        action = agent.act(observation)
-        climbing += agent.last_step.mode is Mode.CLIMB
-        if action is None or action is Action.STOP:
-            break
-        observation = world.step(action)
-    assert agent.last_step.action is Action.STOP
+    trace = searched(agent, building(between_m), start, most_steps=200)
+    assert trace[-1].action is Action.STOP
     assert len(agent.memory.floors) == 2
-    assert climbing <= 40
+    assert sum(one.mode is Mode.CLIMB for one in trace) <= 40
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("far_end", "yaw"), [(True, 0.3), (False, 0.0)])
 def test_a_half_landing_whose_height_errs_keeps_no_robot(far_end: bool, yaw: float):
     """Either end of it may seem lower than the other, as odometry and meshes tell heights."""
-    world = building(0.1)
-    agent = build_search(CONFIG, GroundTruthDetector())
-    agent.reset(Goal("bed"))
     start = Pose2(2.6, 0.8, yaw)
-    observation = world.reset(Episode("x", "0", Goal("bed"), start, start_z=0.0))
-    for _ in range(120):
+
+    def lowered(observation: Observation) -> Observation:
         seen = observation.camera_to_map
         x, y, _ = start.to_transform().apply(np.array([[*observation.robot.xy, 0.0]]))[0]
         errs = x > FAR_X - 0.05 and (x > FAR_X + 0.55 if far_end else y > 0.9)
-        lowered = Transform(seen.rotation, seen.translation - np.array([0.0, 0.0, 0.13 * errs]))
-        action = agent.act(replace(observation, camera_to_map=lowered))
-        if action is None or action is Action.STOP:
-            break
-        observation = world.step(action)
-    assert agent.last_step.action is Action.STOP
+        lower = seen.translation - np.array([0.0, 0.0, 0.13 * errs])
+        return replace(observation, camera_to_map=Transform(seen.rotation, lower))
+
+    agent, episode = build_search(CONFIG, GroundTruthDetector()), episode_from(start, start_z=0.0)
+    trace = searched(agent, building(0.1), episode, most_steps=120, sees=lowered)
+    assert trace[-1].action is Action.STOP

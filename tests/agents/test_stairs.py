@@ -25,6 +25,8 @@ from hypernav.perception.explorers.map_question import VlmReasonerConfig
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
+from searches import searched
+from small_episodes import episode_from
 from small_worlds import colourless_world
 from stair_views import FIRST_X, RISE_M, SIDES_Y, STEPS, TREAD_M
 
@@ -71,19 +73,10 @@ def split_level(steps: int = STEPS, *, two_sofas: bool = False) -> SimulatedWorl
 
 def search(goal: str, *, steps: int = STEPS, **switches: bool) -> tuple[list[StepTrace], Memory]:
     """The trace of a search from the lower room, and what it knows after."""
-    world = split_level(steps)
     config = CONFIG.model_copy(update={"search": CONFIG.search.model_copy(update=switches)})
     agent = build_search(config, GroundTruthDetector())
-    agent.reset(Goal(goal))
-    observation = world.reset(Episode("x", "0", Goal(goal), Pose2(START_X, 1.0, 0.0), start_z=0.0))
-    trace: list[StepTrace] = []
-    for _ in range(250):
-        action = agent.act(observation)
-        trace.append(agent.last_step)
-        if action is None or action is Action.STOP:
-            break
-        observation = world.step(action)
-    return trace, agent.memory
+    start = episode_from(Pose2(START_X, 1.0, 0.0), goal, start_z=0.0)
+    return searched(agent, split_level(steps), start, most_steps=250), agent.memory
 
 
 @pytest.mark.slow

@@ -11,12 +11,12 @@ from box_scenes import Box, scene_of
 from hypernav.build.agents import build_search
 from hypernav.build.presets import preset, with_changes
 from hypernav.core.actions import Action
-from hypernav.core.episodes.episode import Episode
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
 from hypernav.core.trace import Mode
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
+from searches import searched
+from small_episodes import episode_from
 from small_worlds import colourless_world
 from stair_views import FIRST_X, RISE_M, SIDES_Y, STEPS, TREAD_M
 
@@ -68,17 +68,8 @@ def building() -> SimulatedWorld:
     "start", [Pose2(2.6, 2.0, 0.0), Pose2(2.6, 2.0, 0.4), Pose2(3.2, 1.5, -0.4)]
 )
 def test_stairs_askew_to_a_wall_are_taken_at_once(start: Pose2):
-    world = building()
     agent = build_search(CONFIG, GroundTruthDetector())
-    agent.reset(Goal("bed"))
-    observation = world.reset(Episode("x", "0", Goal("bed"), start, start_z=0.0))
-    climbing = 0
-    for _ in range(200):
-        action = agent.act(observation)
-        climbing += agent.last_step.mode is Mode.CLIMB
-        if action is None or action is Action.STOP:
-            break
-        observation = world.step(action)
-    assert agent.last_step.action is Action.STOP
+    trace = searched(agent, building(), episode_from(start, start_z=0.0), most_steps=200)
+    assert trace[-1].action is Action.STOP
     assert len(agent.memory.floors) == 2
-    assert climbing <= 50
+    assert sum(one.mode is Mode.CLIMB for one in trace) <= 50
