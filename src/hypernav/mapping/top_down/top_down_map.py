@@ -80,8 +80,7 @@ class TopDownMap:
         self._band = config.height_band(embodiment.body)
         self._first_row = 0
         self._first_column = 0
-        self._arrays = empty_arrays(0, 0, self._band)
-        self._allocate(0, 0, 1, 1)
+        self._arrays = empty_arrays(CHUNK_CELLS, CHUNK_CELLS, self._band)
         self._sizes = (config.cell_size_m, config.voxel_height_m, self._band.bottom_m)
         self._weights = (
             config.min_points,
@@ -279,7 +278,7 @@ class TopDownMap:
         self._first_row, self._first_column = first.tolist()
 
     def _grow(self, low: Float64[np.ndarray, "2"], high: Float64[np.ndarray, "2"]) -> None:
-        """Make the map hold the box between two corners ``(x, y)``, metres."""
+        """Make the map hold the box between two corners ``(x, y)``, metres, in whole chunks."""
         size = self.config.cell_size_m
         # One cell more on each side: what is explored never touches the edge of the grid.
         first = np.floor(low / size) - 1
@@ -293,19 +292,11 @@ class TopDownMap:
                 f"the map would become {side:.0f} m wide, at most {MAX_SIDE_M:g} m are "
                 f"allowed; is a pose wrong? (points from {low} to {high})"
             )
-        self._allocate(int(first[1]), int(first[0]), int(last[1]) + 1, int(last[0]) + 1)
-
-    def _allocate(self, row: int, column: int, row_end: int, column_end: int) -> None:
-        """Make the map hold these cells (numbered from the frame's origin), in whole chunks."""
-        rows, columns = self._arrays.cells.shape
-        if rows > 0:
-            row, column = min(row, self._first_row), min(column, self._first_column)
-            row_end = max(row_end, self._first_row + rows)
-            column_end = max(column_end, self._first_column + columns)
-        chunk = CHUNK_CELLS
-        row, column = row // chunk * chunk, column // chunk * chunk
-        new_rows = -(-(row_end - row) // chunk) * chunk
-        new_columns = -(-(column_end - column) // chunk) * chunk
+        begin = first // CHUNK_CELLS * CHUNK_CELLS
+        sides = -(-(last + 1 - begin) // CHUNK_CELLS) * CHUNK_CELLS
+        (column, row), (new_columns, new_rows) = (
+            one.astype(int).tolist() for one in (begin, sides)
+        )
         if (new_rows, new_columns) == (rows, columns):
             return
         grown = empty_arrays(new_rows, new_columns, self._band)
