@@ -1,10 +1,11 @@
 """The approach to the goal area."""
 
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.agents.phases.open_way import open_way
-from hypernav.agents.plan import Plan
+from hypernav.agents.plan import Opening, Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.trace import Mode
@@ -16,6 +17,7 @@ _CLOSE_BY_M = 1.5
 """Length of the rest of the path, metres, below which a stuck robot counts as at the goal area."""
 _WIDER_M = (0.3, 0.7)
 """Distances from the entry points, metres, that suffice, in sight, if nothing else is left."""
+_GAPS_PER_STEP = 3
 
 
 def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
@@ -25,42 +27,43 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
         return Phase.EXPLORE, plan
     opens = _opens_the_way(step, memory, plan)
     goals = _goals(step, memory, plan, target, opens=opens)
-    if _distance_m(robot.xy, goals[0]) > config.stop_distance_m:
-        with step.clock("plan"):
-            action, plan = _next_action(step, plan, target, goals)
-        must_do, route = plan.approaching.as_near_as_possible, plan.approaching.route
-        path, gap_m = route.path, config.approach_gap_m
-        leads_there = path is not None and path.gap_m <= gap_m
-        enters = path is not None and leads_there and _distance_m(path.end, goals[0]) <= gap_m
-        if not enters:
-            plan = plan.approach(blocked_steps=plan.approaching.blocked_steps + 1)
-        if path is None or not (leads_there or must_do):
-            if opens:
-                with step.clock("plan"):
-                    decision, plan = open_way(step, plan, np.concatenate(goals))
-                if decision is not None:
-                    return decision, _without_exploration(step, plan)
-            return Phase.EXPLORE, plan.with_new_patience(config)
-        left_m = route.left_m(robot)
-        if action is not None:
-            patience = plan.approaching.patience.after(left_m, len(route.actions))
-            plan = plan.approach(patience=patience)
-            if patience.lasts:
-                reason = f"going to the {step.goal.thing}"
-                decision = Decision(action, Mode.APPROACH, reason, route.remaining(robot))
+    if _distance_m(robot.xy, goals[0]) <= config.stop_distance_m:
+        return Phase.VERIFY, _without_exploration(step, plan)
+    with step.clock("plan"):
+        action, plan = _next_action(step, plan, target, goals)
+    must_do, route = plan.approaching.as_near_as_possible, plan.approaching.route
+    path, gap_m = route.path, config.approach_gap_m
+    leads_there = path is not None and path.gap_m <= gap_m
+    enters = path is not None and leads_there and _distance_m(path.end, goals[0]) <= gap_m
+    if not enters:
+        plan = plan.approach(blocked_steps=plan.approaching.blocked_steps + 1)
+    if path is None or not (leads_there or must_do):
+        if opens:
+            with step.clock("plan"):
+                decision, plan = _open_way(step, plan, np.concatenate(goals))
+            if decision is not None:
                 return decision, _without_exploration(step, plan)
-        elif opens and not (must_do or enters) and plan.approaching.may_clear(config):
-            turn = turn_towards(robot, target.area.centre, step.motion) or Action.TURN_LEFT
-            reason = f"waiting beside the {step.goal.thing} for what stands before it"
-            return Decision(turn, Mode.APPROACH, reason), _without_exploration(step, plan)
-        if config.local_first and (action is not None or not leads_there):
-            step.events.append("goal area given up for now")
-            memory.search.evidence = rejected(memory.search.evidence, step.use.local.config)
-            return Phase.EXPLORE, plan.with_new_patience(config)
-        if left_m > _CLOSE_BY_M and not must_do:
-            step.events.append("goal out of reach for now")
-            plan = plan.approach(rest_steps=config.endurance_steps)
-            return Phase.EXPLORE, plan.with_new_patience(config)
+        return Phase.EXPLORE, plan.with_new_patience(config)
+    left_m = route.left_m(robot)
+    if action is not None:
+        patience = plan.approaching.patience.after(left_m, len(route.actions))
+        plan = plan.approach(patience=patience)
+        if patience.lasts:
+            reason = f"going to the {step.goal.thing}"
+            decision = Decision(action, Mode.APPROACH, reason, route.remaining(robot))
+            return decision, _without_exploration(step, plan)
+    elif opens and not (must_do or enters) and plan.approaching.may_clear(config):
+        turn = turn_towards(robot, target.area.centre, step.motion) or Action.TURN_LEFT
+        reason = f"waiting beside the {step.goal.thing} for what stands before it"
+        return Decision(turn, Mode.APPROACH, reason), _without_exploration(step, plan)
+    if config.local_first and (action is not None or not leads_there):
+        step.events.append("goal area given up for now")
+        memory.search.evidence = rejected(memory.search.evidence, step.use.local.config)
+        return Phase.EXPLORE, plan.with_new_patience(config)
+    if left_m > _CLOSE_BY_M and not must_do:
+        step.events.append("goal out of reach for now")
+        plan = plan.approach(rest_steps=config.endurance_steps)
+        return Phase.EXPLORE, plan.with_new_patience(config)
     return Phase.VERIFY, _without_exploration(step, plan)
 
 
@@ -84,6 +87,37 @@ def _opens_the_way(step: Step, memory: Memory, plan: Plan) -> bool:
     """Whether to open a way to the target: it is convincing, or nothing else is left."""
     is_believed = is_convincing(memory.search.evidence, step.use.local.config)
     return step.config.open_the_way and (is_believed or plan.approaching.as_near_as_possible)
+
+
+def _open_way(
+    step: Step, plan: Plan, points: Float64[np.ndarray, "n 2"]
+) -> tuple[Decision | None, Plan]:
+    """Go to the next gap that may be wider than the map shows, and look at it from near.
+
+    The gap is on the way to points of the goal area and beside it, ``(x, y)``, metres. No decision
+    if no gap is left or three were found closed in this step.
+    """
+    navigator, robot, grid = step.use.navigator, step.robot, step.grid
+    for _ in range(_GAPS_PER_STEP):
+        opening = plan.approaching.opening
+        if opening is None:
+            gap = navigator.gap_towards(grid, robot, points, plan.approaching.closed)
+            if gap is None:
+                return None, plan
+            opening = Opening(gap)
+        gap, steps = opening.gap, opening.steps + 1
+        if steps <= step.config.endurance_steps:
+            action, route = navigator.towards(opening.route, grid, robot, np.array([gap.look_from]))
+            if action is None:
+                action = turn_towards(robot, gap.position, step.motion)
+            if action is not None:
+                plan = plan.approach(opening=replace(opening, route=route, steps=steps))
+                reason = f"looking from near for a way to the {step.goal.thing}"
+                return Decision(action, Mode.APPROACH, reason, route.remaining(robot)), plan
+        step.events.append("gap closed")
+        closed = (*plan.approaching.closed, gap.position)
+        plan = plan.approach(opening=None, closed=closed)
+    return None, plan
 
 
 def _goals(
