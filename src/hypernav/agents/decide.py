@@ -14,8 +14,8 @@ from hypernav.agents.phases.second_look import second_look
 from hypernav.agents.phases.verify import verify
 from hypernav.agents.plan import Plan
 from hypernav.agents.step import Decision, Phase, Step
+from hypernav.mapping.memory.candidate import Candidate
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.target import Target
 from hypernav.perception.local.belief import likeliest, reconsidered
 
 _PHASES: Mapping[Phase, Callable[[Step, Memory, Plan], tuple[Decision | Phase, Plan]]] = {
@@ -85,7 +85,7 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
     return Phase.APPROACH, plan
 
 
-def _is_another(step: Step, memory: Memory, target: Target) -> bool:
+def _is_another(step: Step, memory: Memory, target: Candidate) -> bool:
     """Whether a target is another thing than the one that the robot was sent to."""
     meant = None if target.is_last_chance else errand(step, memory)
     if meant is None:

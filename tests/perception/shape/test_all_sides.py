@@ -5,7 +5,7 @@ import math
 import pytest
 
 from certainty import certain
-from hypernav.mapping.memory.target import Measure
+from hypernav.mapping.memory.candidate import Measure
 from hypernav.perception.shape.evidence import form_evidence, measure_of
 from hypernav.perception.shape.form import Form
 from hypernav.perception.shape.kinds import kind_shape

@@ -9,8 +9,8 @@ from hypernav.agents.plan import Opening, Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.trace import Mode
+from hypernav.mapping.memory.candidate import Candidate
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.target import Target
 from hypernav.perception.local.belief import is_convincing, rejected
 
 _CLOSE_BY_M = 1.5
@@ -68,7 +68,7 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
 
 
 def _next_action(
-    step: Step, plan: Plan, target: Target, goals: list[Float64[np.ndarray, "_ 2"]]
+    step: Step, plan: Plan, target: Candidate, goals: list[Float64[np.ndarray, "_ 2"]]
 ) -> tuple[Action | None, Plan]:
     """The next action on the path to the goal area, or from its edge into it."""
     navigator, grid, robot = step.use.navigator, step.grid, step.robot
@@ -121,7 +121,7 @@ def _open_way(
 
 
 def _goals(
-    step: Step, memory: Memory, plan: Plan, target: Target, *, opens: bool
+    step: Step, memory: Memory, plan: Plan, target: Candidate, *, opens: bool
 ) -> list[Float64[np.ndarray, "_ 2"]]:
     """Sets of positions to go to, ``(x, y)``, ``map`` frame, metres, in the order of preference."""
     config, goals = step.config, [target.entry_points]

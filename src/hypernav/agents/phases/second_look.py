@@ -11,9 +11,9 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Mode
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.candidate import Candidate
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.target import Target
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.perception.local.belief import confirmed, is_convincing, rejected
 
@@ -81,7 +81,7 @@ def _in_sight(
     return np.logical_not(hidden.reshape(len(positions), steps).any(axis=1))
 
 
-def with_second_look(step: Step, plan: Plan, target: Target) -> Plan:
+def with_second_look(step: Step, plan: Plan, target: Candidate) -> Plan:
     """The plan with a second look, if a position on another side of the target can be reached."""
     with step.clock("verify"):
         position = position_on_other_side(

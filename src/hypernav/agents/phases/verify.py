@@ -5,8 +5,8 @@ from hypernav.agents.plan import Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.trace import Ending, Mode
+from hypernav.mapping.memory.candidate import Candidate
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.target import Target
 from hypernav.perception.local.belief import (
     is_convincing,
     needs_second_look,
@@ -71,7 +71,7 @@ def _stop(step: Step) -> Decision:
     return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND)
 
 
-def _goes_nearer(step: Step, target: Target) -> bool:
+def _goes_nearer(step: Step, target: Candidate) -> bool:
     """Whether to step forward, to a goal whose guessed outline may include what is before it."""
     if not (step.config.go_nearer and target.area.is_guessed):
         return False
@@ -83,7 +83,7 @@ def _goes_nearer(step: Step, target: Target) -> bool:
     return step.use.navigator.is_open(step.grid, robot, ahead)
 
 
-def _is_present(step: Step, memory: Memory, target: Target) -> bool:
+def _is_present(step: Step, memory: Memory, target: Candidate) -> bool:
     if not is_convincing(memory.search.evidence, step.use.local.config):
         return False
     view = target.best_view if step.config.verify_view == "best" else step.observation

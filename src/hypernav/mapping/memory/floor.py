@@ -12,8 +12,8 @@ from hypernav.core.exploring.sightings import Sightings
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
+from hypernav.mapping.memory.candidate import GoalEvidence
 from hypernav.mapping.memory.looked_over import LookedOver
-from hypernav.mapping.memory.target import GoalEvidence
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import Things
 from hypernav.mapping.top_down.top_down_map import TopDownMap

@@ -9,8 +9,14 @@ from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
+from hypernav.mapping.memory.candidate import (
+    Candidate,
+    GoalEvidence,
+    Measure,
+    Rejection,
+    areas_touch,
+)
 from hypernav.mapping.memory.goal_area import GoalArea
-from hypernav.mapping.memory.target import GoalEvidence, Measure, Rejection, Target, areas_touch
 from hypernav.mapping.memory.things import Things
 from hypernav.mapping.memory.visibility import is_cut_off, seems_to_hold, should_be_visible
 from hypernav.perception.local.config import LocalConfig
@@ -100,7 +106,7 @@ def needs_second_look(evidence: GoalEvidence, config: LocalConfig) -> bool:
 def confirmed(evidence: GoalEvidence) -> GoalEvidence:
     """The evidence after the second look at the target."""
     target = evidence.target
-    return evidence if target is None else evidence.with_target(replace(target, confirmed=True))
+    return evidence if target is None else evidence.with_candidate(replace(target, confirmed=True))
 
 
 def with_position_barred(evidence: GoalEvidence, observation: Observation) -> GoalEvidence | None:
@@ -119,7 +125,7 @@ def with_position_barred(evidence: GoalEvidence, observation: Observation) -> Go
     if not is_cut_off(target.area.seen_points, target.area.height_m, observation):
         return None
     barred = target.barred_at(observation.robot.xy)
-    return None if barred is None else evidence.with_target(barred)
+    return None if barred is None else evidence.with_candidate(barred)
 
 
 def rejected(
@@ -141,10 +147,10 @@ def rejected(
     is_over = for_good or target.is_last_chance
     needed = math.inf if is_over else target.log_odds + _NEW_EVIDENCE
     refuted = replace(target, needed=needed, confirmed=False, barred=())
-    return replace(evidence.with_target(refuted), chosen=None)
+    return replace(evidence.with_candidate(refuted), chosen=None)
 
 
-def likeliest(evidence: GoalEvidence) -> Target | None:
+def likeliest(evidence: GoalEvidence) -> Candidate | None:
     """The likeliest candidate; None if nothing is likely enough, or all had their last chance."""
     left = [
         one
@@ -164,7 +170,7 @@ def reconsidered(evidence: GoalEvidence) -> GoalEvidence | None:
     if best is None:
         return None
     again = replace(best, needed=-math.inf, is_last_chance=True, confirmed=False, barred=())
-    return replace(evidence.with_target(again), chosen=best.number)
+    return replace(evidence.with_candidate(again), chosen=best.number)
 
 
 def before_a_look(evidence: GoalEvidence) -> GoalEvidence:
@@ -198,7 +204,7 @@ def with_latest(
     if old is not None and areas_touch(one.area, old.area):
         target = old.seen_again(one.area, one.detection, observation, join=False)
     else:
-        target = Target(one.area, observation, one.detection.box.area)
+        target = Candidate(one.area, observation, one.detection.box.area)
     return replace(evidence, candidates=(target,), chosen=0, seen=frozenset({0}))
 
 
@@ -228,7 +234,7 @@ def with_sightings(
             continue  # a further box of this candidate adds nothing, and may hold what is beside it
         if number is None:
             number, count = count, count + 1
-            known[number] = Target(one.area, observation, one.detection.box.area, number=number)
+            known[number] = Candidate(one.area, observation, one.detection.box.area, number=number)
         elif one.weight > 0.0:  # a doubtful detection may be of something beside the candidate
             known[number] = known[number].seen_again(
                 one.area, one.detection, observation, join=True
@@ -270,18 +276,18 @@ def with_earlier_looks(
             for thing in things.at(*one.area.centre, goal):
                 for x, y, score in thing.views if not thing.refuted_in else ():
                     one = one.with_look((x, y), along(config.score_weights or _YOLOX, score))
-            evidence = evidence.with_target(one)
+            evidence = evidence.with_candidate(one)
     return evidence
 
 
-def _measured(one: Target, measure: Measure, kind: KindShape) -> Target:
+def _measured(one: Candidate, measure: Measure, kind: KindShape) -> Candidate:
     """A candidate after one more image of its form."""
     measures = (*one.measures, measure)
     form = form_evidence(measures, kind)
     return replace(one, measures=measures, form=form.log_odds, is_form_doubtful=form.is_doubtful)
 
 
-def _number_of(area: GoalArea, known: Iterable[Target], chosen: int | None) -> int | None:
+def _number_of(area: GoalArea, known: Iterable[Candidate], chosen: int | None) -> int | None:
     """The number of the candidate that an area belongs to, the target first; None if to none."""
     same = [one for one in known if _is_same(area, one.area)]
     if not same:
@@ -294,7 +300,7 @@ def _is_same(a: GoalArea, b: GoalArea) -> bool:
     return max(a.covers(b), b.covers(a)) >= _SAME_OBJECT
 
 
-def _is_missed(one: Target, observation: Observation) -> bool:
+def _is_missed(one: Candidate, observation: Observation) -> bool:
     """Whether an image without a sighting of a candidate should show it."""
     area = one.area
     if observation.robot.distance_to(*area.centre) > _NEAR_M:
@@ -303,7 +309,7 @@ def _is_missed(one: Target, observation: Observation) -> bool:
 
 
 def _rivalry(
-    one: Target, others: list[Detection], observation: Observation, config: LocalConfig
+    one: Candidate, others: list[Detection], observation: Observation, config: LocalConfig
 ) -> float:
     """Log-odds that the surest detection of another thing in the same pixels takes away."""
     seen = one.area.seen_points
@@ -314,7 +320,7 @@ def _rivalry(
 def _best(evidence: GoalEvidence, robot: Pose2) -> int | None:
     """The number of the candidate most worth its path, the target preferred; None if none is."""
 
-    def worth_m(one: Target) -> float:
+    def worth_m(one: Candidate) -> float:
         faith_m = _FAITH_M if one.number == evidence.chosen else 0.0
         return _WORTH_M * math.exp(min(one.log_odds, 5.0)) - one.distance_to(*robot.xy) + faith_m
 

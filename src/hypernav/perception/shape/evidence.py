@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from hypernav.core.observation import Observation
-from hypernav.mapping.memory.target import Measure
+from hypernav.mapping.memory.candidate import Measure
 from hypernav.perception.shape.form import Form
 from hypernav.perception.shape.kinds import KindShape
 

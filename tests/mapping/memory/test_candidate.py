@@ -7,8 +7,8 @@ import pytest
 
 from certainty import certain
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.mapping.memory.candidate import Candidate
 from hypernav.mapping.memory.goal_area import GoalArea, points_under_mask
-from hypernav.mapping.memory.target import Target
 from images import thing_before_wall, thing_pixels
 
 
@@ -18,7 +18,7 @@ def target_at(thing_m=2.0):
         thing_pixels(observation), observation, min_depth_m=0.5, max_depth_m=5.0
     )
     area = certain(GoalArea.from_points(points, resolution_m=0.05))
-    return Target(area.entered_from(observation, 0.6), observation, best_pixels=1600.0)
+    return Candidate(area.entered_from(observation, 0.6), observation, best_pixels=1600.0)
 
 
 def test_a_place_that_is_cut_off_is_no_entry_until_none_is_left():

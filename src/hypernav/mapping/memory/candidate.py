@@ -61,8 +61,8 @@ class Measure:
 
 
 @dataclass(frozen=True, eq=False)
-class Target:
-    """A candidate: an object that may be the goal. The robot goes to one of them at a time.
+class Candidate:
+    """An object that may be the goal. The robot goes to one of them at a time, its target.
 
     Attributes:
         area: Goal area of the object.
@@ -145,8 +145,8 @@ class Target:
         dx, dy = self.entry_points[:, 0] - x, self.entry_points[:, 1] - y
         return math.sqrt((dx * dx + dy * dy).min())
 
-    def barred_at(self, position: tuple[float, float]) -> "Target | None":
-        """The same target with the entry points around a position ``(x, y)``, metres, barred.
+    def barred_at(self, position: tuple[float, float]) -> "Candidate | None":
+        """The same candidate with the entry points around a position ``(x, y)``, metres, barred.
 
         None if no other entry point would be left, or if there is none around this position.
         """
@@ -168,7 +168,7 @@ class Target:
 
     def seen_again(
         self, area: GoalArea, detection: Detection, observation: Observation, *, join: bool
-    ) -> "Target":
+    ) -> "Candidate":
         """The candidate after one more image that shows it.
 
         Args:
@@ -185,7 +185,7 @@ class Target:
             best_pixels=max(pixels, self.best_pixels),
         )
 
-    def with_look(self, position: tuple[float, float], weight: float) -> "Target":
+    def with_look(self, position: tuple[float, float], weight: float) -> "Candidate":
         """The candidate after one more look from a position ``(x, y)``, metres.
 
         Images from about one position share their errors: only their largest weight counts.
@@ -236,7 +236,7 @@ class Rejection:
         looks_left: Number of further images for which it is not taken for the goal.
     """
 
-    target: Target
+    target: Candidate
     looks_left: float
 
 
@@ -255,7 +255,7 @@ class GoalEvidence:
         count: Number of candidates so far, for the next one's number.
     """
 
-    candidates: tuple[Target, ...] = ()
+    candidates: tuple[Candidate, ...] = ()
     chosen: int | None = None
     rejections: tuple[Rejection, ...] = ()
     far_position: tuple[float, float] | None = None
@@ -263,7 +263,7 @@ class GoalEvidence:
     count: int = 0
 
     @property
-    def target(self) -> Target | None:
+    def target(self) -> Candidate | None:
         """The candidate that the robot goes to; None if there is none."""
         return next((one for one in self.candidates if one.number == self.chosen), None)
 
@@ -273,11 +273,11 @@ class GoalEvidence:
         refuted = [one for one in self.candidates if one.is_refuted]
         return tuple(one.area for one in (*refuted, *(one.target for one in self.rejections)))
 
-    def with_target(self, target: Target) -> "GoalEvidence":
+    def with_candidate(self, candidate: Candidate) -> "GoalEvidence":
         """The evidence with the candidate of this number replaced."""
         return replace(
             self,
             candidates=tuple(
-                target if one.number == target.number else one for one in self.candidates
+                candidate if one.number == candidate.number else one for one in self.candidates
             ),
         )
