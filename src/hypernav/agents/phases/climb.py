@@ -25,6 +25,7 @@ from hypernav.mapping.memory.flights import (
     stairs_ahead,
 )
 from hypernav.mapping.memory.memory import Memory
+from hypernav.planning.bump_sensor import is_cut_short
 from hypernav.planning.stair_steps import step_over_ground
 
 _OFF_STAIRS_M = 0.8
@@ -33,8 +34,8 @@ _PATIENCES = 2
 """Patience with one connector, in patiences with a destination (`SearchConfig.endurance_steps`)."""
 _SAME_HEIGHT_M = 0.3
 """Difference in height up to which two places on stairs may be one, metres."""
-_MOVED_SHARE = 0.5
-"""Share of a step below which the robot has bumped into something."""
+_SAME_SHARE = 0.5
+"""Distance below which they may be, by the length of a step."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +166,7 @@ def _is_lost(step: Step, memory: Memory, climbing: Climbing) -> bool:
 
     Heights err by a few centimetres: either end of a landing may seem lower than the other.
     """
-    near_m = _MOVED_SHARE * step.motion.forward_m
+    near_m = _SAME_SHARE * step.motion.forward_m
     was_here = any(
         step.robot.distance_to(x, y) < near_m and abs(memory.footing.z - z) < _SAME_HEIGHT_M
         for x, y, z in climbing.came_by
@@ -192,8 +193,7 @@ def _touches(step: Step, plan: Plan, climbing: Climbing) -> bool:
     """Whether the robot has bumped into something and has not got away from it yet."""
     if plan.ordered is None or plan.ordered[1] is not Action.MOVE_FORWARD:
         return climbing.touching
-    moved_m = plan.ordered[0].distance_to(*step.robot.xy)
-    return moved_m < _MOVED_SHARE * step.motion.forward_m
+    return is_cut_short(plan.ordered, step.robot, step.motion)
 
 
 def _given_up(
