@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float32, Float64, UInt8
 
+from hypernav.core.geometry.distance import distance_from
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.mapping.distance_kernels import nearest_open_cell
 
@@ -53,9 +54,7 @@ class Ground:
     @cached_property
     def clearance_m(self) -> Float32[np.ndarray, "rows columns"]:
         """Distance of every cell from what is not open ground, metres."""
-        is_open = (self.grid.cells == Cell.FREE).view(np.uint8)
-        clearance = cv2.distanceTransform(is_open, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-        return clearance * np.float32(self.grid.resolution_m)
+        return distance_from(~self.grid.free) * np.float32(self.grid.resolution_m)
 
     def without(
         self, closed: Bool[np.ndarray, "rows columns"], position: tuple[float, float]

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float64, UInt8
 
 from hypernav.core.embodiment import BodyConfig
+from hypernav.core.geometry.distance import distance_from
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.planning.astar import astar
 from hypernav.planning.config import PlanningConfig
@@ -215,7 +216,7 @@ def _enterable_goal(
     # Beside a destination that cannot be entered only known cells count: a goal area reaches into
     # the wall that it hangs on, and no path to it begins behind that wall.
     if wanted.any():
-        away = cv2.distanceTransform((~wanted).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+        away = distance_from(wanted)
     else:  # beyond the explored map: the enterable cell nearest to the first target
         rows, columns = np.indices(enterable.shape)
         row, column = costmap.continuous(*targets[0])

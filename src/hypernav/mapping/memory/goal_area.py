@@ -6,9 +6,10 @@ from functools import cached_property
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float32, Float64, Int32
+from jaxtyping import Bool, Float64, Int32
 
 from hypernav.core.geometry.bounds import has_cell
+from hypernav.core.geometry.distance import distance_from
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.image_kernels import points_under
 from hypernav.mapping.memory.visibility import lies_open
@@ -167,7 +168,7 @@ class GoalArea:
         """
         margin = math.ceil(reach_m / self.resolution_m)
         wide = self._widened(margin)
-        entry = (_away_from(wide.seen) * self.resolution_m <= reach_m) & ~wide.seen
+        entry = (distance_from(wide.seen) * self.resolution_m <= reach_m) & ~wide.seen
         entry[entry] = lies_open(wide._centres(entry), observation)
         if not entry.any():
             return self
@@ -206,7 +207,7 @@ class GoalArea:
         Only cells that many images show count as the target: a single one may include a shadow.
         """
         often = 2 * self.views >= self.views.max()
-        away_m = _away_from(often)[self.entry]
+        away_m = distance_from(often)[self.entry]
         return self.entry_points[away_m <= (away_m.min() + away_m.max()) / 2.0]
 
     @cached_property
@@ -237,7 +238,7 @@ class GoalArea:
     def beside(self, gap_m: float) -> tuple[Float64[np.ndarray, "n 2"], Float64[np.ndarray, "n 2"]]:
         """Points ``(x, y)``, metres, within a gap of entry points; their nearest `seen_points`."""
         wide = self._widened(math.ceil(gap_m / self.resolution_m))
-        away_m = _away_from(wide.entry) * self.resolution_m
+        away_m = distance_from(wide.entry) * self.resolution_m
         is_beside = ~wide.entry & ~wide.seen & (away_m <= gap_m)
         beside = replace(wide, entry=is_beside)
         return beside.entry_points, beside.nearest_seen_points
@@ -311,11 +312,6 @@ def _are_before(
     farthest_m = np.linalg.norm(seen - camera, axis=1).max()
     is_nearer = np.linalg.norm(points - camera, axis=1) < farthest_m
     return is_nearer & (of_points >= of_seen.min()) & (of_points <= of_seen.max())
-
-
-def _away_from(mask: Bool[np.ndarray, "rows columns"]) -> Float32[np.ndarray, "rows columns"]:
-    """Distance of every cell from the nearest cell of a mask, cells."""
-    return cv2.distanceTransform((~mask).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
 
 
 def _padded(cells: np.ndarray, margin: int) -> np.ndarray:

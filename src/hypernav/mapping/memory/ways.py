@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from hypernav.core.exploring.floors import KnownFloor, WayOut
+from hypernav.core.geometry.distance import distance_from
 from hypernav.mapping.memory.connectors import Connector
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.memory import Memory
@@ -60,11 +61,9 @@ def _distances_m(
     shape = (patches.max(axis=0) - first).astype(np.int64) + reach + 1
     at = np.floor(np.array(positions).reshape(-1, 2) / _PATCH_M) - first
     at = at[((at >= 0) & (at < shape)).all(axis=1)].astype(np.int64)
-    if len(at) == 0:
-        return np.full(len(patches), np.inf)
-    away = np.ones(shape, dtype=np.uint8)
-    away[tuple(at.T)] = 0
-    away_m = _PATCH_M * cv2.distanceTransform(away, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    there = np.zeros(shape, dtype=bool)
+    there[tuple(at.T)] = True
+    away_m = _PATCH_M * distance_from(there)
     return away_m[tuple((patches - first).astype(np.int64).T)].astype(np.float64)
 
 

@@ -2,11 +2,11 @@
 
 from typing import Protocol, runtime_checkable
 
-import cv2
 import numpy as np
 from jaxtyping import Float64
 from scipy.spatial import KDTree
 
+from hypernav.core.geometry.distance import distance_from
 from hypernav.core.geometry.grid import OccupancyGrid
 
 
@@ -33,13 +33,8 @@ class MapObstacles:
     def __init__(self, grid: OccupancyGrid) -> None:
         """Measure the distances in a map, which may change afterwards."""
         self._grid = grid
-        if grid.occupied.any():
-            cells = cv2.distanceTransform(
-                (~grid.occupied).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
-            )
-            self._distances = cells.astype(np.float64) * grid.resolution_m
-        else:
-            self._distances = np.full(grid.cells.shape, np.inf)
+        cells = distance_from(grid.occupied)
+        self._distances = cells.astype(np.float64) * grid.resolution_m
 
     def distances(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, " n"]:
         """Distance from every point's cell to the nearest occupied one, between centres, metres."""
