@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float, Float64, Int64
@@ -52,6 +53,11 @@ class PinholeCamera:
             raise CameraError(f"horizontal field of view must be in (0, 180)°, got {hfov_deg}°")
         f = width / 2.0 / math.tan(math.radians(hfov_deg) / 2.0)
         return PinholeCamera(width, height, f, f, width / 2.0, height / 2.0)
+
+    @cached_property
+    def lens(self) -> tuple[float, float, float, float]:
+        """Focal lengths and principal point ``(fx, fy, cx, cy)``, pixels, for compiled loops."""
+        return (float(self.fx), float(self.fy), float(self.cx), float(self.cy))
 
     @property
     def hfov(self) -> float:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Float64
@@ -81,6 +82,11 @@ class Transform:
         m[:3, :3] = self.rotation
         m[:3, 3] = self.translation
         return m
+
+    @cached_property
+    def rows(self) -> tuple[float, ...]:
+        """The upper three rows of the matrix, one after the other, for compiled loops."""
+        return tuple(self.matrix[:3].ravel().tolist())
 
     @property
     def yaw(self) -> float:

@@ -45,15 +45,14 @@ def points_under_mask(
     if window is None:
         left, top, width, height = cv2.boundingRect(mask.view(np.uint8))
         window = (left - left % stride, top - top % stride, left + width, top + height)
-    camera = observation.camera
     return points_under(
         np.require(mask, np.bool_, ["C", "W"]),
         np.require(observation.depth, np.float32, ["C", "W"]),
         window,
         stride,
         (float(min_depth_m), float(max_depth_m)),
-        tuple(float(number) for number in (camera.fx, camera.fy, camera.cx, camera.cy)),
-        tuple(observation.camera_to_map.matrix[:3].ravel().tolist()),
+        observation.camera.lens,
+        observation.camera_to_map.rows,
     )
 
 

@@ -90,7 +90,6 @@ def are_visible(
     observation: Observation,
 ) -> Bool[np.ndarray, " objects"]:
     """The same of several objects at once; see `should_be_visible`."""
-    camera = observation.camera
     # Nothing may stand in between. The farthest depth of a column tells of what is as high as the
     # camera, the one at the object's height of what is lower, such as a bed before a nightstand.
     # The object's own near side may be nearer than what was seen of it from another side.
@@ -99,8 +98,8 @@ def are_visible(
         heights_m,
         np.require(observation.depth, np.float32, ["C", "W"]),
         observation.farthest_m,
-        tuple(float(number) for number in (camera.fx, camera.fy, camera.cx, camera.cy)),
-        tuple(observation.camera_to_map.inverse().matrix[:3].ravel().tolist()),
+        observation.camera.lens,
+        observation.camera_to_map.inverse().rows,
         _RECOGNISABLE_M,
         (_WALL_SLACK_M, _OWN_DEPTH_M),
     )

@@ -177,11 +177,11 @@ class TopDownMap:
                 camera, pose, (*corner, self._band.bottom_m), (size, size, config.voxel_height_m)
             ),
             (
-                *(float(number) for number in (camera.fx, camera.fy, camera.cx, camera.cy)),
+                *camera.lens,
                 sensor.min_depth_m,
                 sensor.max_depth_m,
             ),
-            tuple(pose.inverse().matrix[:3].ravel().tolist()),
+            pose.inverse().rows,
             self._heights,
             tuple(window),
             corner,
