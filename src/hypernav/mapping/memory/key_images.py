@@ -15,9 +15,9 @@ from jaxtyping import Float32, Float64, Int64, UInt8
 
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.camera import PinholeCamera
-from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
+from hypernav.mapping.memory.image_kernels import points_under
 
 _PATCH_M = 0.5
 """Side of the cubes that surfaces are counted in, metres."""
@@ -202,9 +202,17 @@ def patches_of(
     observation: Observation, sensor: CameraConfig, floor: int
 ) -> Int64[np.ndarray, " n"]:
     """Sorted numbers of the patches of surface that a frame shows, different on every floor."""
-    depth = observation.depth[::_STRIDE, ::_STRIDE]
-    rows, columns = np.nonzero(is_measured(depth, sensor.min_depth_m, sensor.max_depth_m))
-    return _patches_at(observation.points_at(rows * _STRIDE, columns * _STRIDE), floor)
+    camera = observation.camera
+    points = points_under(
+        None,
+        np.require(observation.depth, np.float32, ["C", "W"]),
+        (0, 0, camera.width, camera.height),
+        _STRIDE,
+        (sensor.min_depth_m, sensor.max_depth_m),
+        camera.lens,
+        observation.camera_to_map.rows,
+    )
+    return _patches_at(points, floor)
 
 
 def with_patches(image: KeyImage) -> KeyImage:

@@ -9,6 +9,7 @@ from jaxtyping import Bool
 
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.observation import Observation
+from hypernav.mapping.memory.image_kernels import fan_of_view
 
 _EVERY_PX = 16
 _BESIDE_M = 0.3
@@ -38,18 +39,12 @@ class LookedOver:
     def add(self, observation: Observation, grid: OccupancyGrid) -> None:
         """Add what an image shows: in every direction up to the farthest that has depth."""
         self._grow(grid)
-        camera, robot = observation.camera, observation.robot
-        columns = np.arange(0, camera.width, _EVERY_PX)
-        depth = observation.farthest_m[columns].astype(np.float64)
-        aside = depth * (columns + 0.5 - camera.cx) / camera.fx
-        pose = observation.camera_to_map
-        fan = np.zeros((len(columns) + 1, 2))  # begins at the camera
-        fan[1:] = np.outer(aside, pose.rotation[:2, 0]) + np.outer(depth, pose.rotation[:2, 2])
-        corners = (fan + (pose.translation[:2] - self.origin)) / grid.resolution_m
+        lens, pose = observation.camera.lens, observation.camera_to_map.rows
+        farthest, side = observation.farthest_m, grid.resolution_m
         mask = self.cells.view(np.uint8)
-        cv2.fillPoly(mask, [np.floor(corners).astype(np.int32)], 1)
-        row, column = grid.cell_of(*robot.xy)
-        cv2.circle(mask, (column, row), math.ceil(_BESIDE_M / grid.resolution_m), 1, -1)
+        cv2.fillPoly(mask, [fan_of_view(farthest, _EVERY_PX, lens, pose, self.origin, side)], 1)
+        row, column = grid.cell_of(*observation.robot.xy)
+        cv2.circle(mask, (column, row), math.ceil(_BESIDE_M / side), 1, -1)
 
     def applied(self, grid: OccupancyGrid) -> OccupancyGrid:
         """The map as if only this search had been on the floor: the rest is unknown."""

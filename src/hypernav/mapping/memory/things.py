@@ -8,7 +8,7 @@ import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from jaxtyping import Bool
@@ -20,6 +20,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.labels import canonical
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.goal_area import points_under_mask
+from hypernav.mapping.memory.image_kernels import are_near
 from hypernav.mapping.memory.thing import Thing, fit, holds, joined, overlap
 from hypernav.mapping.memory.visibility import are_visible
 
@@ -129,7 +130,7 @@ class Things:
 
     def _that_fit(self, goal: Goal, *fits: float) -> list[Thing]:
         """The things that fit a goal so well; there are far fewer labels than things."""
-        fitting = {label for label in self.labels if fit(label, goal) in fits}
+        fitting = _fitting(self.labels, goal, fits)
         return [one for one in self.known if one.label in fitting] if fitting else []
 
     def after_image(
@@ -160,18 +161,17 @@ class Things:
         if not seen:
             return replace(self, shown={}) if self.shown else self
         known = {one.number: one for one in self.known}
-        named = defaultdict[str, list[Thing]](list)
+        named = defaultdict[str, dict[int, Thing]](dict)
         for one in self.known:
-            named[canonical(one.label)].append(one)
+            named[canonical(one.label)][one.number] = one
         count, shown = self.count, dict[int, float]()
         for new in seen:
-            name = canonical(new.label)
-            same = [one for one in named[name] if overlap(one, new)]
+            alike = named[canonical(new.label)]
+            same = [one for one in alike.values() if overlap(one, new)]
             for one in same:
-                del known[one.number]
+                del known[one.number], alike[one.number]
             one = joined(same, new) if same else replace(new, number=count)
-            named[name] = [*(one for one in named[name] if one not in same), one]
-            known[one.number] = one
+            known[one.number] = alike[one.number] = one
             shown[one.number] = max(new.pixels, shown.get(one.number, 0.0))
             count += not same
         return Things(tuple(sorted(known.values(), key=lambda one: one.number)), count, shown)
@@ -220,6 +220,12 @@ class Things:
                 for one in self.known
             ),
         )
+
+
+@lru_cache(maxsize=256)
+def _fitting(labels: frozenset[str], goal: Goal, fits: tuple[float, ...]) -> frozenset[str]:
+    """The labels that fit a goal so well."""
+    return frozenset(label for label in labels if fit(label, goal) in fits)
 
 
 def _seen_thing(
@@ -282,26 +288,19 @@ def _that_should_show(things: Iterable[Thing], observation: Observation) -> list
 
     What was seen from other sides alone may be hidden from this one, by what is on no map.
     """
-    near = [one for one in things if _is_near(one, observation)]
+    things, robot = list(things), observation.robot
+    boxes = np.array([one.low + one.high for one in things]).reshape(-1, 6)
+    where = (robot.x, robot.y, robot.yaw)
+    is_near = are_near(boxes, where, observation.camera.lens[0], _NEAR_M, _LEAST_PX)
+    near = [one for one, is_so in zip(things, is_near.tolist(), strict=True) if is_so]
     if not near:
         return []
     # Low down the floor behind it is near enough to have depth, if the thing is not there.
     heights = [one.low[2] + _LOW_SHARE * one.size[2] for one in near]
     visible = are_visible(np.array([one.outline for one in near]), np.array(heights), observation)
-    here = np.array([observation.robot.xy])
+    here = np.array([robot.xy])
     return [
         one
         for one, is_visible in zip(near, visible.tolist(), strict=True)
         if is_visible and one.was_seen_from(here)[0]
     ]
-
-
-def _is_near(one: Thing, observation: Observation) -> bool:
-    """Whether a thing is ahead, near and large enough to be detected where nothing hides it."""
-    (x0, y0, z0), (x1, y1, z1), robot = one.low, one.high, observation.robot
-    x, y = (x0 + x1) / 2.0, (y0 + y1) / 2.0
-    distance_m = robot.distance_to(x, y)
-    if distance_m > _NEAR_M or abs(robot.bearing_to(x, y)) > math.pi / 2.0:
-        return False
-    across_m = min(max(x1 - x0, y1 - y0), z1 - z0)
-    return across_m * observation.camera.fx >= _LEAST_PX * distance_m

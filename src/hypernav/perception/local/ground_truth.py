@@ -73,7 +73,8 @@ class GroundTruthDetector:
                 continue
             left, top, right, bottom = (_COARSE * boxes[number]).tolist()
             mask = np.zeros(truth.ids.shape, dtype=bool)
-            mask[top:bottom, left:right] = truth.ids[top:bottom, left:right] == number
+            window = np.s_[top:bottom, left:right]
+            np.equal(truth.ids[window], number, out=mask[window])
             box = Box(float(left), float(top), float(right), float(bottom))
             found.append(Detection(box, 1.0, truth.labels[number].category, mask))
         return found
