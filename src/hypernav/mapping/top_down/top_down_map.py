@@ -235,8 +235,13 @@ class TopDownMap:
 
         Empty for a robot that doesn't climb, to which such cells are obstacles.
         """
-        beside = cv2.dilate(self.grid.free.view(np.uint8), np.ones((3, 3), np.uint8))
-        return self.grid.centres_of(np.argwhere((self._arrays.seen == NO_FLOOR) & (beside > 0)))
+        no_floor = self._arrays.seen == NO_FLOOR
+        left, top, width, height = cv2.boundingRect(no_floor.view(np.uint8))
+        first = np.array([max(top - 1, 0), max(left - 1, 0)])
+        window = np.s_[first[0] : top + height + 1, first[1] : left + width + 1]
+        is_free = (self.grid.cells[window] == FREE).view(np.uint8)
+        beside = cv2.dilate(is_free, np.ones((3, 3), np.uint8))
+        return self.grid.centres_of(np.argwhere(no_floor[window] & (beside > 0)) + first)
 
     def shows_obstacle(self, points_xy: Float[np.ndarray, "n 2"]) -> bool:
         """Whether images show an obstacle at one of some positions ``(x, y)``, metres.
