@@ -10,12 +10,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import lru_cache
 
 import cv2
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.mapping.config import STAIRS_M
 from hypernav.mapping.ground import Ground
@@ -256,19 +257,32 @@ def _beside(end: tuple[float, float], grid: OccupancyGrid) -> Float64[np.ndarray
     reach = math.ceil(_WALLS_M / grid.resolution_m) + 2
     row, column = grid.cell_of(*end)
     corner = np.maximum((row - reach, column - reach), 0)
-    walls = grid.occupied[corner[0] : max(row + reach, 0), corner[1] : max(column + reach, 0)]
+    part = grid.cells[corner[0] : max(row + reach, 0), corner[1] : max(column + reach, 0)]
+    walls = part == Cell.OCCUPIED
     is_inside = cv2.erode(walls.view(np.uint8), np.ones((3, 3), np.uint8)) > 0  # as in steps up
     away = grid.centres_of(np.argwhere(walls & ~is_inside) + corner) - end
     away = away[np.linalg.norm(away, axis=1) <= _WALLS_M]
+    return _lines(away.tobytes(), grid.resolution_m)
+
+
+@lru_cache(maxsize=8)
+def _lines(walls: bytes, side_m: float) -> Float64[np.ndarray, "sides=2 180"]:
+    """The lines beside stairs, kept: these are asked for in every step of a climb.
+
+    Args:
+        walls: Positions ``(x, y)`` of their cells from the end of the stairs, float64, metres.
+        side_m: Side of a cell, metres.
+    """
+    away = np.frombuffer(walls).reshape(-1, 2)
     angles = np.radians(np.arange(180.0))
     to_left_m = away @ np.stack([-np.sin(angles), np.cos(angles)])
-    nearest, farthest = (round(one / grid.resolution_m) for one in _BESIDE_M)
-    line = np.floor(to_left_m / grid.resolution_m).astype(np.int64) + farthest
+    nearest, farthest = (round(one / side_m) for one in _BESIDE_M)
+    line = np.floor(to_left_m / side_m).astype(np.int64) + farthest
     is_beside = (line >= 0) & (line < 2 * farthest)
     line += 2 * farthest * np.arange(180)
     cells = np.bincount(line[is_beside], minlength=180 * 2 * farthest).reshape(180, 2 * farthest)
     right, left = cells[:, : farthest - nearest], cells[:, farthest + nearest :]
-    return np.stack([left.max(axis=1), right.max(axis=1)]) * grid.resolution_m
+    return np.stack([left.max(axis=1), right.max(axis=1)]) * side_m
 
 
 def connectors_in(ground: Ground, floor: int, floor_z: float) -> list[Connector]:
