@@ -16,7 +16,7 @@ from hypernav.mapping.elevation_kernels import (
     sort_ground,
     survey,
 )
-from hypernav.mapping.ground import Ground, filled, reach
+from hypernav.mapping.ground import Ground, UnseenGround, reach
 
 SIDE_CELLS = 256
 """Number of rows and columns of the map, whose middle stays near the robot."""
@@ -158,14 +158,15 @@ class ElevationMap:
             (self._blind_m, step_m, np.float32(body.height_m)),
             down,
         )
-        even = heights if down else np.where(blind, filled(around), heights)
+        unseen = UnseenGround(blind, around)
+        even = heights if down else np.where(blind, unseen.heights, heights)
         under_m = body.radius_m + _UNDER_M
         cells = open_ground(even, seen | blind, clear, presumed, to_robot, under_m, step_m)
         grid = OccupancyGrid(cells, self._cell_m, origin)
         least_m = _CLEARANCE * body.radius_m
         reached = reach(grid, position, least_m)
         measured_z = np.where(presumed & ~blind, below, heights) if presumed.any() else heights
-        return Ground(grid, measured_z, seen, reached, presumed, least_m, blind, around)
+        return Ground(grid, measured_z, seen, reached, presumed, least_m, unseen)
 
     @property
     def _origin(self) -> tuple[float, float]:

@@ -19,6 +19,24 @@ _NEAR_M = 0.4
 
 
 @dataclass(frozen=True, eq=False)
+class UnseenGround:
+    """The unseen cells that count as ground, as right before the robot.
+
+    Attributes:
+        cells: Mask of them.
+        around: Heights from which theirs are filled in, metres; NaN where none is known.
+    """
+
+    cells: Bool[np.ndarray, "rows columns"]
+    around: Float32[np.ndarray, "rows columns"]
+
+    @cached_property
+    def heights(self) -> Float32[np.ndarray, "rows columns"]:
+        """Heights of all cells as filled in, metres; worked out when they are asked for."""
+        return filled(self.around)
+
+
+@dataclass(frozen=True, eq=False)
 class Ground:
     """The part of the ground that the robot could walk to over steps that it can climb.
 
@@ -33,8 +51,7 @@ class Ground:
         presumed: Mask of the cells where stairs down are presumed, since no ground was seen at the
             robot's height, but what lies below it.
         least_m: Clearance that the robot's middle needs, metres.
-        blind: Mask of the unseen cells that count as ground, as right before the robot.
-        around: Heights from which theirs are filled in, metres; NaN where none is known.
+        unseen: The unseen cells that count as ground.
     """
 
     grid: OccupancyGrid
@@ -43,13 +60,12 @@ class Ground:
     reached: Bool[np.ndarray, "rows columns"]
     presumed: Bool[np.ndarray, "rows columns"]
     least_m: float
-    blind: Bool[np.ndarray, "rows columns"]
-    around: Float32[np.ndarray, "rows columns"]
+    unseen: UnseenGround
 
     @cached_property
     def heights(self) -> Float32[np.ndarray, "rows columns"]:
         """Heights of the ground, metres: where it was not seen, filled in; else as measured."""
-        return np.where(self.blind, filled(self.around), self.measured)
+        return np.where(self.unseen.cells, self.unseen.heights, self.measured)
 
     @cached_property
     def clearance_m(self) -> Float32[np.ndarray, "rows columns"]:
