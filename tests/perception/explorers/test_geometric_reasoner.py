@@ -105,26 +105,38 @@ def sized(*areas_m2):
     return of
 
 
-def test_small_views_come_after_all_others_and_the_most_soon_among_them():
-    near, far = block(1, 20, 0.5), block(2, 20, 30.0)
+def test_a_small_view_counts_less_than_its_area():
+    """Four corners take less way for what they show than a room does, and come after it."""
+    corners = [block(k, 20, 2.0, (0.0, 2.0)) for k in range(1, 5)]
+    room = block(5, 20, 3.0, (3.0, 0.0))
     for order in ("greedy", "tour"):
-        assert choose(near, far, prospects=sized(4.9, 5.0), order=order).number == 2
-        assert choose(near, far, prospects=sized(5.0, 5.0), order=order).number == 1
-        assert choose(near, far, prospects=sized(0.5, 4.0), order=order).number == 1
+        assert choose(*corners, room, prospects=sized(*[3.0] * 4, 12.0), order=order).number == 5
 
 
-def test_what_only_small_views_show_is_not_expected_of_the_others():
-    """The tour over the large ones is the same with and without small ones beside them."""
-    rooms = [block(1, 20, 3.0, (3.0, 0.0)), block(2, 20, 3.5, (-3.5, 0.0))]
-    corners = [block(k, 20, 0.1 * k, (0.0, 0.1 * k)) for k in range(3, 12)]
-    areas = [6.0, 9.0, *[4.0] * 9]
-    alone = choose(*rooms, prospects=sized(*areas))
-    assert choose(*rooms, *corners, prospects=sized(*areas)) == alone
+def test_of_views_of_one_size_the_nearest_comes_first_however_small():
+    near, far = block(1, 20, 1.0), block(2, 20, 4.0)
+    for size_m2 in (0.5, 6.0, 30.0):
+        assert choose(near, far, prospects=sized(size_m2, size_m2)).number == 1
+
+
+def test_what_a_large_view_shows_too_counts_in_full():
+    """A corner that is in view from a room is no small view of its own."""
+
+    def a_room_and_its_corner(blocks):
+        shows = {1: [True, True, False], 2: [False, True, False], 3: [False, False, True]}
+        areas = np.array([9.0, 3.0, 3.0])
+        return Prospects(areas, np.array([shows[one.number] for one in blocks]), np.zeros((3, 2)))
+
+    room, corner, other = block(1, 20, 9.0), block(2, 20, 2.0), block(3, 20, 1.5)
+    chosen = choose(room, corner, other, order="greedy", prospects=a_room_and_its_corner)
+    assert chosen.number == 2
+    assert "3.0 m² of the unknown" in chosen.reason
 
 
 def test_where_boundaries_count_none_is_small():
     near, far = block(1, 6, 0.5), block(2, 60, 30.0)
-    assert choose(near, far, gain="boundary", prospects=sized(0.1, 50.0)).number == 1
+    for order in ("greedy", "tour"):
+        assert choose(near, far, gain="boundary", order=order).number == 1
 
 
 def test_a_tour_finishes_what_is_near_where_greed_leaves():

@@ -12,6 +12,7 @@ from hypernav.core.exploring.overview import (
     Block,
     BlockChoice,
     Overview,
+    Prospects,
     prospects_of_boundaries,
     straight_legs_m,
 )
@@ -25,8 +26,8 @@ _NEVER_SEEN_M2 = 1e-3
 """Area that always counts as unseen, m²: of tours that show equally much, the shortest is best."""
 _TOUR_STOPS = 10
 """Largest number of blocks on a tour."""
-_SMALL_M2 = 5.0
-"""Area in view, m², below which a block comes after all that show more, stairs included.
+_WHOLE_VIEW_M2 = 12.0
+"""Area in view, m², from which what a block shows counts in full; less in proportion below.
 
 What is left behind furniture and in corners takes many steps and hardly ever shows a goal.
 """
@@ -67,7 +68,7 @@ class GeometricReasoner:
     A tour shows the gains of its blocks as soon as possible: it is the shortest one if every metre
     is weighted by what is unseen then (the travelling deliveryman problem, posed for search by
     Kulich, Přeučil and Miranda Bront, "On Multi-Robot Search for a Stationary Object", 2017).
-    What two blocks would show both counts once. Blocks with a small view come last.
+    What two blocks would show both counts once, and less where both show little.
 
     Attributes:
         log: Log of all choices, for the trace.
@@ -114,15 +115,13 @@ class GeometricReasoner:
         blocks = sorted(blocks, key=lambda one: (one.travel_m, one.number))
         by_view = config.gain == "view"
         prospects = (overview.prospects if by_view else prospects_of_boundaries)(blocks)
-        large = np.flatnonzero(prospects.gains_m2 >= (_SMALL_M2 if by_view else 0.0))
-        if large.size:
-            blocks = [blocks[k] for k in large]
-            prospects = replace(prospects, shows=prospects.shows[large])
-        gains = [float(gain) for gain in prospects.gains_m2]
+        gains = prospects.gains_m2.tolist()
+        if by_view:
+            prospects = _discounted(prospects)
         costs = [self._cost_m(block, overview.robot) for block in blocks]
         values = [
             gain * math.exp(-cost / _TRAVEL_SCALE_M)
-            for gain, cost in zip(gains, costs, strict=True)
+            for gain, cost in zip(prospects.gains_m2.tolist(), costs, strict=True)
         ]
         best_first = sorted(range(len(blocks)), key=lambda k: -values[k])  # the nearer of equals
         best = best_first[0]
@@ -152,3 +151,10 @@ class GeometricReasoner:
         if self.config.gain == "boundary":
             worth = f"{block.frontier_cells} cells of unexplored boundary"
         return f"block {block.number}: {worth}, {block.travel_m:.1f} m away"
+
+
+def _discounted(prospects: Prospects) -> Prospects:
+    """Prospects where what only small views show counts less than its area."""
+    most_m2 = (prospects.shows * prospects.gains_m2[:, None]).max(axis=0)
+    share = np.minimum(most_m2 / _WHOLE_VIEW_M2, 1.0)
+    return replace(prospects, areas_m2=share * prospects.areas_m2)
