@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from hypernav.core.config import RoomConfig
@@ -85,6 +86,14 @@ class CameraConfig(RoomConfig):
                 f"{self.max_depth_m}"
             )
         return self
+
+    @property
+    def depth_limits_m(self) -> tuple[float, float]:
+        """The limits as depth images have them, in single precision, metres.
+
+        A sensor that clips reports them, and 4.7 in single precision is less than 4.7.
+        """
+        return float(np.float32(self.min_depth_m)), float(np.float32(self.max_depth_m))
 
     @model_validator(mode="after")
     def _images_fit_into_memory(self) -> "CameraConfig":

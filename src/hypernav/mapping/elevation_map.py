@@ -104,7 +104,7 @@ class ElevationMap:
             across.astype(np.float32),
             down.astype(np.float32),
             tuple(pose.translation.tolist()),
-            (sensor.min_depth_m, sensor.max_depth_m),
+            sensor.depth_limits_m,
             (floor_z, body.height_m, body.max_step_m + _STEP_SLACK_M),
             (*self._origin, self._cell_m),
             (self._heights, self._hits, self._hit_z, self._below),

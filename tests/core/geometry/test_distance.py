@@ -3,6 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+from scipy.ndimage import distance_transform_edt
 
 from hypernav.core.geometry.distance import distance_from
 
@@ -16,13 +17,8 @@ def test_it_is_that_of_the_nearest_cell_to_the_last_bit(mask):
 
 
 @pytest.mark.parametrize("shape", [(41, 39), (57, 90), (100, 117)])
-def test_where_the_mask_lies_in_memory_changes_nothing(shape):
-    rng = np.random.default_rng(0)
-    mask = rng.random(shape) < 0.01
-    results = set[bytes]()
-    for offset in range(64):
-        room = np.empty(mask.size + 64, dtype=bool)
-        moved = room[offset : offset + mask.size].reshape(shape)
-        moved[:] = mask
-        results.add(distance_from(moved).tobytes())
-    assert len(results) == 1
+def test_in_maps_too(shape):
+    """OpenCV's own result is off by an ulp in hundreds of these cells."""
+    mask = np.random.default_rng(0).random(shape) < 0.01
+    exact = distance_transform_edt(~mask)
+    np.testing.assert_array_equal(distance_from(mask), exact.astype(np.float32))

@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -70,6 +71,20 @@ def test_the_map_of_a_room_agrees_with_the_room(view):
     wall = np.array([(x, y) for x in np.arange(0.3, 5.7, 0.05) for y in (0.0, 4.0)])
     nearest, _ = KDTree(occupied).query(wall)
     assert np.mean(nearest < 0.05) > 0.9
+
+
+@pytest.mark.parametrize(("min_m", "max_m"), [(0.5, 4.7), (0.5, 3.3), (0.3, 5.0), (0.6, 5.0)])
+def test_depth_that_a_sensor_clips_is_no_obstacle(min_m, max_m):
+    """Its limits in single precision lie on either side of what the configuration says."""
+    limits = {"min_depth_m": min_m, "max_depth_m": max_m}
+    camera = EMBODIMENT.camera.model_copy(update=limits)
+    clipping = TopDownMap(CONFIG, EMBODIMENT.model_copy(update={"camera": camera}))
+    for limit_m in (min_m, max_m):
+        for pose in turning(1.5, 1.5):
+            seen = view_of(ROOM, pose)
+            depth = np.full_like(seen.depth, limit_m)
+            clipping.integrate(replace(seen, depth=depth))
+    assert not clipping.grid.occupied.any()
 
 
 def test_a_thin_pole_and_a_low_table_are_drawn():

@@ -85,7 +85,10 @@ class Transform:
 
     @cached_property
     def rows(self) -> tuple[float, ...]:
-        """The upper three rows of the matrix, one after the other, for compiled loops."""
+        """The upper three rows of the matrix, one after the other, for compiled loops.
+
+        They are kept: rotation and translation must not be written to.
+        """
         return tuple(self.matrix[:3].ravel().tolist())
 
     @property

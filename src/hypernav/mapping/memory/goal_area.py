@@ -50,7 +50,7 @@ def points_under_mask(
         np.require(observation.depth, np.float32, ["C", "W"]),
         window,
         stride,
-        (float(min_depth_m), float(max_depth_m)),
+        (float(np.float32(min_depth_m)), float(np.float32(max_depth_m))),  # as the depths are
         observation.camera.lens,
         observation.camera_to_map.rows,
     )

@@ -68,7 +68,7 @@ def fan_of_view(farthest, every, lens, pose, corner, side):
         z, aside = 0.0, 0.0
         if k > 0:
             u = (k - 1) * every
-            z = np.float64(farthest[u])
+            z = np.float64(farthest[u]) if 0.0 < farthest[u] < np.inf else 0.0
             aside = z * (u + 0.5 - lens[2]) / lens[0]
         for i in range(2):
             along = aside * pose[4 * i] + z * pose[4 * i + 2]

@@ -208,7 +208,7 @@ def patches_of(
         np.require(observation.depth, np.float32, ["C", "W"]),
         (0, 0, camera.width, camera.height),
         _STRIDE,
-        (sensor.min_depth_m, sensor.max_depth_m),
+        sensor.depth_limits_m,
         camera.lens,
         observation.camera_to_map.rows,
     )

@@ -176,11 +176,7 @@ class TopDownMap:
             rays_in_voxels(
                 camera, pose, (*corner, self._band.bottom_m), (size, size, config.voxel_height_m)
             ),
-            (
-                *camera.lens,
-                sensor.min_depth_m,
-                sensor.max_depth_m,
-            ),
+            (*camera.lens, *sensor.depth_limits_m),
             pose.inverse().rows,
             self._heights,
             tuple(window),

@@ -40,7 +40,7 @@ class ValueMap:
             camera: Range of the camera.
             cell_size_m: Side of a cell, metres.
         """
-        self._range_m = (camera.min_depth_m, camera.max_depth_m)
+        self._range_m = camera.depth_limits_m
         self._size = cell_size_m
         self._row = self._column = 0
         self._values = np.zeros((0, 0), dtype=np.float32)

@@ -71,7 +71,7 @@ def free_ranges(
         np.ascontiguousarray(headings, dtype=np.float64),
         _FLOOR_M,
         camera.max_depth_m,
-        (camera.min_depth_m, camera.max_depth_m),
+        camera.depth_limits_m,
         _BLOCKED_PX,
     )
 
