@@ -48,6 +48,8 @@ def run(options: Options) -> int:
         raise ConfigError("--native: a real robot has its own camera and step; leave it out")
     if options.relocalize and options.memory is None:
         raise ConfigError("--relocalize finds the starts in a memory; add --memory FOLDER")
+    if options.who.similarity and options.memory is None:
+        raise ConfigError("--similarity compares the images of a memory; add --memory FOLDER")
     token = None if options.token_file is None else read_token(options.token_file)
     access = Access(options.host, token)
     check_access(access)

@@ -55,6 +55,17 @@ def home(saved, tmp_path) -> Path:
     return shutil.copytree(saved, tmp_path / "home")
 
 
+def test_every_save_has_a_name_of_its_own(home, tmp_path):
+    with open_memory(home, CONFIG) as memory:
+        first = memory.save_name
+    with open_memory(home, CONFIG) as memory:
+        assert memory.save_name == first  # the same, whenever it is read
+        memory.save()
+        assert memory.save_name != first
+    with open_memory(tmp_path / "empty", CONFIG) as memory:
+        assert memory.save_name == ""
+
+
 def images_of(folder: MemoryFolder) -> KeyImages:
     assert folder.memory.images is not None
     return folder.memory.images

@@ -2,6 +2,8 @@
 
 import json
 import math
+import shutil
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,9 +14,12 @@ import pytest
 from box_scenes import room_boxes, scene_of
 from hypernav.core.actions import Action
 from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode
+from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.mapping.memory.reading import read_index
+from hypernav.mapping.memory.unknown_start import FoundStart, found_by_turn
 from hypernav.robot.server.agents import AgentPlan, PlanAgent
 from hypernav.robot.wire.frames import pack_observation
 from hypernav.robot.wire.requests import ObservationFacts, OpenSearch
@@ -72,6 +77,14 @@ class Lost:
     def in_scene(self) -> tuple[float, float]:
         """Where it stands, scene frame, metres."""
         return self._world.pose.xy
+
+    def stay(self, link: RobotLink, search: str, turns: int) -> list[dict[str, Any]]:
+        """Turn as the server says for some turns, none of which happens; the replies."""
+        replies = list[dict[str, Any]]()
+        for _ in range(turns):
+            replies += self.drive(link, search, most=1)
+            self.undo_turn()
+        return replies
 
     def undo_turn(self) -> None:
         """Undo the last turn, as if the wheels had not turned."""
@@ -307,6 +320,124 @@ def test_a_restarted_server_goes_on_with_the_turn_and_the_frame(tmp_path, plan, 
     assert replies[0] == replies[1]
     assert starts[0] == starts[1]
     assert starts[0]["sure"]
+
+
+def other_memory(folder: Path) -> None:
+    """Let another search, which is in vain, change a memory on disk."""
+    with memory_of(folder) as memory:
+        memory.history.append(memory.history[-1].model_copy(update={"goal": "lamp"}))
+        memory.save()
+
+
+def test_a_restart_leaves_the_start_as_it_was_decided(tmp_path, plan, home, house, monkeypatch):
+    robot = Lost(house, BEDROOM)
+    with robot_server(tmp_path / "state", plan) as link:
+        search = opened(link, "sofa")
+        made = robot.drive(link, search, most=TURNS + 2)
+        start = status(link, search)["start"]
+
+    def undecidable(*_: object) -> None:
+        raise AssertionError("what was decided is decided again")
+
+    monkeypatch.setattr("hypernav.robot.server.unknown_start.found_by_turn", undecidable)
+    with robot_server(tmp_path / "state", plan) as link:
+        made += robot.drive(link, search)
+        assert status(link, search)["start"] == start
+        assert start["sure"]
+    assert made[-1]["ending"] == "found"
+    assert robot.in_scene()[0] < 2.5
+
+
+@pytest.mark.parametrize("steps", [3, TURNS + 2])
+def test_a_restarted_server_mixes_no_frames_of_two_memories(tmp_path, plan, home, house, steps):
+    robot = Lost(house, BEDROOM)
+    with robot_server(tmp_path / "state", plan) as link:
+        search = opened(link, "sofa")
+        robot.drive(link, search, most=steps)
+    other_memory(home)
+    before = files_of(home)
+    with robot_server(tmp_path / "state", plan) as link:
+        now = status(link, search)
+        assert now["ending"] == "failed"
+        assert "no longer the one that the search began with" in now["detail"]
+        assert robot.drive(link, search, most=1)[-1]["action"] == Action.STOP
+        opened(link)  # the memory is free
+    assert files_of(home) == before
+
+
+def test_a_first_search_gets_no_turn_by_a_restart(tmp_path, plan, home, house):
+    shutil.move(home, tmp_path / "later")
+    robot = Lost(house, BEDROOM, Pose2(0.0, 0.0, 0.0))
+    with robot_server(tmp_path / "state", plan) as link:
+        search = opened(link, "sofa")
+        robot.drive(link, search, most=3)
+    shutil.rmtree(home)
+    shutil.copytree(tmp_path / "later", home)
+    with robot_server(tmp_path / "state", plan) as link:
+        assert status(link, search)["ending"] == "failed"
+    assert files_of(home) == files_of(tmp_path / "later")
+
+
+def test_a_search_that_began_anew_goes_on_after_a_restart_without_the_memory(tmp_path, plan, home):
+    robot = Lost(elsewhere(), Pose2(2.0, 2.0, 0.5))
+    with robot_server(tmp_path / "state", plan) as link:
+        search = opened(link, "bed")
+        made = robot.drive(link, search, most=TURNS + 1)
+        start = status(link, search)["start"]
+    other_memory(home)
+    before = files_of(home)
+    with memory_of(home), robot_server(tmp_path / "state", plan) as link:  # another program has it
+        made += robot.drive(link, search)
+        assert status(link, search)["start"] == start
+    assert not start["sure"]
+    assert made[-1]["ending"] == "found"
+    assert files_of(home) == before
+
+
+def test_others_search_with_a_memory_that_a_search_has_left(tmp_path, plan, home, house):
+    with robot_server(tmp_path / "state", plan) as link:
+        anew = opened(link, "bed")
+        Lost(elsewhere(), Pose2(2.0, 2.0, 0.5)).drive(link, anew, most=TURNS + 1)
+        search = opened(link, "sofa")
+        Lost(house, BEDROOM).drive(link, search, most=TURNS + 1)
+        assert status(link, search)["start"]["sure"]
+        robot = small_config().embodiment.model_dump()
+        request = {"goal": "bed", "labels": True, "embodiment": robot}
+        refused = link.call("POST", "/v1/searches", request)
+        assert refused.status == 409
+        assert search.rpartition("/")[2] in refused.json["message"]
+
+
+def test_a_robot_that_does_not_turn_around_begins_anew(tmp_path, plan, home, house):
+    before, most = files_of(home), 3 * (TURNS + 1)
+    robot = Lost(house, BEDROOM)
+    with robot_server(tmp_path / "state", plan) as link:
+        search = opened(link, "bed")
+        robot.stay(link, search, most)
+        assert status(link, search)["start"] is None
+        robot.drive(link, search, most=1)
+        start, (trace,) = status(link, search)["start"], traces(link, search)
+    assert (start["sure"], start["turns"]) == (False, most)
+    assert start["doubt"] == "the robot did not turn around"
+    assert trace["step"] == most
+    assert files_of(home) == before
+
+
+def test_only_frames_of_new_headings_are_kept(tmp_path, plan, home, house, monkeypatch):
+    def counting(memory: Memory, frames: Sequence[Observation]) -> FoundStart:
+        counts.append(len(frames))
+        return found_by_turn(memory, frames)
+
+    counts, stuck = list[int](), 10
+    monkeypatch.setattr("hypernav.robot.server.unknown_start.found_by_turn", counting)
+    robot = Lost(house, BEDROOM)
+    with robot_server(tmp_path / "state", plan) as link:
+        search = opened(link, "bed")
+        robot.stay(link, search, stuck)
+        robot.drive(link, search, most=TURNS + 1)
+        start = status(link, search)["start"]
+    assert counts == [TURNS + 1]
+    assert (start["sure"], start["turns"]) == (True, TURNS + stuck)
 
 
 def test_the_turn_takes_no_steps_of_the_search(tmp_path, plan, home, house):

@@ -53,6 +53,16 @@ def found_start_of(server: HttpServer, opened: SearchOpened) -> StartInMemory | 
         return None
 
 
+def steps_of(answers: int, start: StartInMemory | None) -> int:
+    """Number of steps of a search, without the turns that found its start.
+
+    Args:
+        answers: Number of the server's answers.
+        start: What the turns have shown; None if there were none.
+    """
+    return answers if start is None else answers - start.turns
+
+
 def found_start_values(start: StartInMemory | None) -> dict[str, Any]:
     """The same for ``result.json``, which has the values of `hypernav find`."""
     frame = {"robot_frame", "robot_frame_z"}

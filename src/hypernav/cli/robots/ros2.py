@@ -15,7 +15,12 @@ from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.robot import Ros2
 from hypernav.cli.robots.own_server import server_at
-from hypernav.cli.robots.recording import found_start_of, found_start_values, recording
+from hypernav.cli.robots.recording import (
+    found_start_of,
+    found_start_values,
+    recording,
+    steps_of,
+)
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.views import Views, check_views
 from hypernav.cli.screen.warnings_shown import warnings_on
@@ -144,14 +149,14 @@ def _searched(
                 "reasoner": reasoner,
                 **found_start_values(found),
                 "outcome": _OUTCOMES.get(ending, Outcome.INTERRUPTED),
-                "steps": client.steps,
+                "steps": steps_of(client.steps, found),
                 "path_length_m": length_m,
                 "blocked": client.blocked,
                 "late_answers": client.watchdog.times_late,
                 "config": config.model_dump(mode="json"),
             }
             views.finish(result)
-        ended = f"{goal.text}: {ending or 'stopped'} after {client.steps} steps"
+        ended = f"{goal.text}: {ending or 'stopped'} after {result['steps']} steps"
         console.print(ended, markup=False)
         if found is not None:
             console.print(f"start {found.words}", markup=False)

@@ -22,7 +22,12 @@ from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.robot import Simulate
 from hypernav.cli.robots.own_server import server_at
-from hypernav.cli.robots.recording import found_start_of, found_start_values, recording
+from hypernav.cli.robots.recording import (
+    found_start_of,
+    found_start_values,
+    recording,
+    steps_of,
+)
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.views import Views, check_views
 from hypernav.core.config import check_option, layered
@@ -127,7 +132,7 @@ def run(options: Simulate) -> int:
                     "start": [start.x, start.y, float(np.degrees(start.yaw))],
                     **found_start_values(found),
                     "outcome": _outcome(ending, metrics),
-                    "steps": client.steps,
+                    "steps": steps_of(client.steps, found),
                     **asdict(metrics),
                     **_mishap_numbers(base, client, link),
                     "config": config.model_dump(mode="json"),

@@ -5,6 +5,7 @@ in one step, and removes the old ones last. So a process that is killed leaves t
 saved last. ``map.yaml`` and ``map.pgm`` beside them are for other programs and are never read back.
 """
 
+import hashlib
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
@@ -230,3 +231,15 @@ class MemoryFolder:
     def index(self) -> Index | None:
         """The index as it was saved last; None before the first save."""
         return self._writer.index
+
+    @property
+    def save_name(self) -> str:
+        """What tells the last save from all others, of other memories too; empty before the first.
+
+        It doesn't depend on the program's version.
+        """
+        if (index := self.index) is None:
+            return ""
+        states = [one.state.sha256 for one in index.floors]
+        told = (index.saves, index.searches, [one.began for one in index.history], states)
+        return hashlib.sha256(repr(told).encode()).hexdigest()

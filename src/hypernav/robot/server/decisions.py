@@ -26,7 +26,7 @@ from hypernav.robot.server.sensing import Sensing
 from hypernav.robot.server.state.journal import EndRecord, Journal, SearchRecord, StepRecord
 from hypernav.robot.server.unknown_start import UnknownStart
 from hypernav.robot.wire.frames import PackedObservation, decode_observation, unpack_observation
-from hypernav.robot.wire.replies import Reply, SearchEnding, Velocity
+from hypernav.robot.wire.replies import Reply, SearchEnding, StartInMemory, Velocity
 from hypernav.robot.wire.requests import ObservationFacts
 
 _LOG = logging.getLogger(__name__)
@@ -43,7 +43,11 @@ class Decisions:
     """Decides about the observations of one search, in order. Not thread-safe."""
 
     def __init__(
-        self, record: SearchRecord, built: BuiltAgent, memory: MemoryFolder | None = None
+        self,
+        record: SearchRecord,
+        built: BuiltAgent,
+        memory: MemoryFolder | None = None,
+        start: StartInMemory | None = None,
     ) -> None:
         """Begin with an agent that has its goal and has seen nothing.
 
@@ -51,7 +55,10 @@ class Decisions:
             record: What the search was opened with.
             built: Agent of the search, which has a trace and a map.
             memory: Memory that the search begins with and adds to, open; it is saved at the end of
-                the search alone, so that a restarted server can begin with the same one.
+                the search alone, so that a restarted server can begin with the same one. None if
+                there is none, or the search has left it.
+            start: Where the robot was found to be in it before a restart; None if it knew, or the
+                journal doesn't say it yet.
         """
         request = record.request
         self._built, self._memory = built, memory
@@ -63,8 +70,8 @@ class Decisions:
         self._sensing = Sensing(request.embodiment)
         self._has_labels = request.labels
         self._start: UnknownStart | None = None
-        if record.relocalize and memory is not None and memory.index is not None:
-            self._start = UnknownStart(memory, self._robot)
+        if record.relocalize:
+            self._start = UnknownStart(memory, self._robot, start)
         self._told: Action | None = None
         self._steps = 0
 
@@ -110,8 +117,8 @@ class Decisions:
         self._sensing.note(packed, seen, self._told)
         if start is not None and start.told is None and not start.look(packed.header, seen):
             return StepRecord(reply=_reply_looking_around(number, self._robot), trace=None), None
-        if self._steps == 0 and self._memory is not None:
-            seen = self._begin(self._memory, packed.header, seen)
+        if self._steps == 0:
+            seen = self._begin(packed.header, seen)
         self._steps += 1
         self._built.agent.act(seen)
         grid, trace = self._agent.grid, self._agent.last_step
@@ -122,10 +129,8 @@ class Decisions:
         reply = reply_of(number, trace, grid, self._robot)
         return StepRecord(reply=reply, trace=trace), grid.cropped().copy()
 
-    def _begin(
-        self, folder: MemoryFolder, facts: ObservationFacts, seen: Observation
-    ) -> Observation:
-        """Begin with the memory, unless the robot's place there is not sure.
+    def _begin(self, facts: ObservationFacts, seen: Observation) -> Observation:
+        """Begin with the memory, if there is one and the robot's place there is sure.
 
         Returns:
             The first frame, ``map`` frame of the search.
@@ -133,12 +138,14 @@ class Decisions:
         Raises:
             MemoryStartError: What the robot sees contradicts the memory, and it knew its place.
         """
-        if self._start is None:
+        folder, memory = self._memory, None
+        if self._start is not None:
+            memory, seen = self._start.begin(facts, seen, self._goal)
+        elif folder is not None:
             memory = folder.begin(self._goal, seen)
-        else:
-            memory, seen = self._start.begin(facts, self._goal)
         if memory is None:
-            folder.leave()
+            if folder is not None:
+                folder.leave()
             self._memory = None
             return seen
         cast(Remembers, self._built.agent).reset(self._goal, memory)

@@ -76,6 +76,15 @@ class Search:
         return self._is_end_kept
 
     @property
+    def has_memory(self) -> bool:
+        """Whether the search goes on with its server's memory.
+
+        One whose robot doesn't know where it is there leaves the memory to others.
+        """
+        start = self._now.start
+        return not self.is_over and self.record.memory is not None and (start is None or start.sure)
+
+    @property
     def silent_s(self) -> float:
         """Time since the robot's last message, seconds; 0 while it waits for an answer."""
         is_silent = self._now.state is SearchState.WAITING

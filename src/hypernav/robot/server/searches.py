@@ -25,6 +25,10 @@ from hypernav.robot.wire.values import SEARCHES
 _LOG = logging.getLogger(__name__)
 _PATIENCE_S = 2.0
 """Longest wait for pending decisions when the server ends."""
+_MEMORY_CHANGED = (
+    "the server was started again, and the memory {} is no longer the one that the search began "
+    "with, so the frames may differ; open a new search"
+)
 
 
 class Searches:
@@ -171,7 +175,8 @@ class Searches:
                 config=plan.config,
                 memory=plan.memory,
                 memory_mb=plan.memory_mb,
-                relocalize=plan.relocalize,
+                relocalize=plan.relocalize and memory is not None and memory.index is not None,
+                memory_save=memory.save_name if plan.relocalize and memory is not None else None,
             )
             search = Search(Journal.create(folder, record), self._pace)
             failed.pop_all()
@@ -185,7 +190,7 @@ class Searches:
             RequestRefusedError: A search with the memory is under way.
         """
         for search in self.all():
-            if plan.memory is not None and search.record.memory is not None and not search.is_over:
+            if plan.memory is not None and search.has_memory:
                 raise RequestRefusedError(
                     f"the search {search.record.id} for {search.record.request.goal!r} is under "
                     f"way and uses the server's memory; close it by POST {SEARCHES}/ID/close, or "
@@ -204,10 +209,17 @@ class Searches:
                     # With the options that it was opened with, not the server's present ones.
                     record = journal.record
                     plan = AgentPlan(record.config, record.specs, record.memory, record.memory_mb)
-                    built = plan.build(Goal(record.request.goal), folder)
-                    opened.callback(built.close)
-                    search.go_on(Decisions(record, built, plan.open_memory()))
-                    opened.pop_all()
+                    memory = plan.open_memory() if search.has_memory else None
+                    if memory is not None:
+                        opened.callback(memory.leave)
+                    if memory is not None and record.memory_save not in (None, memory.save_name):
+                        search.stop(_MEMORY_CHANGED.format(record.memory), SearchEnding.FAILED)
+                        search.write_end()
+                    else:
+                        built = plan.build(Goal(record.request.goal), folder)
+                        opened.callback(built.close)
+                        search.go_on(Decisions(record, built, memory, search.status().start))
+                        opened.pop_all()
         except HyPerNavError as error:
             _LOG.error("the search in %s cannot be taken up: %s", folder.name, error)
             return

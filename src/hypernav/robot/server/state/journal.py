@@ -64,7 +64,10 @@ class SearchRecord(Message):
         config: Configuration of the agent.
         memory: Folder of the memory that it adds to; None if there is none.
         memory_mb: Size of the memory, megabytes.
-        relocalize: Whether the robot doesn't know where it starts in that memory.
+        relocalize: Whether the robot turns around at the start, to find out where it is in that
+            memory: it doesn't know, and the memory is not a new one.
+        memory_save: Name of the save that the search began with, if its frame is found by the
+            server; a restarted one goes on with no other. None for a robot that knows its place.
     """
 
     id: SearchId
@@ -77,6 +80,7 @@ class SearchRecord(Message):
     memory: Path | None = None
     memory_mb: float = MOST_MEGABYTES
     relocalize: bool = False
+    memory_save: str | None = None
 
 
 class StepRecord(Message):
