@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float32, Float64, UInt8
 
-from hypernav.core.geometry.distance import distance_from
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.mapping.distance import distance_from
 from hypernav.mapping.distance_kernels import nearest_open_cell
 
 _REACHED = 2

@@ -10,8 +10,8 @@ import numpy as np
 from jaxtyping import Float64, UInt8
 
 from hypernav.core.embodiment import BodyConfig
-from hypernav.core.geometry.distance import distance_from
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.mapping.distance import distance_from
 from hypernav.planning.astar import astar
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap

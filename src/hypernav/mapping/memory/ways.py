@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from hypernav.core.exploring.floors import KnownFloor, WayOut
-from hypernav.core.geometry.distance import distance_from
+from hypernav.mapping.distance import distance_from
 from hypernav.mapping.memory.connectors import Connector
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.memory import Memory

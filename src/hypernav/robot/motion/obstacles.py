@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float64
 from scipy.spatial import KDTree
 
-from hypernav.core.geometry.distance import distance_from
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.mapping.distance import distance_from
 
 
 @runtime_checkable
