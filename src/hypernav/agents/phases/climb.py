@@ -12,7 +12,7 @@ from hypernav.core.actions import Action
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Mode
 from hypernav.mapping.ground import Ground
-from hypernav.mapping.memory.connectors import LEVEL_M, Connector, Passage, along_walls
+from hypernav.mapping.memory.connectors import LEVEL_M, Connector, Passage
 from hypernav.mapping.memory.flights import (
     ahead_of,
     first_ahead,
@@ -25,6 +25,7 @@ from hypernav.mapping.memory.flights import (
     stairs_ahead,
 )
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.stair_walls import along_walls
 from hypernav.planning.bump_sensor import is_cut_short
 from hypernav.planning.stair_steps import step_over_ground
 
