@@ -54,6 +54,15 @@ def test_stairs_ahead_are_seen_with_their_end_and_axis(
     assert abs(found.axis) < math.radians(15.0)
 
 
+@pytest.mark.parametrize("distance_m", [0.6, 0.8, 1.0, 1.2, 1.3])
+def test_stairs_up_are_seen_where_their_first_step_is_out_of_sight(distance_m: float):
+    poses = before_stairs(distance_m, distance_m)
+    (found,) = usable(memory_after([FLOOR, *stairs_up()], *poses))
+    assert found.goes_up
+    assert math.dist(found.end, (FIRST_X, MIDDLE_Y)) < 0.7
+    assert abs(found.axis) < math.radians(15.0)
+
+
 def test_one_image_is_not_enough_to_rely_on_stairs():
     memory = memory_after([FLOOR, *stairs_up()], *before_stairs(2.5))
     assert memory.connectors

@@ -23,6 +23,12 @@ LEVEL_M = 0.08
 """Greatest height above or below a floor, metres, that belongs to it: rugs and sills do."""
 _LEAST_M2 = 0.1
 """Ground that far from the floor's height, within the robot's reach, square metres."""
+_FIRST_M = 0.3
+"""Greatest height of the first step of stairs as it is seen, metres."""
+_HIGH_M = 0.65
+"""Height, metres, to which steps are seen at least that count without the first one."""
+_UNSEEN_M = 0.6
+"""Greatest length of steps up before those that are seen, metres: two treads."""
 _DROP_M2 = 0.25
 """Presumed stairs down, within the robot's reach, square metres."""
 _ALONG_M = 1.0
@@ -248,7 +254,11 @@ def _connector(
 ) -> list[Connector]:
     """The connector of a part of the ground; empty if it does not begin on the floor."""
     level = ground.between(floor_z - LEVEL_M, floor_z + LEVEL_M) & ~ground.presumed
-    edge = level & (cv2.dilate(part.view(np.uint8), np.ones((3, 3), np.uint8)) > 0)
+    edge = level & _grown(_first_step(ground, part, floor_z) if goes_up else part)
+    high = part & (ground.heights >= floor_z + _HIGH_M)
+    if not edge.any() and goes_up and ground.area_m2(high) >= _LEAST_M2:
+        part = _with_unseen_steps(ground, part, floor_z)
+        edge = level & _grown(_first_step(ground, part, floor_z))
     if not edge.any():
         return []
     points, steps = ground.positions(edge), ground.positions(part)
@@ -259,6 +269,31 @@ def _connector(
     ahead = away - (away @ along) * along
     axis = math.atan2(ahead[1], ahead[0])
     return [Connector(floor, goes_up, (float(end[0]), float(end[1])), axis)]
+
+
+def _first_step(
+    ground: Ground, part: Bool[np.ndarray, "rows columns"], floor_z: float
+) -> Bool[np.ndarray, "rows columns"]:
+    """The part of steps up that the robot can get onto from the floor: not their side."""
+    return part & (ground.heights <= floor_z + _FIRST_M)
+
+
+def _with_unseen_steps(
+    ground: Ground, part: Bool[np.ndarray, "rows columns"], floor_z: float
+) -> Bool[np.ndarray, "rows columns"]:
+    """Steps up with those right before them that the camera does not see from so near."""
+    side = 2 * math.ceil(_UNSEEN_M / ground.grid.resolution_m) + 1
+    unseen = ground.reached & ~ground.seen & _grown(part, side)
+    joined = part | (unseen & (ground.heights >= floor_z + LEVEL_M))
+    parts = cv2.connectedComponents(joined.view(np.uint8), connectivity=8)[1]
+    return np.isin(parts, np.unique(parts[part]))
+
+
+def _grown(
+    mask: Bool[np.ndarray, "rows columns"], side: int = 3
+) -> Bool[np.ndarray, "rows columns"]:
+    """A mask with the cells around it, in squares of so many cells a side."""
+    return cv2.dilate(mask.view(np.uint8), np.ones((side, side), np.uint8)) > 0
 
 
 def _parts(mask: Bool[np.ndarray, "rows columns"]) -> list[Bool[np.ndarray, "rows columns"]]:
