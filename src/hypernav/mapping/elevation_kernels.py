@@ -66,7 +66,7 @@ def survey(depth, across, down, start, lens, here, sizes, arrays, scratch):
         sizes: Corner ``(x, y)`` of the map and side of a cell, metres.
         arrays: The map, rows along y: ``heights`` float32, NaN where no ground was seen;
             ``hits`` uint8, evidence of an obstacle; ``hit_z`` float32, height of
-            its lowest point in the latest frame that showed it; ``below`` float32, latest
+            its highest point in the latest frame that showed it; ``below`` float32, latest
             height of the robot from which a ray showed no ground at that height; infinite without.
         scratch: ``top`` float32, minus infinity, and ``blocked`` uint8, zero, both of the map's
             shape, on entry and on return; ``touched`` int32 (cells).
@@ -153,7 +153,7 @@ def survey(depth, across, down, start, lens, here, sizes, arrays, scratch):
             if blocked[row, column] == 0 and top[row, column] == -np.inf:
                 touched[n] = row * columns + column
                 n += 1
-            if blocked[row, column] == 0 or z < hit_z[row, column]:
+            if blocked[row, column] == 0 or z > hit_z[row, column]:
                 hit_z[row, column] = z
             blocked[row, column] += 1
     for k in range(n):
@@ -202,9 +202,13 @@ def sort_ground(maps, masks, to_robot, robot_z, limits, down):
             clear[i, j] = hits[i, j] < BUMPED
             if hits[i, j] >= OBSTACLE_HITS:
                 # Stairs may lie one above another: only what stands on the ground is an obstacle.
-                above_m = hit_z[i, j] - (heights[i, j] if seen[i, j] else robot_z)
-                stands = above_m > (step_m / 2.0 if seen[i, j] else -step_m) and above_m < tall_m
-                clear[i, j] &= not stands
+                around_z = heights[i, j] if seen[i, j] else highest_around(known, measured, i, j)
+                if around_z == -np.inf:
+                    above_m, least_m = hit_z[i, j] - robot_z, -step_m
+                else:  # a step of unseen ground is no obstacle
+                    above_m = hit_z[i, j] - around_z
+                    least_m = step_m / 2.0 if seen[i, j] else step_m
+                clear[i, j] &= not least_m < above_m < tall_m
             if seen[i, j]:
                 continue
             dropped_m = below[i, j] - robot_z
