@@ -71,6 +71,27 @@ def test_stairs_that_turn_back_take_few_steps(goal: str, between_m: float, yaw: 
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("goal", "between_m", "start"),
+    [
+        ("bed", 0.4, Pose2(1.2, 1.4, 0.3)),
+        ("bed", 0.4, Pose2(3.0, 2.2, -1.2)),
+        ("bed", 0.1, Pose2(1.2, 1.4, -1.2)),
+        ("sofa", 0.4, Pose2(3.0, 2.2, 1.0)),
+    ],
+)
+def test_a_robot_that_comes_onto_the_stairs_askew_gets_over_them(
+    goal: str, between_m: float, start: Pose2
+):
+    episode = episode_from(start, goal, start_z=LOW_M - GOALS[goal])
+    agent = build_search(CONFIG, GroundTruthDetector())
+    trace = searched(agent, building(between_m), episode, most_steps=200)
+    assert trace[-1].action is Action.STOP
+    assert len(agent.memory.floors) == 2
+    assert sum(one.mode is Mode.CLIMB for one in trace) <= 50
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(("far_end", "yaw"), [(True, 0.3), (False, 0.0)])
 def test_a_half_landing_whose_height_errs_keeps_no_robot(far_end: bool, yaw: float):
     """Either end of it may seem lower than the other, as odometry and meshes tell heights."""

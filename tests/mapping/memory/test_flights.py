@@ -10,7 +10,7 @@ from box_views import FLOOR, SolidBox, view_of
 from hypernav.core.embodiment import BodyConfig, Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.connectors import Connector
+from hypernav.mapping.memory.connectors import Connector, connectors_in
 from hypernav.mapping.memory.flights import (
     first_ahead,
     first_flight,
@@ -104,6 +104,42 @@ def test_a_flight_that_begins_here_is_not_taken_for_another_one():
     assert flight_down(ground, robot, 0.0, across, FLIGHT) is across
 
 
+def test_a_spot_that_is_lowest_does_not_hide_the_tread_above_it():
+    ground = seen_from([FLOOR], HEAD).ground_around(HEAD.xy, down=False)
+    ahead_m, beside_m = ground.along(HEAD.xy, 0.0)
+    measured = ground.measured.copy()
+    tread = ground.seen & ground.reached & (np.abs(ahead_m - 2.0) < 0.14) & (beside_m < 0.5)
+    measured[tread] = -0.18
+    spot = ground.seen & ground.reached & (np.abs(ahead_m - 3.0) < 0.1) & (beside_m < 0.1)
+    measured[spot] = -0.3
+    assert 0 < spot.sum() < tread.sum()
+    seen = replace(ground, measured=measured)
+    to = stairs_ahead(seen, HEAD, 0.0, None, goes_up=False, on_slope=False)
+    assert to[tread].all()
+
+
+def test_a_flight_that_leads_towards_the_robot_is_not_the_next_one():
+    memory = seen_from(stairs_down(), *before_the_edge()[:2])
+    robot = before_the_edge()[1]
+    ground = memory.ground_around(robot.xy, down=True)
+    (edge,) = [one for one in connectors_in(ground, 0, 0.0) if not one.goes_up]
+    assert flight_down(ground, robot, 0.0, None, FLIGHT) is not None
+    beyond = Pose2(edge.end[0] + 0.5, edge.end[1], math.pi)  # where the stairs would be level
+    assert flight_down(ground, beyond, 0.0, None, FLIGHT) is None
+
+
+def test_a_flight_that_the_robot_has_passed_on_level_ground_is_none():
+    memory = seen_from(stairs_down(), *before_the_edge()[:2])
+    robot = before_the_edge()[1]
+    ground = memory.ground_around(robot.xy, down=True)
+    across = replace(FLIGHT, end=robot.ahead(0.5).xy, axis=math.pi / 2.0)
+    assert flight_down(ground, robot, 0.0, across, FLIGHT) is across
+    passed = replace(across, end=(robot.x + 0.5, robot.y - 0.5))
+    found = flight_down(ground, robot, 0.0, passed, FLIGHT)
+    assert found is not None
+    assert math.cos(found.axis) == pytest.approx(1.0)
+
+
 def test_from_a_landing_presumed_stairs_count_beside_the_few_steps_that_are_seen():
     memory = seen_from(stairs_down(), *before_the_edge()[:2])
     robot = before_the_edge()[1]
@@ -122,10 +158,12 @@ def test_from_a_landing_presumed_stairs_count_beside_the_few_steps_that_are_seen
 
 
 @pytest.mark.parametrize("goes_up", [True, False])
-def test_a_few_cells_off_the_floor_are_no_stairs(goes_up):
+@pytest.mark.parametrize("count", [5, 30])
+def test_a_spot_off_the_floor_is_no_stairs(count: int, goes_up: bool):
+    """Where heights err, a corner of a landing may look as much lower as a tread does."""
     ground = seen_from([FLOOR], HEAD).ground_around(HEAD.xy, down=False)
     few = np.zeros_like(ground.seen)
-    few[tuple(np.argwhere(ground.seen & ground.reached)[-5:].T)] = True
+    few[tuple(np.argwhere(ground.seen & ground.reached)[-count:].T)] = True
     height = np.float32(0.2 if goes_up else -0.2)
     specks = replace(ground, measured=np.where(few, height, ground.measured))
     assert not stairs_ahead(specks, HEAD, 0.0, None, goes_up=goes_up, on_slope=False).any()

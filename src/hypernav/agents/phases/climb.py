@@ -1,7 +1,7 @@
 """The way over stairs to another floor."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from jaxtyping import Bool
@@ -77,22 +77,17 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     before = None if plan.ordered is None else plan.ordered[0]
     flight = _flight(step, memory, climbing, stairs, connector, before)
     climbing = replace(climbing, flight=flight)
-    step_towards = partial(step_over_ground, motion=step.motion, touching=climbing.touching)
     with step.clock("plan"):
-        ground, to = _way_on(step, memory, climbing, stairs, flight)
-        action = step_towards(ground, step.robot, to)
-        if action is None and flight is not None and (stairs.on_slope or not footing.is_off_floor):
-            ground, to = _way_on(step, memory, climbing, stairs, None)  # it may be another one
-            action = step_towards(ground, step.robot, to)
+        action, leads_on = _next_action(step, memory, climbing, stairs, flight)
     words = f"on the stairs {_where_to(memory, climbing, goes_up=stairs.goes_up)}"
     if action is not None:
-        climbing = replace(climbing, turned=0, looked=_looked(step, climbing))
         if action is Action.MOVE_FORWARD:
-            here = (*step.robot.xy, footing.z)
-            climbing = replace(climbing, came_by=(*climbing.came_by, here))
+            came_by = (*climbing.came_by, (*step.robot.xy, footing.z))
+            looked = _looked(step, climbing)
+            climbing = replace(climbing, turned=0, looked=looked, came_by=came_by)
         return Decision(action, Mode.CLIMB, words), replace(plan, climbing=climbing)
     turn = Action.TURN_LEFT
-    if not (footing.is_off_floor or to.any()):
+    if not (footing.is_off_floor or leads_on):
         turn = turn_towards(step.robot, (flight or connector).beyond, step.motion)
     if turn is None or has_turned:
         return _given_up(step, memory, plan, climbing)
@@ -140,26 +135,53 @@ def _flight(
     return known
 
 
-def _way_on(
+def _next_action(
+    step: Step, memory: Memory, climbing: Climbing, stairs: _Stairs, flight: Connector | None
+) -> tuple[Action | None, bool]:
+    """The next turn or step on the way over stairs, and whether they are seen to lead on."""
+    action, leads_on = None, False
+    for ground, to in _ways_on(step, memory, climbing, stairs, flight):
+        leads_on = bool(to.any())
+        action = step_over_ground(ground, step.robot, to, step.motion, touching=climbing.touching)
+        if action is not None:
+            break
+    return action, leads_on
+
+
+def _ways_on(
+    step: Step, memory: Memory, climbing: Climbing, stairs: _Stairs, flight: Connector | None
+) -> Iterator[tuple[Ground, Bool[np.ndarray, "rows columns"]]]:
+    """The ground along a flight, and the part of it to go to, the best first; some are empty.
+
+    That is the next part of the stairs, on this flight or, as it may be another one, on any. Where
+    these end or the robot has looked all around in vain, it is level ground beyond the landing.
+    """
+    footing, goes_up, on_slope = memory.footing, stairs.goes_up, stairs.on_slope
+    has_looked = climbing.turned >= step.motion.turns_of_a_circle
+    for one in dict.fromkeys((flight, None)):
+        ground, beyond = _level_beyond(step, memory, climbing, stairs, one)
+        if has_looked or (footing.is_storey_away and not on_slope and beyond.any()):
+            yield ground, beyond
+        else:
+            here = step.robot, stairs.z, one
+            yield ground, stairs_ahead(ground, *here, goes_up=goes_up, on_slope=on_slope)
+    if footing.is_off_floor:
+        yield _level_beyond(step, memory, climbing, stairs, None)
+
+
+def _level_beyond(
     step: Step, memory: Memory, climbing: Climbing, stairs: _Stairs, flight: Connector | None
 ) -> tuple[Ground, Bool[np.ndarray, "rows columns"]]:
-    """The ground along a flight, and the part of it to go to: nothing where it doesn't lead on.
+    """The ground along a flight, and the level part of it that is clear of the stairs.
 
-    That is the next part of the stairs or, where these end or the robot has looked all around in
-    vain, level ground beyond the landing. While the robot looks around, only what is ahead counts.
+    While the robot looks around, only what is ahead counts.
     """
-    robot, footing, circle = step.robot, memory.footing, step.motion.turns_of_a_circle
+    robot, circle = step.robot, step.motion.turns_of_a_circle
     ground = on_flight(stairs.ground, robot, stairs.z, flight, goes_up=stairs.goes_up)
-    beyond = footing.way_on(ground, stairs.level_z, _OFF_STAIRS_M, _looked(step, climbing))
+    looked = _looked(step, climbing)
+    beyond = memory.footing.way_on(ground, stairs.level_z, _OFF_STAIRS_M, looked)
     ahead = ahead_of if 0 < climbing.turned < circle else first_ahead
-    beyond = ahead(ground, robot, beyond)
-    if climbing.turned >= circle:
-        return ground, beyond
-    on_slope = stairs.on_slope
-    if footing.is_storey_away and not on_slope and beyond.any():
-        return ground, beyond
-    to = stairs_ahead(ground, robot, stairs.z, flight, goes_up=stairs.goes_up, on_slope=on_slope)
-    return ground, beyond if footing.is_off_floor and not to.any() else to
+    return ground, ahead(ground, robot, beyond)
 
 
 def _is_lost(step: Step, memory: Memory, climbing: Climbing) -> bool:

@@ -27,7 +27,10 @@ _HALF_WIDTH_M = 0.42
 """Distance from the axis of a flight down, metres, beyond which nothing counts as ground."""
 _BACK_M = 0.3
 """Height above the robot, metres, of ground that is not on the way down, or below it on that up."""
-_LEAST_CELLS = 10
+_LEAST_CELLS = 40
+"""Number of cells, half a tread of narrow stairs, from which ground is worth going to."""
+_PASSED_M = 0.3
+"""Distance past its beginning, metres, at which a robot on level ground is not on a flight."""
 _ASKEW = 0.4
 """Deviation of a flight from parallels and right angles, in right angles."""
 _OTHER_WAY = math.radians(60.0)
@@ -99,10 +102,14 @@ def flight_down(
     found = list[Connector]()
     for one in connectors_in(ground, first.floor, robot_z):
         quarters = wrap_angle(one.axis - first.axis) / (math.pi / 2.0)
-        if not one.goes_up and abs(quarters - round(quarters)) <= _ASKEW:
-            found.append(replace(one, axis=first.axis + round(quarters) * math.pi / 2.0))
-    if before is not None and _is_level(ground, before, robot_z):
-        before = None
+        if one.goes_up or abs(quarters - round(quarters)) > _ASKEW:
+            continue
+        flight = replace(one, axis=first.axis + round(quarters) * math.pi / 2.0)
+        if _passed_m(flight, robot) <= _PASSED_M:
+            found.append(flight)
+    if before is not None:
+        is_behind = _passed_m(before, robot) > _PASSED_M
+        before = None if is_behind or _is_level(ground, before, robot_z) else before
     if before is not None and robot.distance_to(*before.end) <= _BEGINS_M:
         found = [one for one in found if one.is_same(before) and _agree(one, before)] or [before]
     return min(found, key=lambda one: robot.distance_to(*one.end), default=None)
@@ -130,6 +137,12 @@ def flight_underfoot(
     off_m = beside_m - max(min(beside_m, _BESIDE_AXIS_M), -_BESIDE_AXIS_M)
     end = (flight.end[0] + off_m * left[0], flight.end[1] + off_m * left[1])
     return replace(flight, end=end)
+
+
+def _passed_m(flight: Connector, robot: Pose2) -> float:
+    """How far past the beginning of a flight the robot is, along it, metres."""
+    away = (robot.x - flight.end[0], robot.y - flight.end[1])
+    return away[0] * math.cos(flight.axis) + away[1] * math.sin(flight.axis)
 
 
 def _is_level(ground: Ground, flight: Connector, landing_z: float) -> bool:
@@ -191,8 +204,8 @@ def stairs_ahead(
     if beyond.sum() < _LEAST_CELLS:
         beyond = presumed
     else:
-        best = np.where(beyond, rise, -np.inf).max()
-        beyond &= rise >= best - _SAME_TREAD_M
+        most = np.partition(rise[beyond], -_LEAST_CELLS)[-_LEAST_CELLS]
+        beyond &= rise >= most - _SAME_TREAD_M
         if not on_slope:
             beyond |= presumed
     if not beyond.any():

@@ -25,7 +25,7 @@ _LEVEL_M = 0.1
 _OFF_M = 0.12
 """Difference in height, metres, from which the robot is off the ground that it walked on."""
 _LEAST_FLOOR_M2 = 3.5
-"""Ground at one height within the robot's reach, square metres, that tells floors from landings."""
+"""Ground seen at one height in the robot's reach, square metres, that no landing has."""
 _STOREY_M = 2.2
 """Height, metres, above or below the last floor at which hardly any landing lies."""
 _LEAST_LANDING_M2 = 1.0
@@ -126,7 +126,7 @@ class Footing:
         """
         rises_far = abs(self.level_z - self.floor_z) >= _STOREY_M
         least_m2 = _LEAST_LANDING_M2 if rises_far else _LEAST_FLOOR_M2
-        return ground.area_m2(self._level(ground, self.level_z)) >= least_m2
+        return ground.area_m2(ground.seen & self._level(ground, self.level_z)) >= least_m2
 
     def way_on(
         self, ground: Ground, z: float, least_m: float, looked: Sequence[tuple[float, float]]
