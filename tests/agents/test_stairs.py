@@ -234,6 +234,27 @@ def test_a_robot_that_gets_onto_stairs_on_its_way_takes_them():
     assert agent.memory.footing.ground_z == 0.0
 
 
+@pytest.mark.parametrize("were_taken", [True, False])
+def test_a_robot_that_strays_onto_stairs_that_it_has_taken_stays_on_its_floor(were_taken: bool):
+    """Else its floor would be an obstacle from there, and nothing left to explore."""
+    world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
+    agent.reset(Goal("umbrella"))
+    start = Pose2(START_X, sum(SIDES_Y) / 2.0, 0.0)
+    agent.act(world.reset(Episode("x", "0", Goal("umbrella"), start, start_z=0.0)))
+    for action in (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.TURN_RIGHT):
+        agent.act(world.step(action))
+    memory, passage = agent.memory, Passage.USED if were_taken else Passage.REFUTED
+    memory.connectors = tuple(replace(one, passage=passage) for one in memory.connectors)
+    if were_taken:
+        memory.connectors = tuple(replace(one, other_floor=0) for one in memory.connectors)
+    while not memory.on_stairs:
+        agent.act(world.step(Action.MOVE_FORWARD))
+    for action in (Action.TURN_LEFT, Action.TURN_LEFT):
+        agent.act(world.step(action))
+    assert memory.on_stairs == were_taken
+    assert (memory.footing.ground_z == 0.0) == were_taken
+
+
 def test_a_robot_that_gets_onto_stairs_down_that_it_has_not_seen_takes_them():
     world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
     agent.reset(Goal("umbrella"))

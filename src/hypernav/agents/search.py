@@ -182,12 +182,14 @@ class SearchAgent:
 def _off_the_floor(robot: Pose2, memory: Memory, plan: Plan, events: list[str]) -> Plan:
     """The plan of a robot that is on stairs unplanned: it takes them, or they are its ground.
 
-    The head of stairs is not always where it seemed to be, or was never seen.
+    The head of stairs is not always where it seemed to be, or was never seen. From stairs that it
+    has taken before it goes back, by the map of its floor.
     """
-    if plan.stands(robot):
-        memory.settle(robot)
-        return plan
     number = stairs_underfoot(memory, robot.xy)
+    if plan.stands(robot):
+        if plan.ordered is None or number is None or memory.connectors[number].is_new:
+            memory.settle(robot)
+        return plan
     if number is None:
         number = memory.gets_onto_stairs_down(robot)
     destination, then = plan.destination, None
