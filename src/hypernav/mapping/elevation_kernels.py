@@ -65,16 +65,17 @@ def survey(depth, across, down, start, lens, here, sizes, arrays, scratch):
             height up to which things on the ground do not hinder it.
         sizes: Corner ``(x, y)`` of the map and side of a cell, metres.
         arrays: The map, rows along y: ``heights`` float32, NaN where no ground was seen;
-            ``hits`` uint8, evidence of an obstacle; ``hit_z`` float32, height of
-            its highest point in the latest frame that showed it; ``below`` float32, latest
-            height of the robot from which a ray showed no ground at that height; infinite without.
+            ``hits`` uint8, evidence of an obstacle; ``hit_z`` and ``hit_top`` float32, heights of
+            its lowest and highest point in the latest frame that showed it; ``below`` float32,
+            latest height of the robot from which a ray showed no ground at that height; infinite
+            without.
         scratch: ``top`` float32, minus infinity, and ``blocked`` uint8, zero, both of the map's
             shape, on entry and on return; ``touched`` int32 (cells).
 
     Returns:
         Number of cells with ground about a step above or below the robot's, or newly found below.
     """
-    heights, hits, hit_z, below = arrays
+    heights, hits, hit_z, hit_top, below = arrays
     top, blocked, touched = scratch
     floor_z, tall, low = here
     x0, y0, side = sizes
@@ -153,8 +154,10 @@ def survey(depth, across, down, start, lens, here, sizes, arrays, scratch):
             if blocked[row, column] == 0 and top[row, column] == -np.inf:
                 touched[n] = row * columns + column
                 n += 1
-            if blocked[row, column] == 0 or z > hit_z[row, column]:
+            if blocked[row, column] == 0 or z < hit_z[row, column]:
                 hit_z[row, column] = z
+            if blocked[row, column] == 0 or z > hit_top[row, column]:
+                hit_top[row, column] = z
             blocked[row, column] += 1
     for k in range(n):
         row, column = touched[k] // columns, touched[k] % columns
@@ -172,7 +175,7 @@ def sort_ground(maps, masks, to_robot, robot_z, limits, down):
     """Tell which cells around the robot are ground, and how high.
 
     Args:
-        maps: A part of the four maps of `survey`.
+        maps: A part of the five maps of `survey`.
         masks: Where heights belong to the robot's storey, the same with gaps of one cell closed,
             and with wider ones closed.
         to_robot: Corner ``(x, y)`` of the part, from the robot, and side of a cell, metres.
@@ -186,7 +189,7 @@ def sort_ground(maps, masks, to_robot, robot_z, limits, down):
         the robot or in the midst of what is seen, of presumed steps down, and of the cells on which
         nothing stands.
     """
-    known, hits, hit_z, below = maps
+    known, hits, hit_z, hit_top, below = maps
     measured, seen, spots = masks
     blind_m, step_m, tall_m = limits
     heights = np.full(known.shape, np.float32(np.nan))
@@ -202,13 +205,12 @@ def sort_ground(maps, masks, to_robot, robot_z, limits, down):
             clear[i, j] = hits[i, j] < BUMPED
             if hits[i, j] >= OBSTACLE_HITS:
                 # Stairs may lie one above another: only what stands on the ground is an obstacle.
-                around_z = heights[i, j] if seen[i, j] else highest_around(known, measured, i, j)
-                if around_z == -np.inf:
-                    above_m, least_m = hit_z[i, j] - robot_z, -step_m
-                else:  # a step of unseen ground is no obstacle
-                    above_m = hit_z[i, j] - around_z
-                    least_m = step_m / 2.0 if seen[i, j] else step_m
-                clear[i, j] &= not least_m < above_m < tall_m
+                above_m = hit_z[i, j] - (heights[i, j] if seen[i, j] else robot_z)
+                stands = above_m > (step_m / 2.0 if seen[i, j] else -step_m) and above_m < tall_m
+                if not (seen[i, j] or down):  # on the way up it may be the next riser
+                    rise_m = hit_top[i, j] - highest_around(known, measured, i, j)
+                    stands = stands and rise_m > step_m
+                clear[i, j] &= not stands
             if seen[i, j]:
                 continue
             dropped_m = below[i, j] - robot_z

@@ -70,6 +70,7 @@ class ElevationMap:
         self._heights = np.full(shape, np.nan, dtype=np.float32)
         self._hits = np.zeros(shape, dtype=np.uint8)
         self._hit_z = np.zeros(shape, dtype=np.float32)
+        self._hit_top = np.zeros(shape, dtype=np.float32)
         self._below = np.full(shape, np.inf, dtype=np.float32)
         self._scratch = (
             np.full(shape, -np.inf, dtype=np.float32),
@@ -107,7 +108,7 @@ class ElevationMap:
             sensor.depth_limits_m,
             (floor_z, body.height_m, body.max_step_m + _STEP_SLACK_M),
             (*self._origin, self._cell_m),
-            (self._heights, self._hits, self._hit_z, self._below),
+            (self._heights, self._hits, self._hit_z, self._hit_top, self._below),
             self._scratch,
         )
         return off_level >= _LEAST_CELLS
@@ -138,8 +139,8 @@ class ElevationMap:
         body = self._embodiment.body
         robot_z = self._robot_z
         window, origin = self._window(position)
-        maps = (self._heights, self._hits, self._hit_z, self._below)
-        known, hits, hit_z, below = (one[window] for one in maps)
+        maps = (self._heights, self._hits, self._hit_z, self._hit_top, self._below)
+        known, hits, hit_z, hit_top, below = (one[window] for one in maps)
         with np.errstate(invalid="ignore"):  # what is farther up or down belongs to other storeys
             known = _without_pits(known, self._pit_cells, body.max_step_m)
             measured = np.abs(known - robot_z) <= _SAME_STOREY_M
@@ -151,7 +152,7 @@ class ElevationMap:
         step_m = body.max_step_m + _STEP_SLACK_M
         to_robot = (origin[0] - position[0], origin[1] - position[1], self._cell_m)
         heights, blind, presumed, clear = sort_ground(
-            (known, hits, hit_z, below),
+            (known, hits, hit_z, hit_top, below),
             (measured, seen, spots),
             to_robot,
             np.float32(robot_z),
@@ -202,6 +203,7 @@ class ElevationMap:
         self._heights = _shifted(self._heights, shift, np.float32(np.nan))
         self._hits = _shifted(self._hits, shift, np.uint8(0))
         self._hit_z = _shifted(self._hit_z, shift, np.float32(0.0))
+        self._hit_top = _shifted(self._hit_top, shift, np.float32(0.0))
         self._below = _shifted(self._below, shift, np.float32(np.inf))
         self._corner = (row + shift[0], column + shift[1])
 
