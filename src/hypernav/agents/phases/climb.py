@@ -158,15 +158,15 @@ def _ways_on(
     """
     footing, goes_up, on_slope = memory.footing, stairs.goes_up, stairs.on_slope
     has_looked = climbing.turned >= step.motion.turns_of_a_circle
-    for one in dict.fromkeys((flight, None)):
+    for one in (None,) if flight is None else (flight, None):
         ground, beyond = _level_beyond(step, memory, climbing, stairs, one)
         if has_looked or (footing.is_storey_away and not on_slope and beyond.any()):
             yield ground, beyond
-        else:
-            here = step.robot, stairs.z, one
-            yield ground, stairs_ahead(ground, *here, goes_up=goes_up, on_slope=on_slope)
-    if footing.is_off_floor:
-        yield _level_beyond(step, memory, climbing, stairs, None)
+            continue
+        here = step.robot, stairs.z, one
+        yield ground, stairs_ahead(ground, *here, goes_up=goes_up, on_slope=on_slope)
+        if one is None and footing.is_off_floor:
+            yield ground, beyond
 
 
 def _level_beyond(

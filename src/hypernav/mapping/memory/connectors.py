@@ -23,8 +23,6 @@ LEVEL_M = 0.08
 """Greatest height above or below a floor, metres, that belongs to it: rugs and sills do."""
 _LEAST_M2 = 0.1
 """Ground that far from the floor's height, within the robot's reach, square metres."""
-_FIRST_M = 0.3
-"""Greatest height of the first step of stairs as it is seen, metres."""
 _HIGH_M = 0.65
 """Height, metres, to which steps are seen at least that count without the first one."""
 _UNSEEN_M = 0.6
@@ -275,7 +273,7 @@ def _first_step(
     ground: Ground, part: Bool[np.ndarray, "rows columns"], floor_z: float
 ) -> Bool[np.ndarray, "rows columns"]:
     """The part of steps up that the robot can get onto from the floor: not their side."""
-    return part & (ground.heights <= floor_z + _FIRST_M)
+    return part & (ground.heights <= floor_z + STAIRS_M)
 
 
 def _with_unseen_steps(

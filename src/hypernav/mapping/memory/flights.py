@@ -27,8 +27,8 @@ _HALF_WIDTH_M = 0.42
 """Distance from the axis of a flight down, metres, beyond which nothing counts as ground."""
 _BACK_M = 0.3
 """Height above the robot, metres, of ground that is not on the way down, or below it on that up."""
-_LEAST_CELLS = 40
-"""Number of cells, half a tread of narrow stairs, from which ground is worth going to."""
+_LEAST_M2 = 0.1
+"""Ground that is worth going to, square metres: half a tread of narrow stairs."""
 _PASSED_M = 0.3
 """Distance past its beginning, metres, at which a robot on level ground is not on a flight."""
 _ASKEW = 0.4
@@ -187,6 +187,7 @@ def stairs_ahead(
     seen or presumed there. Else it is the highest ground in reach, or the lowest that was seen;
     beyond a landing, it is any presumed stairs.
     """
+    least_cells = max(round(_LEAST_M2 / ground.grid.resolution_m**2), 1)
     sign = 1.0 if goes_up else -1.0
     with np.errstate(invalid="ignore"):
         rise = sign * (ground.heights - robot_z)
@@ -199,12 +200,12 @@ def stairs_ahead(
             on_axis = ground.along(flight.end, flight.axis)[1] <= _BESIDE_AXIS_M
             on_axis &= ground.reached if on_slope else beyond | presumed
             on_axis &= (ahead_m > _LEAST_AHEAD_M) & (ahead_m < (_AHEAD_M if on_slope else _NEXT_M))
-            if on_axis.sum() >= _LEAST_CELLS:
+            if on_axis.sum() >= least_cells:
                 return on_axis & (ahead_m >= min(_AHEAD_M, float(ahead_m[on_axis].max())) - 0.1)
-    if beyond.sum() < _LEAST_CELLS:
+    if beyond.sum() < least_cells:
         beyond = presumed
     else:
-        most = np.partition(rise[beyond], -_LEAST_CELLS)[-_LEAST_CELLS]
+        most = np.partition(rise[beyond], -least_cells)[-least_cells]
         beyond &= rise >= most - _SAME_TREAD_M
         if not on_slope:
             beyond |= presumed
