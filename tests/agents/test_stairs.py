@@ -111,7 +111,7 @@ def test_a_search_comes_back_by_the_stairs_that_it_took():
     assert 2 in floors
     assert memory.number == 0
     last_climb = next(one for one in reversed(trace) if one.mode is Mode.CLIMB)
-    assert last_climb.reason == "on the stairs down"
+    assert last_climb.reason == "on the stairs to floor 1"
 
 
 @pytest.mark.parametrize("steps", [2, 4])
