@@ -26,3 +26,14 @@ def test_ground_that_nobody_has_seen_makes_no_floor():
     row, column = ground.grid.cell_of(0.0, 0.0)
     is_near = np.hypot(y - row, x - column) * ground.grid.resolution_m < 1.5
     assert not footing.has_room(replace(ground, seen=ground.seen & is_near))
+
+
+def test_ground_that_seems_somewhat_higher_or_lower_than_the_robot_is_its_floor():
+    """Poses are those of a body on a navigation mesh, which does not lie on the floor."""
+    memory = Memory(MappingConfig(), CLIMBER)
+    memory.begin_search(sees_stairs=True)
+    memory.follow(view_of([FLOOR], Pose2(0.0, 0.0, 0.0), camera=CLIMBER.camera.intrinsics))
+    ground = memory.ground_around((0.0, 0.0), down=False)
+    for z, is_its_own in ((0.13, True), (-0.13, True), (0.2, False), (-0.2, False)):
+        footing = replace(memory.footing, floor_z=-2.6, z=z, level_z=z)
+        assert footing.has_room(ground) == is_its_own

@@ -22,6 +22,10 @@ from hypernav.mapping.ground import Ground
 ANOTHER_M = 1.0
 """Least height between two floors, metres; less is a step, a ramp or odometry's drift."""
 _LEVEL_M = 0.1
+_ERROR_M = 0.15
+"""How far the ground may seem above or below the height at which the robot is said to be, metres:
+poses from a navigation mesh are off by half of this, and depth by as much.
+"""
 _OFF_M = 0.12
 """Difference in height, metres, from which the robot is off the ground that it walked on."""
 _LEAST_FLOOR_M2 = 3.5
@@ -147,4 +151,4 @@ class Footing:
     def _level(self, ground: Ground, z: float) -> Bool[np.ndarray, "rows columns"]:
         """Mask of the ground about as high as the robot and a height, and between them."""
         low, high = sorted((z, self.z))
-        return ground.between(low - _LEVEL_M, high + _LEVEL_M)
+        return ground.between(low - _ERROR_M, high + _ERROR_M)
