@@ -10,7 +10,7 @@ from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.mapping.memory.floor import SearchMemory
+from hypernav.mapping.memory.floor import SearchMemory, counted_from
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import MOST_THINGS, Things
 
@@ -65,6 +65,13 @@ def test_a_detection_without_depth_is_no_thing():
     image, (detection,) = looks_at(Pose2(2.0, 3.0, 0.0))
     blind = replace(image, depth=np.zeros_like(image.depth))
     assert Things().after_image(blind, [detection], SENSOR, search=1).known == ()
+
+
+@pytest.mark.parametrize("ground_m", [2.6, -3.0])
+def test_what_is_seen_of_another_floor_is_no_thing_of_this_one(ground_m: float):
+    image, detections = looks_at(Pose2(2.0, 3.0, 0.0))
+    seen = counted_from(ground_m, image)
+    assert Things().after_image(seen, detections, SENSOR, search=1).known == ()
 
 
 def test_without_a_mask_what_stands_far_behind_the_middle_does_not_count():

@@ -7,8 +7,9 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.agents.phases.recall import errand, recalled, refutation, remembered
-from hypernav.agents.plan import Climbing, Plan, patience_of
+from hypernav.agents.phases.pursue import forget_sighting, pursuing
+from hypernav.agents.phases.recall import recalled, refutation, remembered
+from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.components.abilities import answers_at_once
@@ -34,7 +35,7 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
     if turn is not None:
         plan = replace(plan, turns_left=plan.turns_left - 1, looked_around_at=robot.xy)
         return Decision(turn, Mode.LOOK_AROUND, "looking around"), plan
-    plan = _pursuing(step, memory, replace(plan, turns_left=0))
+    plan = pursuing(step, memory, replace(plan, turns_left=0))
     turn = _look_across(step, memory, plan)
     if turn is not None:
         plan = plan.explore(age=plan.exploring.age + 1)
@@ -142,26 +143,6 @@ def _has_looked(step: Step, plan: Plan) -> bool:
     return position is not None and step.robot.distance_to(*position) < near_m
 
 
-def _pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
-    """The plan that heads for a goal that was in sight, but too far away to be measured."""
-    search, config = memory.search, step.config
-    position = search.evidence.far_position
-    if not config.pursue_far_sightings or position is None:
-        return plan
-    if errand(step, memory) is not None:
-        return plan
-    # This sighting was pursued before without success: explore instead of going back.
-    near_m = 2.0 * config.arrival_distance_m
-    if any(math.dist(position, other) <= near_m for other in plan.exploring.pursued):
-        search.evidence = replace(search.evidence, far_position=None)
-        return plan
-    if plan.destination is None or not plan.destination.is_sighting:
-        step.events.append("goal seen far away")
-        plan = plan.explore(patience=patience_of(config))
-    reason = f"the {step.goal.thing} is in sight, too far away to be measured"
-    return plan.explore(destination=Destination(*position, reason=reason, is_sighting=True))
-
-
 def _without_finished(step: Step, memory: Memory, plan: Plan) -> Plan:
     """The plan without a destination that is reached, or around which all is explored."""
     destination, config = plan.destination, step.config
@@ -241,7 +222,7 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
     if destination.connector is not None:
         memory.give_up(destination.connector)
     elif destination.is_sighting:
-        search.evidence = replace(search.evidence, far_position=None)
+        forget_sighting(memory)
         plan = plan.explore(pursued=(*plan.exploring.pursued, destination.xy))
     elif destination.thing is not None:
         search.gone_to.add(destination.thing)

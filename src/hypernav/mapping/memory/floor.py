@@ -61,6 +61,9 @@ class SearchMemory:
         meant: The one that is gone to before all others, as it was known; None if any will do.
         looked_over: What it has looked at of the floor; None if the floor was not known before.
         looks_again: Whether it explores what it has not looked at itself, known or not.
+        seen_off_floor: Position ``(x, y, z)`` where the goal was last seen below or above the room
+            of this floor, heights from the floor, metres; None if it was not.
+        went_off_floor: Whether the robot has been to such a position; it is led away only once.
         viewed_from: Pose of the latest frame with a new view; None before the first frame.
         has_new_view: Whether the present frame has one: only then all things in it and what it
             tells as a key image are looked at, since frames close together show the same.
@@ -82,6 +85,8 @@ class SearchMemory:
     meant: Thing | None = None
     looked_over: LookedOver | None = None
     looks_again: bool = False
+    seen_off_floor: tuple[float, float, float] | None = None
+    went_off_floor: bool = False
     viewed_from: Pose2 | None = None
     has_new_view: bool = True
 
@@ -111,6 +116,11 @@ class SearchMemory:
             for one in unlike
             if replace(one, missed=one.missed + self.unlike[one.number]).is_gone
         }
+
+    def note_off_floor(self, position: tuple[float, float, float]) -> None:
+        """Note where below or above the room of this floor the goal was seen; see the attribute."""
+        if not self.went_off_floor:
+            self.seen_off_floor = position
 
     def note_view(self, robot: Pose2) -> None:
         """Note from where the present frame is taken."""

@@ -16,6 +16,11 @@ _SAME_M = (0.15, 0.6)
 side on the floor plan, within these limits, metres. Front and back of a sofa are one thing, and
 chairs around a table are not."""
 _SAME_HEIGHT_M = 0.5
+_LOWEST_M, _HIGHEST_M = -0.5, 2.6
+"""Heights above a floor between which things are in its room, metres.
+
+Sunken floors and lamps are, but not what is seen down a stairwell or up on a gallery.
+"""
 _AT_SCORE = 7.0
 _AT_RECALL = 4.4
 _AT_NOTHING = -9.3
@@ -144,6 +149,11 @@ class Thing:
     def fits(self, goal: Goal) -> float:
         """How well its label fits a goal: 1 as far as asked, 0.5 only its kind, 0 not at all."""
         return fit(self.label, goal)
+
+
+def is_in_room(height_m: float) -> bool:
+    """Whether what is at a height above a floor, metres, belongs to that floor."""
+    return _LOWEST_M <= height_m <= _HIGHEST_M
 
 
 @lru_cache(maxsize=4096)

@@ -21,7 +21,7 @@ from hypernav.core.labels import canonical
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.goal_area import points_under_mask
 from hypernav.mapping.memory.image_kernels import are_near
-from hypernav.mapping.memory.thing import Thing, fit, holds, joined, overlap
+from hypernav.mapping.memory.thing import Thing, fit, holds, is_in_room, joined, overlap
 from hypernav.mapping.memory.visibility import are_visible
 
 MOST_THINGS = 500
@@ -35,6 +35,8 @@ _STRAYS = 0.05
 _SAME_DEPTH_M = 0.5
 """Distance in depth from a box's middle up to which its pixels are the thing's, without a mask."""
 _LOW_SHARE = 0.25
+_TALL_M = 1.0
+"""Height of a thing, metres, above which its lower part alone tells what floor it stands on."""
 _LEAST_PX = 20.0
 """Size in the image, pixels, below which it says nothing that a thing was not detected."""
 _NEAR_M = 4.0
@@ -142,7 +144,7 @@ class Things:
         search: int,
         only: Goal | None = None,
     ) -> "Things":
-        """The things after one more image.
+        """The things after one more image; what is seen of other floors is none of this one.
 
         Args:
             observation: The image, with heights counted from this floor.
@@ -153,7 +155,8 @@ class Things:
                 can be missed.
         """
         seen = [_seen_thing(one, observation, camera, search) for one in detections]
-        after = self._with_seen([one for one in seen if one is not None])
+        here = [one for one in seen if one is not None and _stands_in_room(one)]
+        after = self._with_seen(here)
         return after._with_missed(observation, only)._at_most(MOST_THINGS)
 
     def _with_seen(self, seen: list[Thing]) -> "Things":
@@ -259,6 +262,12 @@ def _seen_thing(
         first_search=search,
         last_search=search,
     )
+
+
+def _stands_in_room(thing: Thing) -> bool:
+    """Whether a thing is of the floor from which it was seen, however high it reaches."""
+    middle_m = thing.position[2]
+    return is_in_room(min(middle_m, max(0.0, thing.low[2] + _TALL_M / 2.0)))
 
 
 def _mask(

@@ -10,8 +10,9 @@ from jaxtyping import Float64, Int64
 from hypernav.core.exploring.floors import KnownFloor, WayOut
 from hypernav.mapping.distance import distance_from
 from hypernav.mapping.memory.connectors import Connector
-from hypernav.mapping.memory.floor import Floor
+from hypernav.mapping.memory.floor import Floor, SearchMemory
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.thing import is_in_room
 
 _PATCH_M = 0.2
 """Side of the patches that edges of the floor are made of, metres."""
@@ -91,6 +92,48 @@ def ways_to_unseen(memory: Memory) -> list[WayOut]:
 def ways_out(memory: Memory) -> list[WayOut]:
     """The ways to what is unseen; where there are none, those to floors this search left early."""
     return ways_to_unseen(memory) or _ways_to(memory, lambda floor: not floor.search.is_explored)
+
+
+def seen_from_elsewhere(memory: Memory) -> tuple[float, float] | None:
+    """Where ``(x, y)`` on this floor the goal was seen from another, metres; None if nowhere."""
+    here = [(x, y) for _, (x, y, z) in _off_floors(memory) if is_in_room(z - memory.floor.z)]
+    return here[0] if here else None
+
+
+def forget_seen_from_elsewhere(memory: Memory) -> None:
+    """Forget where on this floor the goal was seen from another one, for this search."""
+    for search, (_, _, z) in _off_floors(memory):
+        if is_in_room(z - memory.floor.z):
+            search.seen_off_floor, search.went_off_floor = None, True
+
+
+def ways_to_sighting(memory: Memory) -> list[WayOut]:
+    """The stairs here towards a floor on which the goal was seen from another one.
+
+    The robot has taken them before, or they are new and lead up or down as the goal lies.
+    """
+    above_m = [z - memory.floor.z for _, (_, _, z) in _off_floors(memory)]
+    away = [one for one in above_m if not is_in_room(one)]
+    if not away:
+        return []
+    known = [one for one in known_floors(memory) if is_in_room(away[0] - one.above_m)]
+    if known:
+        return [known[0].way[0]]
+    goes_up = away[0] > 0.0
+    return [one for one in new_ways(memory) if memory.connectors[one.connector].goes_up == goes_up]
+
+
+def _off_floors(memory: Memory) -> list[tuple[SearchMemory, tuple[float, float, float]]]:
+    """What was learned on the floors from which the goal was seen on another, and where it was.
+
+    Positions are ``(x, y, z)``, ``map`` frame, metres.
+    """
+    seen = [(floor, floor.search.seen_off_floor) for floor in memory.floors]
+    return [
+        (floor.search, (position[0], position[1], floor.z + position[2]))
+        for floor, position in seen
+        if position is not None
+    ]
 
 
 def known_floors(memory: Memory) -> list[KnownFloor]:

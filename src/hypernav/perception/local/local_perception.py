@@ -19,6 +19,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.goal_area import GoalArea
+from hypernav.mapping.memory.thing import is_in_room
 from hypernav.mapping.memory.things import Things
 from hypernav.perception.local.belief import (
     Sighting,
@@ -37,11 +38,14 @@ from hypernav.perception.shape.kinds import KindShape, kind_shape
 
 _NO_DEPTH = "too few points with depth"
 _REJECTED = "rejected before"
+_OFF_FLOOR = "on another floor"
 _BESIDE_REJECTED_DEG = 10.0  # a goal out of range this near to a rejected area is ignored
 _STRONG = 0.3
 """Least score of another thing to be remembered, and of a goal out of range to be followed."""
 _NEARER = 0.75
 """Share of the entry reach that is left where the goal's outline was guessed from a box."""
+_BELOW_M, _ABOVE_M = -2.3, 3.1
+"""Heights above the floor, metres, at which things of the floors below and above are, about."""
 _CERTAIN = 0.99
 """Score from which the detector is so certain that the form of the thing is not measured."""
 
@@ -57,6 +61,8 @@ class LocalPerception:
         camera: Camera, whose range of depth counts.
         cell_size_m: Side of a map cell, metres.
         names_things: Whether all that the detector can name is remembered, not only its detections.
+        tells_floors: Whether a goal below or above the room of the robot's floor is on another one,
+            and no candidate on this.
     """
 
     detector: Detector
@@ -66,6 +72,7 @@ class LocalPerception:
     _: KW_ONLY
     cell_size_m: float
     names_things: bool = False
+    tells_floors: bool = False
 
     def look(
         self, observation: Observation, goal: Goal, floor: Floor, *, asks: bool = True
@@ -101,13 +108,21 @@ class LocalPerception:
             mask = whole if config.pixels == "box" else eroded(whole, config)
             area = self._area(mask, observation, is_guessed=detection.mask is None)
             reason = _NO_DEPTH
-            if area is not None:
+            if area is not None and self.tells_floors and not is_in_room(area.height_m):
+                reason = _OFF_FLOOR
+                if detection.score >= least:
+                    search.note_off_floor((*area.centre, area.height_m))
+            elif area is not None:
                 reason = _REJECTED if is_rejected(evidence, area) else ""
                 if not reason or config.target == "candidates":
                     sightings.append(self._sighting(detection, area, whole, observation, kind))
             elif far_position is None and detection.score >= least:
                 areas = evidence.rejected_areas
-                far_position = self._far_position(detection, observation, areas)
+                off_floor = self._far_off_floor(detection, observation)
+                if off_floor is None:
+                    far_position = self._far_position(detection, observation, areas)
+                elif search.seen_off_floor is None:
+                    search.note_off_floor(off_floor)
             records.append(_record(detection, mask, reason))
         if config.target == "latest":
             evidence = with_latest(evidence, sightings, observation)
@@ -205,6 +220,29 @@ class LocalPerception:
             reach_m = self.config.entry_reach_m * (_NEARER if is_guessed else 1.0)
             area = area.entered_from(observation, reach_m)
         return area
+
+    def _far_off_floor(
+        self, detection: Detection, observation: Observation
+    ) -> tuple[float, float, float] | None:
+        """About where a goal out of range is that lies below or above the room of this floor.
+
+        Returns:
+            Position ``(x, y, z)``, metres; None if it may be in the room, as far as its line of
+            sight tells, or if floors are not told apart.
+        """
+        box, camera_at = detection.box, observation.camera_to_map.translation
+        row, column = (
+            np.array([box.y_min + box.y_max]) / 2.0,
+            np.array([box.x_min + box.x_max]) / 2.0,
+        )
+        point = observation.camera.unproject(column, row, np.array([self.camera.max_depth_m]))
+        nearest = observation.camera_to_map.apply(point)[0]
+        if not self.tells_floors or is_in_room(float(nearest[2])):
+            return None
+        away = nearest - camera_at
+        z = _BELOW_M if away[2] < 0.0 else _ABOVE_M
+        x, y, z = (camera_at + max(1.0, (z - camera_at[2]) / away[2]) * away).tolist()
+        return (x, y, z)
 
     def _far_position(
         self, detection: Detection, observation: Observation, rejected: Sequence[GoalArea]
