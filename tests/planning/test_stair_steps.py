@@ -34,6 +34,7 @@ def flight() -> Ground:
         np.zeros_like(known),
         0.12,
         UnseenGround(np.zeros_like(known), np.full(known.shape, np.nan, dtype=np.float32)),
+        np.zeros_like(known),
     )
 
 

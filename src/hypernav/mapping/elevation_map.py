@@ -68,6 +68,7 @@ class ElevationMap:
         self._pit_cells = 2 * math.ceil(0.5 * (_PIT_M / cell_size_m - 1.0)) + 1
         shape = (SIDE_CELLS, SIDE_CELLS)
         self._heights = np.full(shape, np.nan, dtype=np.float32)
+        self._stood_z = np.full(shape, np.nan, dtype=np.float32)
         self._hits = np.zeros(shape, dtype=np.uint8)
         self._hit_z = np.zeros(shape, dtype=np.float32)
         self._hit_top = np.zeros(shape, dtype=np.float32)
@@ -167,7 +168,8 @@ class ElevationMap:
         least_m = _CLEARANCE * body.radius_m
         reached = reach(grid, position, least_m)
         measured_z = np.where(presumed & ~blind, below, heights) if presumed.any() else heights
-        return Ground(grid, measured_z, seen, reached, presumed, least_m, unseen)
+        stood = self._stood_z[window] == self._heights[window]
+        return Ground(grid, measured_z, seen, reached, presumed, least_m, unseen, stood)
 
     @property
     def _origin(self) -> tuple[float, float]:
@@ -201,6 +203,7 @@ class ElevationMap:
         if shift == (0, 0):
             return
         self._heights = _shifted(self._heights, shift, np.float32(np.nan))
+        self._stood_z = _shifted(self._stood_z, shift, np.float32(np.nan))
         self._hits = _shifted(self._hits, shift, np.uint8(0))
         self._hit_z = _shifted(self._hit_z, shift, np.float32(0.0))
         self._hit_top = _shifted(self._hit_top, shift, np.float32(0.0))
@@ -218,6 +221,7 @@ class ElevationMap:
         with np.errstate(invalid="ignore"):
             is_other = ~(np.abs(self._heights[window] - floor_z) <= _OTHER_M)
         self._heights[window][is_other] = floor_z
+        self._stood_z[window][is_other] = floor_z
         self._robot_z = floor_z
 
 

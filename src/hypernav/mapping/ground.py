@@ -52,6 +52,8 @@ class Ground:
             robot's height, but what lies below it.
         least_m: Clearance that the robot's middle needs, metres.
         unseen: The unseen cells that count as ground.
+        stood: Mask of the cells whose height is that of a robot that stood there, and that no image
+            has shown since.
     """
 
     grid: OccupancyGrid
@@ -61,6 +63,7 @@ class Ground:
     presumed: Bool[np.ndarray, "rows columns"]
     least_m: float
     unseen: UnseenGround
+    stood: Bool[np.ndarray, "rows columns"]
 
     @cached_property
     def heights(self) -> Float32[np.ndarray, "rows columns"]:

@@ -81,6 +81,19 @@ def test_a_landing_is_as_high_as_it_looks(off_m: float):
     assert landing_z(ground, robot, memory.footing.z) == pytest.approx(0.0, abs=0.03)
 
 
+@pytest.mark.parametrize("off_m", [-0.13, 0.13])
+def test_where_the_robot_has_stood_tells_not_how_high_a_landing_is(off_m: float):
+    """It walks where no image shows the ground, on a mesh that is off."""
+    around = [Pose2(0.0, 0.0, yaw) for yaw in np.arange(0.0, 2.0 * math.pi, math.pi / 6.0)]
+    walk = [Pose2(0.1 * k, y, math.pi / 2.0) for y in (-0.4, -0.2, 0.0, 0.2) for k in range(-3, 10)]
+    wall: SolidBox = ((-9.0, 1.2, 0.0), (9.0, 1.3, 2.0))
+    memory = seen_from([FLOOR, wall], *around, *walk, z=off_m)
+    robot = walk[-1]
+    ground = memory.ground_around(robot.xy, down=True)
+    assert (ground.seen & ground.stood).sum() > 100
+    assert landing_z(ground, robot, memory.footing.z) == pytest.approx(0.0, abs=0.03)
+
+
 @pytest.mark.parametrize("quarters", [-1, 0, 1, 2])
 def test_the_next_flight_is_parallel_or_at_right_angles_to_the_first(quarters: int):
     memory = seen_from(stairs_down(), *before_the_edge()[:2])

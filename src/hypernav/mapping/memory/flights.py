@@ -81,7 +81,8 @@ def landing_z(ground: Ground, robot: Pose2, robot_z: float) -> float:
     """
     with np.errstate(invalid="ignore"):
         is_near = np.abs(ground.heights - robot_z) <= _MESH_M
-    is_near &= ground.seen & ground.reached & (ground.distances_m(robot.xy) <= _AROUND_M)
+    is_near &= ground.seen & ~ground.stood & ground.reached
+    is_near &= ground.distances_m(robot.xy) <= _AROUND_M
     return float(np.median(ground.heights[is_near])) if is_near.any() else robot_z
 
 
