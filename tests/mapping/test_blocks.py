@@ -154,6 +154,21 @@ def test_stairs_are_blocks_of_their_own_where_the_robot_can_reach_them():
     assert block.holds(near.xy)
 
 
+def test_another_floor_is_worth_more_the_more_was_seen_of_this_one():
+    """So is where the floor ends, but less."""
+
+    def worths(metres: int) -> tuple[float, float]:
+        grid = OccupancyGrid(np.full((20 * metres, 20 * metres), np.uint8(Cell.FREE)), 0.05, CORNER)
+        reach = ReachableArea.of(grid, ORIGIN, CONFIG, CLEARANCE_M)
+        (stairs,) = stairs_blocks(reach, [WayOut(3, 0.0, 0.5, "stairs up")], 1)
+        (edge,) = drop_blocks(reach, [(0.0, 0.5)], 1)
+        return stairs.beyond_m2, edge.beyond_m2
+
+    few, many = worths(4), worths(12)
+    assert all(less < more for less, more in zip(few, many, strict=True))
+    assert all(edge < stairs for stairs, edge in (few, many))
+
+
 def test_where_the_floor_ends_is_a_block_if_the_robot_can_go_near():
     cells = FLOOR.copy()
     cells[:, 100:104] = Cell.OCCUPIED
