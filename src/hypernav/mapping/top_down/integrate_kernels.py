@@ -59,9 +59,13 @@ def count_points(depth, nearest, farthest, start, across, down, columns, layers,
     """
     x0, y0, z0 = start[0], start[1], start[2]
     top = np.float32(layers)
+    least_rise = across[:, 2].min()
     n = 0
     for v in range(depth.shape[0]):
         bx, by, bz = down[v, 0], down[v, 1], down[v, 2]
+        rise = bz + least_rise
+        if rise >= np.float32(0.0) and z0 + nearest * rise >= top:
+            continue  # all rays of this row have left the height band before the nearest depth
         for u in range(depth.shape[1]):
             d = depth[v, u]
             if not is_measured(d, nearest, farthest):
