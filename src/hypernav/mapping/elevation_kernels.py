@@ -85,6 +85,7 @@ def survey(depth, across, down, start, lens, here, sizes, arrays, scratch):
     on_floor = np.zeros(depth.shape[1], dtype=np.bool_)
     apart = max(depth.shape[1] // _FINE, 1)
     coarse = max(depth.shape[1] // _COARSE, 1)
+    levels = np.zeros((depth.shape[0], depth.shape[1] // coarse + 1), dtype=np.bool_)
     for v in range(depth.shape[0] - 1, apart - 1, -apart):
         for u in range(0, depth.shape[1], coarse):
             fall = across[u, 2] + down[v, 2]
@@ -120,6 +121,7 @@ def survey(depth, across, down, start, lens, here, sizes, arrays, scratch):
             is_edge = on_floor[u] and not is_measured(depth[v - apart, u], lens[0], lens[1])
             on_floor[u] = (level or is_edge) and z - floor_z < low / 2.0
             if level:
+                levels[v, u // coarse] = True
                 if top[row, column] == -np.inf:
                     touched[n] = row * columns + column
                     n += 1
@@ -134,7 +136,7 @@ def survey(depth, across, down, start, lens, here, sizes, arrays, scratch):
     for v in range(depth.shape[0] - 1, apart - 1, -coarse):
         for u in range(0, depth.shape[1], coarse):
             d = depth[v, u]
-            if not is_measured(d, lens[0], lens[1]):
+            if levels[v, u // coarse] or not is_measured(d, lens[0], lens[1]):
                 continue
             z = start[2] + d * (across[u, 2] + down[v, 2])
             if z > floor_z + tall + 1.0:
