@@ -187,6 +187,7 @@ def joined(known: list[Thing], new: Thing) -> Thing:
     thing as large: it may have been moved a little.
     """
     best = max(known, key=lambda one: one.pixels)
+    others = [one for one in known if one is not best]
     is_larger = new.pixels > best.pixels
     is_renewed = best.last_search < new.last_search and 2.0 * new.pixels >= best.pixels
     first = new.views[0] if is_larger or is_renewed else best.views[0]
@@ -199,7 +200,7 @@ def joined(known: list[Thing], new: Thing) -> Thing:
         score=max(best.score, new.score),
         low=(x0, y0, z0),
         high=(x1, y1, z1),
-        views=_views(first, [view for one in (best, *known, new) for view in one.views]),
+        views=_views(first, [view for one in (best, *others, new) for view in one.views]),
         pixels=new.pixels if is_larger or is_renewed else best.pixels,
         first_search=min(one.first_search for one in known),
         last_search=new.last_search,
