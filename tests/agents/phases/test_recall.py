@@ -171,6 +171,26 @@ def test_a_thing_is_gone_to_on_the_side_that_it_was_seen_from():
         assert (there[0] > 4.5) == (x > 4.5)
 
 
+def test_what_cannot_be_come_near_is_gone_to_where_it_is_in_sight():
+    """Not as far as where it was seen best, which may be at the other end of the hall."""
+    tables = [
+        ("table", (1.2, 0.3, 0.0), (1.9, 3.7, 0.7)),
+        ("table", (0.2, 0.3, 0.0), (1.2, 1.2, 0.7)),
+        ("table", (0.2, 2.8, 0.0), (1.2, 3.7, 0.7)),
+    ]
+    vase = ("vase", (0.3, 1.8, 0.0), (0.6, 2.2, 0.9))
+    world = colourless_world(scene_of(*room_boxes(9.0, 4.0), *tables, vase, name="hall"), CONFIG)
+    _, _, memory = searched(world, "piano", Pose2(5.0, 2.0, 3.0), None)
+    (known,) = [one for one in memory.floor.things.known if one.label == "vase"]
+    ((x, y, _),) = world.map_to_scene.inverse().apply(np.array([[7.5, 2.0, 0.0]]))
+    things = replace(known, views=((x, y, 1.0),))
+    memory.floor.things = replace(memory.floor.things, known=(things,))
+    steps, _, _ = searched(world, "vase", Pose2(6.0, 3.0, 0.0), memory)
+    assert steps[0].destination is not None
+    (there,) = world.map_to_scene.apply(np.array([[*steps[0].destination, 0.0]]))
+    assert 1.9 < there[0] < 3.0
+
+
 TWO_SOFAS = [
     *room_boxes(9.0, 4.0),
     ("sofa", (0.1, 1.2, 0.0), (0.9, 2.8, 0.7)),

@@ -2,13 +2,10 @@
 
 import math
 
-import numpy as np
-from jaxtyping import Float64
-
 from hypernav.agents.plan import Plan
 from hypernav.agents.step import Step
+from hypernav.agents.way_to_thing import way_to_thing
 from hypernav.core.exploring.exploration import Destination
-from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.key_images import KeyImages
@@ -17,19 +14,12 @@ from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import LIKELY
 from hypernav.mapping.memory.ways import known_floors, routes_from_here
 from hypernav.mapping.reachable_area import ReachableArea
-from hypernav.mapping.sight_lines import lines_are_clear
 from hypernav.perception.image_recall import IMAGES_PER_QUESTION
 
 _MOST_ALIKE = 3
 """Number of images that look like the goal to which the robot goes unasked."""
 _WORTH_STAIRS = 0.5
 """Chance from which that is so over stairs: more than a thing of the goal's kind alone has."""
-_BESIDE_M = 1.0
-"""Distance from a thing within which the robot goes, in sight of it, metres."""
-_ON_FLOOR_M = 0.3
-"""Height of a thing's lowest point, metres, from which it stands on something or hangs."""
-_UNDER_IT_M = 0.3
-"""Distance from such a thing, metres, up to which what it stands on reaches and hides nothing."""
 
 
 def remembered(step: Step, memory: Memory) -> Destination | None:
@@ -61,7 +51,8 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
         clearance_m = step.use.planning.clearances_m(step.use.embodiment.body)[0]
         reach = ReachableArea.of(step.grid, step.robot, step.use.mapping, clearance_m)
         reached = [
-            (thing, chance, *_way_to(thing, memory, reach, step)) for thing, chance in likely
+            (thing, chance, *way_to_thing(thing, floor.map, reach, step.robot))
+            for thing, chance in likely
         ]
     thing, _, position, _ = min(reached, key=lambda one: (one[3] / one[1], one[0].number))
     x, y, _ = thing.position
@@ -204,49 +195,3 @@ def refutation(memory: Memory, plan: Plan) -> str | None:
     if thing is None or thing.is_gone:
         return "remembered thing is gone"
     return "remembered thing is another" if thing.number in memory.search.gone_to else None
-
-
-def _way_to(
-    thing: Thing, memory: Memory, reach: ReachableArea, step: Step
-) -> tuple[tuple[float, float], float]:
-    """The reachable position beside a thing, in sight of it, and the length of the path there.
-
-    It lies on a side that the thing was seen from: the map may not show what hides it from others.
-    Where there is none, the position is one that the robot has seen it from.
-    """
-    grid = reach.grid
-    rows, columns = np.nonzero(_near(thing, grid) & (reach.reachable > 0))
-    points = grid.centres_of(np.column_stack([rows, columns]))
-    inside = np.clip(points, thing.low[:2], thing.high[:2])
-    if len(points):
-        around = np.concatenate([points, inside])
-        is_clear = lines_are_clear(
-            memory.floor.map.eye_level(around), points, inside, through=_filled(thing, grid)
-        )
-        is_clear &= thing.was_seen_from(points)
-        rows, columns, points = rows[is_clear], columns[is_clear], points[is_clear]
-    if not len(points):
-        return thing.seen_from, 2.0 * step.robot.distance_to(*thing.seen_from)
-    nearest = int(reach.travel_m[rows, columns].argmin())
-    x, y = points[nearest].tolist()
-    return (x, y), float(reach.travel_m[rows[nearest], columns[nearest]])
-
-
-def _near(thing: Thing, grid: OccupancyGrid) -> np.ndarray:
-    """Mask of the cells of which the middle lies near a thing, not in its box."""
-    (left, bottom), size = grid.origin, grid.resolution_m
-    x = left + (np.arange(grid.cells.shape[1]) + 0.5) * size
-    y = bottom + (np.arange(grid.cells.shape[0]) + 0.5) * size
-    away_x = np.maximum(np.maximum(thing.low[0] - x, x - thing.high[0]), 0.0)
-    away_y = np.maximum(np.maximum(thing.low[1] - y, y - thing.high[1]), 0.0)
-    away = np.hypot(away_x[None, :], away_y[:, None])
-    return (away > 0.0) & (away <= _BESIDE_M)
-
-
-def _filled(thing: Thing, grid: OccupancyGrid) -> Float64[np.ndarray, "n 2"]:
-    """Middles of the cells of a thing and of what it stands on, ``(x, y)``, metres."""
-    size = grid.resolution_m
-    beside_m = size / 2.0 if thing.low[2] < _ON_FLOOR_M else _UNDER_IT_M
-    x = np.arange(thing.low[0] - beside_m, thing.high[0] + beside_m + size / 2.0, size)
-    y = np.arange(thing.low[1] - beside_m, thing.high[1] + beside_m + size / 2.0, size)
-    return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
