@@ -4,7 +4,14 @@ from hypothesis import strategies as st
 
 from hypernav.core.errors import GoalError
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel, canonical, normalise, same_name
+from hypernav.core.labels import (
+    AskedPlace,
+    ObjectLabel,
+    asked_place,
+    canonical,
+    normalise,
+    same_name,
+)
 
 ARMCHAIR = ObjectLabel(
     "armchair", ("chair",), ("red", "fabric"), room="office", beside=("floor lamp", "desk")
@@ -99,3 +106,41 @@ def test_a_goal_is_spoken_of_without_its_article():
     assert Goal("the sink beside the mirror").thing == "sink beside the mirror"
     assert Goal("An umbrella").thing == "umbrella"
     assert Goal("theatre seat").thing == "theatre seat"
+
+
+@pytest.mark.parametrize(
+    ("label", "goal", "words"),
+    [
+        ("table lamp", "the metal table lamp", 2),
+        ("ceiling lamp", "the metal table lamp", 1),
+        ("nightstand", "white bedside table in the bedroom", 2),
+        ("cactus", "the green plant", 1),
+        ("dishwasher", "dish washer", 2),
+        ("oven", "cooker", 1),
+        ("sofa", "the bed beside the sofa", 0),
+    ],
+)
+def test_as_many_words_of_a_goal_as_are_a_thing_s_name_may_name_it(label, goal, words):
+    assert ObjectLabel(label).named_words(Goal(goal)) == words
+    assert ObjectLabel(label).may_satisfy(Goal(goal)) is (words > 0)
+
+
+@pytest.mark.parametrize(("label", "goal"), [("cactus", "potted plant"), ("oven", "cooker")])
+def test_what_else_people_call_a_thing_does_not_make_it_the_goal(label, goal):
+    assert not ObjectLabel(label).satisfies(Goal(goal))
+
+
+@pytest.mark.parametrize(
+    ("goal", "place"),
+    [
+        ("the bed", AskedPlace("bed")),
+        ("red chair in the office", AskedPlace("red chair", room="office")),
+        ("lamp next to a bed", AskedPlace("lamp", beside="bed")),
+        (
+            "the lamp beside the bed in the hall",
+            AskedPlace("lamp", room="hall", beside="bed"),
+        ),
+    ],
+)
+def test_the_place_that_a_goal_tells_is_read_apart_from_what_it_is(goal, place):
+    assert asked_place(Goal(goal)) == place

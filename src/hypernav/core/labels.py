@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from hypernav.core.goal import Goal
+from hypernav.core.other_names import other_names
 
 _SYNONYMS: tuple[tuple[str, ...], ...] = (
     ("sofa", "couch", "settee", "loveseat"),
@@ -74,6 +75,32 @@ def same_name(a: str, b: str) -> bool:
 
 
 @dataclass(frozen=True)
+class AskedPlace:
+    """Where a goal's words say that it is.
+
+    Attributes:
+        before: The words before, which say what it is, as `normalise` gives them.
+        room: Room that it is in; empty if none is said.
+        beside: What it is beside; empty if nothing is said.
+    """
+
+    before: str
+    room: str = ""
+    beside: str = ""
+
+
+@lru_cache(maxsize=4096)
+def asked_place(goal: Goal) -> AskedPlace:
+    """Read "WHAT [beside the THING] [in the ROOM]"."""
+    text, room, beside = normalise(goal.text), "", ""
+    if (match := _IN_ROOM.search(text)) is not None:
+        text, room = text[: match.start()], match[1]
+    if (match := _BESIDE.search(text)) is not None:
+        text, beside = text[: match.start()], match[1]
+    return AskedPlace(text, room, beside)
+
+
+@dataclass(frozen=True)
 class ObjectLabel:
     """Description of one object of a scene.
 
@@ -128,12 +155,25 @@ class ObjectLabel:
 
     def may_satisfy(self, goal: Goal) -> bool:
         """Whether this object is of the kind that the goal asks for, whatever else it asks."""
-        text = normalise(goal.text)
-        for place in (_IN_ROOM, _BESIDE):
-            if (match := place.search(text)) is not None:
-                text = text[: match.start()]
-        words = text.split()
-        return any(self.is_named(" ".join(words[head:])) for head in range(len(words)))
+        return self.named_words(goal) > 0
+
+    def named_words(self, goal: Goal) -> int:
+        """Number of the goal's last words, its place aside, that may name this object; else 0.
+
+        Two words of "the metal table lamp" name a table lamp, and one names a ceiling lamp. A
+        cactus may be called a potted plant, and a "dish washer" is a dishwasher.
+        """
+        words = asked_place(goal).before.split()
+        heads = range(len(words))
+        return next((len(words) - k for k in heads if self._may_be_called(words[k:])), 0)
+
+    def _may_be_called(self, words: list[str]) -> bool:
+        name = " ".join(words)
+        if self.is_named(name):
+            return True
+        wanted, joined = canonical(name), "".join(words)
+        own = {form(one) for one in self.names for form in (canonical, normalise)}
+        return any(wanted in other_names(one) or joined == one.replace(" ", "") for one in own)
 
     def _fits_phrase(self, words: list[str]) -> bool:
         true_words = {word for text in self.attributes for word in normalise(text).split()}

@@ -187,6 +187,14 @@ def test_where_something_has_the_goal_s_own_name_others_of_its_kind_are_no_candi
     assert len(things.fitting(Goal("lamp"))) == 2
 
 
+def test_what_more_words_of_a_description_name_comes_before_others_of_its_kind():
+    things = after(Things(), Pose2(2.0, 3.0, 0.0), label="ceiling lamp")
+    lower = ((4.0, 0.2, 0.0), (5.0, 1.4, 0.8))
+    things = after(things, Pose2(2.0, 3.0, 0.0), solid=lower, label="table lamp")
+    assert [one.label for one, _ in things.fitting(Goal("the metal table lamp"))] == ["table lamp"]
+    assert len(things.fitting(Goal("the metal lamp"))) == 2
+
+
 @pytest.mark.parametrize(
     ("change", "labels"),
     [({"missed": 5}, ["ceiling lamp"]), ({"score": 0.31}, ["ceiling lamp", "table lamp"])],

@@ -164,6 +164,12 @@ def fit(label: str, goal: Goal) -> float:
     return 0.5 if ObjectLabel(label).may_satisfy(goal) else 0.0
 
 
+@lru_cache(maxsize=4096)
+def named_as(label: str, goal: Goal) -> tuple[float, int]:
+    """How well a label fits a goal, and how many of the goal's words name it: more is nearer."""
+    return fit(label, goal), ObjectLabel(label).named_words(goal)
+
+
 def overlap(a: Thing, b: Thing) -> bool:
     """Whether the middle of one lies in the other's box, or right beside it."""
     return holds(a, b.position) or holds(b, a.position)

@@ -21,7 +21,15 @@ from hypernav.core.labels import canonical
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.goal_area import points_under_mask
 from hypernav.mapping.memory.image_kernels import are_near
-from hypernav.mapping.memory.thing import Thing, fit, holds, is_in_room, joined, overlap
+from hypernav.mapping.memory.thing import (
+    Thing,
+    fit,
+    holds,
+    is_in_room,
+    joined,
+    named_as,
+    overlap,
+)
 from hypernav.mapping.memory.visibility import are_visible
 
 MOST_THINGS = 500
@@ -105,13 +113,14 @@ class Things:
     def fitting(self, goal: Goal) -> list[tuple[Thing, float]]:
         """The things that may be a goal and are not gone, each with the chance that it is.
 
-        Where one that is likely has the goal's own name, other things of its kind are no
-        candidates: a ceiling lamp is no table lamp.
+        Where one that is likely has the goal's own name, or more words of it than others, other
+        things of its kind are no candidates: a ceiling lamp is no table lamp.
         """
         there = [one for one in self._that_fit(goal, _WHOLLY, _ITS_KIND) if not one.is_gone]
         chances = [(one, one.chance * one.fits(goal)) for one in there]
-        named = [(one, chance) for one, chance in chances if one.fits(goal) == _WHOLLY]
-        return named if any(chance >= LIKELY for _, chance in named) else chances
+        named = {one.number: named_as(one.label, goal) for one, chance in chances}
+        most = max((named[one.number] for one, chance in chances if chance >= LIKELY), default=None)
+        return [pair for pair in chances if most is None or named[pair[0].number] >= most]
 
     def others_in(self, observation: Observation, goal: Goal) -> set[int]:
         """Numbers of the things of a goal's kind that the latest image shows not to be the goal.
