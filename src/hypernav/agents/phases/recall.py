@@ -10,6 +10,7 @@ from hypernav.core.goal import Goal
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.surroundings import weights_of_place
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import LIKELY
 from hypernav.mapping.memory.ways import known_floors, routes_from_here
@@ -117,14 +118,18 @@ def stairs_to_recalled(step: Step, memory: Memory) -> Destination | None:
 
 def _left(floor: Floor, goal: Goal, least: float) -> list[tuple[Thing, float]]:
     """What is remembered of a floor, may be the goal and was not gone to, with its chances."""
-    search = floor.search
-    return [
+    search, things = floor.search, floor.things
+    left = [
         (thing, chance)
-        for thing, chance in floor.things.fitting(goal)
-        if chance >= least
-        and thing.number in search.remembered
-        and thing.number not in search.gone_to
+        for thing, chance in things.fitting(goal)
+        if thing.number in search.remembered and thing.number not in search.gone_to
     ]
+    weights = weights_of_place([thing for thing, _ in left], things.known, goal, floor.map)
+    weighed = [
+        (thing, min(chance * weight, thing.chance))
+        for (thing, chance), weight in zip(left, weights, strict=True)
+    ]
+    return [(thing, chance) for thing, chance in weighed if chance >= least]
 
 
 def seen_in_image(step: Step, memory: Memory) -> Destination | None:
