@@ -9,7 +9,7 @@ from hypernav.agents.phases.climb import climb
 from hypernav.agents.phases.end import end
 from hypernav.agents.phases.explore import explore
 from hypernav.agents.phases.get_free import get_free, repeats, with_tried
-from hypernav.agents.phases.recall import errand
+from hypernav.agents.phases.recall import errand, is_nearer
 from hypernav.agents.phases.second_look import second_look
 from hypernav.agents.phases.verify import verify
 from hypernav.agents.plan import Plan
@@ -63,7 +63,9 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
             plan = plan.approach(as_near_as_possible=True, steps_run_out=True)
             approaching = plan.approaching
     target = memory.search.evidence.target
-    if target is not None and _is_another(step, memory, target):
+    if target is not None and (
+        _is_another(step, memory, target) or is_nearer(step, memory, plan, target)
+    ):
         target = None
     if target is None or target.number != approaching.candidate:
         number = None if target is None else target.number

@@ -215,6 +215,16 @@ def test_a_robot_that_is_sent_to_one_thing_passes_others_of_its_kind(meant):
     assert (world.pose.x > 4.5) is meant
 
 
+@pytest.mark.parametrize(("start", "x"), [(3.6, 0.0), (5.4, 9.0)])
+def test_a_robot_on_its_way_to_the_nearer_thing_passes_one_that_it_sees_farther_away(start, x):
+    world = colourless_world(scene_of(*TWO_SOFAS, name="hall"), CONFIG)
+    _, _, memory = searched(world, "piano", Pose2(4.5, 1.0, 1.5), None)
+    looks_away = Pose2(start, 2.0, 0.0 if start < 4.5 else np.pi)
+    _, result, _ = searched(world, "sofa", looks_away, memory)
+    assert result.metrics.success
+    assert abs(world.pose.x - x) < 3.0
+
+
 def test_being_sent_to_what_is_forgotten_or_gone_is_a_search_like_any(memory):
     agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog())
     world = two_rooms(coloured=False)

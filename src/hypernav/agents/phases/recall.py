@@ -1,12 +1,14 @@
 """Recall: the way to what is remembered and may be the goal, before anything is explored."""
 
 import math
+from typing import NamedTuple
 
 from hypernav.agents.plan import Plan
 from hypernav.agents.step import Step
 from hypernav.agents.way_to_thing import way_to_thing
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.goal import Goal
+from hypernav.mapping.memory.candidate import Candidate
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.memory.memory import Memory
@@ -41,6 +43,37 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
     This order has the shortest expected path if chances are independent and paths don't depend on
     where the robot was before.
     """
+    best = _best(step, memory, least)
+    if best is None:
+        return None
+    x, y, _ = best.thing.position
+    return Destination(
+        *best.position,
+        reason=f"a {best.thing.label} was seen there before",
+        holds=True,
+        face=math.atan2(y - best.position[1], x - best.position[0]),
+        thing=best.thing.number,
+    )
+
+
+class _Recalled(NamedTuple):
+    """A remembered thing that may be the goal, and the way there.
+
+    Attributes:
+        thing: The thing.
+        chance: Chance that it is the goal, by all that is remembered.
+        position: Position ``(x, y)`` beside it, metres.
+        way_m: Length of the path there, metres.
+    """
+
+    thing: Thing
+    chance: float
+    position: tuple[float, float]
+    way_m: float
+
+
+def _best(step: Step, memory: Memory, least: float) -> _Recalled | None:
+    """The remembered thing that `recalled` goes to."""
     search, floor = memory.search, memory.floor
     if not step.config.recall or not search.remembered:
         return None
@@ -52,18 +85,10 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
         clearance_m = step.use.planning.clearances_m(step.use.embodiment.body)[0]
         reach = ReachableArea.of(step.grid, step.robot, step.use.mapping, clearance_m)
         reached = [
-            (thing, chance, *way_to_thing(thing, floor.map, reach, step.robot))
+            _Recalled(thing, chance, *way_to_thing(thing, floor.map, reach, step.robot))
             for thing, chance in likely
         ]
-    thing, _, position, _ = min(reached, key=lambda one: (one[3] / one[1], one[0].number))
-    x, y, _ = thing.position
-    return Destination(
-        *position,
-        reason=f"a {thing.label} was seen there before",
-        holds=True,
-        face=math.atan2(y - position[1], x - position[0]),
-        thing=thing.number,
-    )
+    return min(reached, key=lambda one: (one.way_m / one.chance, one.thing.number))
 
 
 def errand(step: Step, memory: Memory) -> tuple[int, Thing] | None:
@@ -200,3 +225,31 @@ def refutation(memory: Memory, plan: Plan) -> str | None:
     if thing is None or thing.is_gone:
         return "remembered thing is gone"
     return "remembered thing is another" if thing.number in memory.search.gone_to else None
+
+
+def is_nearer(step: Step, memory: Memory, plan: Plan, target: Candidate) -> bool:
+    """Whether a remembered thing has less path per chance to be the goal than this candidate.
+
+    That is the one that the robot is going to, or at the start of a search the one that it would go
+    to. A candidate that is this thing, or the last chance, is gone to.
+    """
+    destination = plan.destination
+    if target.is_last_chance or memory.search.meant is not None:
+        return False
+    if destination is None and step.number == 0:
+        best = _best(step, memory, LIKELY)
+        thing, left_m = (None, 0.0) if best is None else (best.thing, best.way_m)
+    elif destination is not None and destination.thing is not None:
+        thing = memory.floor.things.find(destination.thing)
+        left_m = plan.exploring.route.left_m(step.robot)
+    else:
+        return False
+    there = memory.floor.things.at(*target.area.centre, step.goal)
+    if thing is None or thing in there or thing.is_gone or thing.number in memory.search.gone_to:
+        return False
+    worth_m = left_m * target.chance / (thing.chance * thing.fits(step.goal))
+    if worth_m < target.distance_to(*step.robot.xy):
+        return True
+    with step.clock("plan"):
+        way_m = step.use.navigator.way_m(step.grid, step.robot, target.entry_points)
+    return way_m is not None and worth_m < way_m

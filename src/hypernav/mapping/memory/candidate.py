@@ -162,6 +162,11 @@ class Candidate:
         return _PRIOR + by_looks + self.form
 
     @property
+    def chance(self) -> float:
+        """Chance that it is the goal, by the same."""
+        return 1.0 / (1.0 + math.exp(-self.log_odds))
+
+    @property
     def is_refuted(self) -> bool:
         """Whether it was rejected, and too little new evidence has spoken for it since."""
         return self.log_odds < self.needed
