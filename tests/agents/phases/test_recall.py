@@ -215,6 +215,17 @@ def test_a_robot_that_is_sent_to_one_thing_passes_others_of_its_kind(meant):
     assert (world.pose.x > 4.5) is meant
 
 
+@pytest.mark.parametrize(("goal", "x"), [("the sofa beside the bin", 9.0), ("red sofa", 0.0)])
+def test_what_lies_where_the_goal_is_said_to_be_is_gone_to_before_what_is_nearer(goal, x):
+    beside = ("trash can", (8.2, 3.0, 0.0), (8.5, 3.3, 0.4))
+    world = colourless_world(scene_of(*TWO_SOFAS, beside, name="hall"), CONFIG)
+    _, _, memory = searched(world, "piano", Pose2(4.5, 1.0, 1.5), None)
+    steps, _, _ = searched(world, goal, Pose2(3.6, 2.0, 1.5), memory)
+    assert steps[0].destination is not None
+    (there,) = world.map_to_scene.apply(np.array([[*steps[0].destination, 0.0]]))
+    assert abs(there[0] - x) < 3.0
+
+
 @pytest.mark.parametrize(("start", "x"), [(3.6, 0.0), (5.4, 9.0)])
 def test_a_robot_on_its_way_to_the_nearer_thing_passes_one_that_it_sees_farther_away(start, x):
     world = colourless_world(scene_of(*TWO_SOFAS, name="hall"), CONFIG)

@@ -147,14 +147,15 @@ def _left(floor: Floor, goal: Goal, least: float) -> list[tuple[Thing, float]]:
     left = [
         (thing, chance)
         for thing, chance in things.fitting(goal)
-        if thing.number in search.remembered and thing.number not in search.gone_to
+        if chance >= least
+        and thing.number in search.remembered
+        and thing.number not in search.gone_to
     ]
     weights = weights_of_place([thing for thing, _ in left], things.known, goal, floor.map)
-    weighed = [
+    return [
         (thing, min(chance * weight, thing.chance))
         for (thing, chance), weight in zip(left, weights, strict=True)
     ]
-    return [(thing, chance) for thing, chance in weighed if chance >= least]
 
 
 def seen_in_image(step: Step, memory: Memory) -> Destination | None:
