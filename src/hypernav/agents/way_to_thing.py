@@ -14,8 +14,8 @@ _BESIDE_M = 1.0
 """Distance from a thing within which the robot goes, in sight of it, metres."""
 _IN_SIGHT_M = 4.0
 """Distance within which it does where nothing nearer can be reached, metres."""
-_WORTH = 2.0
-"""Length of path that a metre of straight distance is worth, to or beyond what is no free floor."""
+_PER_STRAIGHT_M = 2.0
+"""Length of the path per metre of the straight line to where no free floor is known to lead."""
 _ON_FLOOR_M = 0.3
 """Height of a thing's lowest point, metres, from which it stands on something or hangs."""
 _UNDER_IT_M = 0.3
@@ -28,8 +28,8 @@ def way_to_thing(
     """The reachable position beside a thing, in sight of it, and the length of the path there.
 
     It lies on a side that the thing was seen from: the map may not show what hides it from others.
-    Where there is none beside it, the position is one farther away; where there is none at all, one
-    that the robot has seen it from.
+    Where there is none beside it, the position is the one farther away with the shortest path on to
+    it; where there is none at all, one that the robot has seen it from.
 
     Args:
         thing: The thing.
@@ -48,12 +48,12 @@ def way_to_thing(
         points = reach.grid.centres_of(np.column_stack([rows, columns]))
         is_clear = _in_sight(thing, floor_map, points)
         if is_clear.any():
-            left_m = _WORTH * away_m[rows, columns] if nearest_m > 0.0 else 0.0
+            left_m = away_m[rows, columns] if nearest_m > 0.0 else 0.0
             path_m = reach.travel_m[rows, columns] + left_m
             nearest = int(np.where(is_clear, path_m, np.inf).argmin())
             x, y = points[nearest].tolist()
             return (x, y), float(path_m[nearest])
-    return thing.seen_from, _WORTH * robot.distance_to(*thing.seen_from)
+    return thing.seen_from, _PER_STRAIGHT_M * robot.distance_to(*thing.seen_from)
 
 
 def _in_sight(

@@ -188,7 +188,7 @@ def test_what_cannot_be_come_near_is_gone_to_where_it_is_in_sight():
     steps, _, _ = searched(world, "vase", Pose2(6.0, 3.0, 0.0), memory)
     assert steps[0].destination is not None
     (there,) = world.map_to_scene.apply(np.array([[*steps[0].destination, 0.0]]))
-    assert 1.9 < there[0] < 3.0
+    assert 1.9 < there[0] < 5.0
 
 
 TWO_SOFAS = [
