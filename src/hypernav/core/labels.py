@@ -167,6 +167,11 @@ class ObjectLabel:
         heads = range(len(words))
         return next((len(words) - k for k in heads if self._may_be_called(words[k:])), 0)
 
+    def has_own_name_in(self, goal: Goal) -> bool:
+        """Whether the goal's last words, its place aside, are a name of this object itself."""
+        words = asked_place(goal).before.split()
+        return any(self.is_named(" ".join(words[head:])) for head in range(len(words)))
+
     def _may_be_called(self, words: list[str]) -> bool:
         name = " ".join(words)
         if self.is_named(name):

@@ -195,6 +195,15 @@ def test_what_more_words_of_a_description_name_comes_before_others_of_its_kind()
     assert len(things.fitting(Goal("the metal lamp"))) == 2
 
 
+def test_what_people_also_call_so_comes_only_where_nothing_has_the_name_itself():
+    plant = Goal("the green potted plant in the kitchen")
+    things = after(Things(), Pose2(2.0, 3.0, 0.0), label="cactus")
+    assert [one.label for one, _ in things.fitting(plant)] == ["cactus"]
+    lower = ((4.0, 0.2, 0.0), (5.0, 1.4, 0.8))
+    things = after(things, Pose2(2.0, 3.0, 0.0), solid=lower, label="potted plant")
+    assert [one.label for one, _ in things.fitting(plant)] == ["potted plant"]
+
+
 @pytest.mark.parametrize(
     ("change", "labels"),
     [({"missed": 5}, ["ceiling lamp"]), ({"score": 0.31}, ["ceiling lamp", "table lamp"])],

@@ -165,9 +165,14 @@ def fit(label: str, goal: Goal) -> float:
 
 
 @lru_cache(maxsize=4096)
-def named_as(label: str, goal: Goal) -> tuple[float, int]:
-    """How well a label fits a goal, and how many of the goal's words name it: more is nearer."""
-    return fit(label, goal), ObjectLabel(label).named_words(goal)
+def named_as(label: str, goal: Goal) -> tuple[float, int, bool]:
+    """How well a label fits a goal, how many of its words name it, and whether as its own name.
+
+    More is nearer: an armchair is called a chair only where there is no chair.
+    """
+    one = ObjectLabel(label)
+    words = one.named_words(goal)
+    return fit(label, goal), words, one.has_own_name_in(goal)
 
 
 def overlap(a: Thing, b: Thing) -> bool:
