@@ -78,6 +78,8 @@ def test_stairs_that_turn_back_take_few_steps(goal: str, between_m: float, yaw: 
         ("bed", 0.4, Pose2(3.0, 2.2, -1.2)),
         ("bed", 0.1, Pose2(1.2, 1.4, -1.2)),
         ("sofa", 0.4, Pose2(3.0, 2.2, 1.0)),
+        ("bed", 0.7, Pose2(3.0, 2.2, 1.0)),  # these two turned to and fro on the landing
+        ("bed", 0.7, Pose2(1.2, 1.4, 2.2)),
     ],
 )
 def test_a_robot_that_comes_onto_the_stairs_askew_gets_over_them(

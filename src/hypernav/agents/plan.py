@@ -218,6 +218,8 @@ class Climbing:
         is_back: Whether the robot has turned back on it.
         steps: Number of steps and turns spent on it so far.
         turned: Number of turns since stairs were last seen ahead.
+        turning: Turn that it makes until its next step, since it has begun to turn to and fro, as
+            where each heading shows another way; None if it has not.
         came_by: Where its steps began ``(x, y, z)``, metres.
         touching: Whether the robot has bumped into something and has not got away from it yet.
         flight: The flight of stairs that it is on or goes to; None if it knows of none.
@@ -229,6 +231,7 @@ class Climbing:
     is_back: bool = False
     steps: int = 0
     turned: int = 0
+    turning: Action | None = None
     came_by: tuple[tuple[float, float, float], ...] = ()
     touching: bool = False
     flight: Connector | None = None

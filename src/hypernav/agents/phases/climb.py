@@ -38,6 +38,8 @@ _SAME_HEIGHT_M = 0.3
 _SAME_SHARE = 0.5
 """Distance below which they may be, by the length of a step."""
 
+_TO_AND_FRO = {Action.TURN_LEFT, Action.TURN_RIGHT}
+
 
 @dataclass(frozen=True, eq=False)
 class _Stairs:
@@ -80,20 +82,29 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     with step.clock("plan"):
         action, leads_on = _next_action(step, memory, climbing, stairs, flight)
     words = f"on the stairs {_where_to(memory, climbing, goes_up=stairs.goes_up)}"
-    if action is not None:
-        if action is Action.MOVE_FORWARD:
-            came_by = (*climbing.came_by, (*step.robot.xy, footing.z))
-            looked = _looked(step, climbing)
-            climbing = replace(climbing, turned=0, looked=looked, came_by=came_by)
+    if action is Action.MOVE_FORWARD:
+        came_by = (*climbing.came_by, (*step.robot.xy, footing.z))
+        looked = _looked(step, climbing)
+        climbing = replace(climbing, turned=0, turning=None, looked=looked, came_by=came_by)
         return Decision(action, Mode.CLIMB, words), replace(plan, climbing=climbing)
+    if action is not None:
+        return _turned(action, words, climbing, plan)
     turn = Action.TURN_LEFT
     if not (footing.is_off_floor or leads_on):
         turn = turn_towards(step.robot, (flight or connector).beyond, step.motion)
     if turn is None or has_turned:
         return _given_up(step, memory, plan, climbing)
     climbing = replace(climbing, turned=climbing.turned + 1)
-    words += ", looking where they lead on"
-    return Decision(turn, Mode.CLIMB, words), replace(plan, climbing=climbing)
+    return _turned(turn, f"{words}, looking where they lead on", climbing, plan)
+
+
+def _turned(turn: Action, words: str, climbing: Climbing, plan: Plan) -> tuple[Decision, Plan]:
+    """A turn on the spot: once it would undo the one before, all until the next step go one way."""
+    turning = climbing.turning
+    if turning is None and plan.ordered is not None and {turn, plan.ordered[1]} == _TO_AND_FRO:
+        turning = turn
+    decision = Decision(turning or turn, Mode.CLIMB, words)
+    return decision, replace(plan, climbing=replace(climbing, turning=turning))
 
 
 def _connector(memory: Memory, climbing: Climbing) -> Connector:
