@@ -201,7 +201,7 @@ def _search(
             config.embodiment.camera,
             cell_size_m=config.mapping.cell_size_m,
             names_things=wants_named_things(explorer),
-            tells_floors=config.search.use_stairs,
+            tells_floors=config.search.use_stairs and config.embodiment.body.climbs_stairs,
         ),
         explorer=explorer,
         planning=config.planning,

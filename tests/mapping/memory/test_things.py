@@ -67,11 +67,13 @@ def test_a_detection_without_depth_is_no_thing():
     assert Things().after_image(blind, [detection], SENSOR, search=1).known == ()
 
 
-@pytest.mark.parametrize("ground_m", [2.6, -3.0])
+@pytest.mark.parametrize("ground_m", [2.6, -3.2])
 def test_what_is_seen_of_another_floor_is_no_thing_of_this_one(ground_m: float):
     image, detections = looks_at(Pose2(2.0, 3.0, 0.0))
     seen = counted_from(ground_m, image)
-    assert Things().after_image(seen, detections, SENSOR, search=1).known == ()
+    told = Things().after_image(seen, detections, SENSOR, search=1, tells_floors=True)
+    assert told.known == ()
+    assert len(Things().after_image(seen, detections, SENSOR, search=1).known) == 1
 
 
 def test_without_a_mask_what_stands_far_behind_the_middle_does_not_count():

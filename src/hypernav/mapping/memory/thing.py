@@ -16,7 +16,7 @@ _SAME_M = (0.15, 0.6)
 side on the floor plan, within these limits, metres. Front and back of a sofa are one thing, and
 chairs around a table are not."""
 _SAME_HEIGHT_M = 0.5
-_LOWEST_M, _HIGHEST_M = -0.5, 2.6
+_LOWEST_M, _HIGHEST_M = -0.5, 2.9
 """Heights above a floor between which things are in its room, metres.
 
 Sunken floors and lamps are, but not what is seen down a stairwell or up on a gallery.

@@ -152,8 +152,9 @@ class Things:
         *,
         search: int,
         only: Goal | None = None,
+        tells_floors: bool = False,
     ) -> "Things":
-        """The things after one more image; what is seen of other floors is none of this one.
+        """The things after one more image.
 
         Args:
             observation: The image, with heights counted from this floor.
@@ -162,9 +163,15 @@ class Things:
             search: Number of the present search.
             only: Goal, if the detector looks for nothing else; then only things that fit all of it
                 can be missed.
+            tells_floors: Whether what is seen below or above the room of the floor is none of its
+                things.
         """
         seen = [_seen_thing(one, observation, camera, search) for one in detections]
-        here = [one for one in seen if one is not None and _stands_in_room(one)]
+        here = [
+            one
+            for one in seen
+            if one is not None and not (tells_floors and not _stands_in_room(one))
+        ]
         after = self._with_seen(here)
         return after._with_missed(observation, only)._at_most(MOST_THINGS)
 

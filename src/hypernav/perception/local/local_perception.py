@@ -44,7 +44,7 @@ _STRONG = 0.3
 """Least score of another thing to be remembered, and of a goal out of range to be followed."""
 _NEARER = 0.75
 """Share of the entry reach that is left where the goal's outline was guessed from a box."""
-_BELOW_M, _ABOVE_M = -2.3, 3.1
+_BELOW_M, _ABOVE_M = -2.3, 3.4
 """Heights above the floor, metres, at which things of the floors below and above are, about."""
 _CERTAIN = 0.99
 """Score from which the detector is so certain that the form of the thing is not measured."""
@@ -165,6 +165,7 @@ class LocalPerception:
             self.camera,
             search=search.number,
             only=only,
+            tells_floors=self.tells_floors,
         )
         if only is not None:
             search.note_others(things.others_in(observation, goal), things, goal)
