@@ -26,7 +26,7 @@ WIDE_M = 1.2
 
 @cache
 def building() -> SimulatedWorld:
-    """A hall with a bed, and a gallery from which it is seen; a sofa on the gallery, out of view.
+    """A hall with a bed, and a gallery with a sofa; each is seen from the other floor.
 
     Straight stairs lead along a wall from the gallery's end into the hall.
     """

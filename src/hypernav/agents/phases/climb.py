@@ -39,6 +39,7 @@ _SAME_SHARE = 0.5
 """Distance below which they may be, by the length of a step."""
 
 _TO_AND_FRO = {Action.TURN_LEFT, Action.TURN_RIGHT}
+"""Two turns of which one undoes the other."""
 
 
 @dataclass(frozen=True, eq=False)
