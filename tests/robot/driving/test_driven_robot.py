@@ -62,8 +62,9 @@ class FloorBase:
         *,
         stuck: bool = False,
         edge_x: float = math.inf,
+        crossed: bool = False,
     ) -> None:
-        self.embodiment, self.edge_x = ROBOT, edge_x
+        self.embodiment, self.edge_x, self.crossed = ROBOT, edge_x, crossed
         self.pose, self.pole, self.stuck = Pose2(0.0, 0.0, 0.0), pole, stuck
         self.moving, self.ticks = threading.Event(), 0
         self.pole_stays = 10**9
@@ -83,6 +84,8 @@ class FloorBase:
     def drive(self, velocity: Velocity, seconds: float) -> None:
         self.ticks += 1
         self.moving.set()
+        if self.crossed:
+            velocity = Velocity(velocity.linear_m_s, -velocity.angular_rad_s)
         if not self.stuck:
             self.pose = velocity.moved(self.pose, seconds)
 
@@ -106,6 +109,15 @@ def test_it_waits_for_what_is_in_its_way_and_says_so_if_it_stays():
     assert robot.execute(Action.MOVE_FORWARD) is Executed.BLOCKED
     assert base.pose.x + ROBOT.body.radius_m < 0.75 - 0.2
     assert robot.waits == 1
+
+
+def test_turning_that_leads_nowhere_comes_to_an_end():
+    """With crossed wires it turns away from where it wants to look, and never arrives."""
+    base = FloorBase(crossed=True)
+    robot = DrivenRobot(base)
+    assert robot.execute(Action.TURN_LEFT) is Executed.BLOCKED
+    assert robot.follow([(0.0, 0.0), (0.0, 2.0)], lambda _: False) is Executed.BLOCKED
+    assert base.ticks < 250
 
 
 def test_it_goes_on_when_the_way_is_free_again():

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from hypernav.core.embodiment import BodyConfig
@@ -157,6 +157,35 @@ def test_it_arrives_wherever_a_path_was_planned(seed, preset):
         Pose2(0.0, 0.0, 0.0), list(path.waypoints), obstacles=MapObstacles(grid), seconds=120.0
     )
     assert driven[-1].distance_to(*path.end) <= CONFIG.arrival_m + 0.01
+
+
+@settings(max_examples=40)
+@given(angles, st.floats(0.3, 1.6), st.floats(math.radians(150.0), math.radians(210.0)))
+@example(-2.38, 0.509, -3.126)
+@example(0.91, 0.672, 3.114)
+@example(0.0, 0.34375, -3.140625)
+def test_where_its_path_leads_back_it_goes_back(yaw, length_m, bend):
+    path = [(-length_m, 0.0), (0.0, 0.0), (math.cos(bend), math.sin(bend))]
+    driven, commands = drive(Pose2(-length_m, 0.0, yaw), path, seconds=40.0)
+    assert driven[-1].distance_to(*path[-1]) <= CONFIG.arrival_m + 0.01
+    assert within_limits(commands)
+
+
+nearby = st.floats(-0.06, 0.06)
+
+
+@settings(max_examples=20)
+@given(nearby, nearby, angles)
+@example(-0.0208, -0.0509, 2.3363)
+def test_past_a_doors_frame_it_does_not_turn_to_and_fro(x, y, yaw):
+    """From one heading an arc is barred, from the next it is free: it must make up its mind."""
+    along = np.linspace(0.0, 0.9, 50)
+    wall = np.column_stack([0.3858 + along, np.full(50, 0.189)])
+    frame = PointObstacles(np.vstack([wall, np.column_stack([np.full(50, 0.3858), 0.189 + along])]))
+    path = [(-0.1452, -0.3607), (0.0, 0.0), (0.5, -0.0382), (2.0, -1.2)]
+    careful = DriveConfig(margin_m=0.03)
+    driven, _ = drive(Pose2(x, y, yaw), path, obstacles=frame, config=careful, seconds=30.0)
+    assert driven[-1].distance_to(*path[-1]) <= CONFIG.arrival_m + 0.01
 
 
 def test_it_is_slower_beside_obstacles():

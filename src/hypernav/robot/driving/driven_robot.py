@@ -25,6 +25,8 @@ _ENOUGH_M, _ENOUGH_RAD = 0.15, 0.3
 """Commanded motion after which odometry must show motion."""
 _MOVED_SHARE = 0.3
 """Share of the commanded motion below which the wheels are blocked."""
+_VAIN_TURN_RAD = 2.0 * math.pi
+"""Rotation on the spot, to and fro or on, that leads nowhere: half as much shows every heading."""
 _LAG_TICKS = 3
 """Number of ticks from a command to the wheels until odometry shows the motion."""
 
@@ -111,11 +113,11 @@ class DrivenRobot:
         *,
         brakes: bool = True,
     ) -> Executed:
-        """Command velocities until a motion is done, blocked or stopped."""
+        """Command velocities until a motion is done, blocked, leads nowhere, or is stopped."""
         if self._stopping.is_set():
             self._stopping.clear()
             self._pursuit.reset()
-        progress, waited_s = _Progress(self._base.odometry()), 0.0
+        progress, waited_s, spun_rad = _Progress(self._base.odometry()), 0.0, 0.0
         while not is_done(self._base.odometry()):
             ahead = self._safety.look(self._base.depth_view())  # waiting may help
             velocity = command(self._base.odometry(), ahead.obstacles)
@@ -132,7 +134,10 @@ class DrivenRobot:
             else:
                 waited_s = 0.0
             self._base.drive(velocity, TICK_S)
-            if progress.lacks_after(velocity, self._base.odometry()):
+            turned_rad = abs(velocity.angular_rad_s) * TICK_S
+            spun_rad = 0.0 if velocity.linear_m_s > 0.0 else spun_rad + turned_rad
+            is_vain = spun_rad > _VAIN_TURN_RAD
+            if is_vain or progress.lacks_after(velocity, self._base.odometry()):
                 return self._stand(Executed.BLOCKED)
         if brakes:
             self._stand(Executed.DONE)

@@ -14,6 +14,8 @@ _SAME_LINE_M = 0.02
 _BACK_M = 0.3
 """Length by which a robot may have moved back on its path, metres."""
 _STEP_M = 0.025
+_THERE_M = 0.05
+"""Distance from a corner at which a robot is there."""
 
 
 class PathAhead:
@@ -36,7 +38,7 @@ class PathAhead:
             if abs(wrap_angle(float(turn))) > math.radians(sharp_deg)
         ]
         self._stops = [*map(float, sharp), self.length_m]
-        self._along_m = 0.0
+        self._along_m = self._passed_m = 0.0
 
     @property
     def length_m(self) -> float:
@@ -51,19 +53,31 @@ class PathAhead:
     def pass_to(self, x: float, y: float, within_m: float) -> float:
         """The length along the path to its point nearest to the robot, metres.
 
-        Progress is monotonic: where the path passes the same place twice, the next pass counts.
+        Progress is monotonic: where the path passes the same place twice, the next pass counts, and
+        a sharp corner that the robot was at stays behind it, also where the path leads back.
 
         Args:
             x: Position of the robot, metres.
             y: The same.
             within_m: Length beyond the previous point within which the robot may be now, metres.
         """
-        low = max(self._along_m - _BACK_M, 0.0)
+        low = max(self._along_m - _BACK_M, self._passed_m)
         count = max(math.ceil((self._along_m + within_m - low) / _STEP_M), 1)
         lengths = np.minimum(low + np.arange(count + 1) * _STEP_M, self.length_m)
         points = np.stack([np.interp(lengths, self._at, self._corners[:, k]) for k in (0, 1)], 1)
         self._along_m = float(lengths[np.hypot(points[:, 0] - x, points[:, 1] - y).argmin()])
+        self._passed_m = max(
+            (at for at in self._stops[:-1] if self._is_behind(at, x, y)), default=0.0
+        )
+        self._along_m = max(self._along_m, self._passed_m)
         return self._along_m
+
+    def _is_behind(self, stop_m: float, x: float, y: float) -> bool:
+        """Whether the robot is beyond a sharp corner, or at it."""
+        left_m = stop_m - self._along_m
+        return left_m <= 0.0 or (
+            left_m <= _THERE_M and math.dist(self.point(stop_m), (x, y)) <= _THERE_M
+        )
 
     def next_stop_m(self, along_m: float, passed_m: float) -> float:
         """Length from a point of the path to the next sharp corner or the end, metres.

@@ -136,15 +136,20 @@ class PurePursuit:
             look_m = part * self._config.look_ahead_m
             cut_m = part * self._config.corner_cut_m
             aim = ahead.point(ahead.aim_m(*robot.xy, along_m, look_m, cut_m))
-            bearing, away_m = robot.bearing_to(*aim), robot.distance_to(*aim)
-            if self._is_aside(bearing):
-                turned = Pose2(robot.x, robot.y, robot.yaw + bearing)
-                free_m = self._free_m(turned, 0.0, away_m, obstacles)
-            else:
-                free_m = self._free_m(robot, _curvature(robot, aim), away_m, obstacles)
-            if free_m >= away_m:
+            if self._may_go(robot, aim, obstacles):
                 break
         return aim
+
+    def _may_go(self, robot: Pose2, aim: tuple[float, float], obstacles: Obstacles) -> bool:
+        """Whether the arc to a point is free, or the line for a robot that stands or must turn."""
+        bearing, away_m = robot.bearing_to(*aim), robot.distance_to(*aim)
+        is_aside = self._is_aside(bearing)
+        if is_aside or self._last.linear_m_s == 0.0:
+            turned = Pose2(robot.x, robot.y, robot.yaw + bearing)
+            if self._free_m(turned, 0.0, away_m, obstacles) >= away_m:
+                return True
+        arc = _curvature(robot, aim)
+        return not is_aside and self._free_m(robot, arc, away_m, obstacles) >= away_m
 
     def _is_aside(self, bearing: float) -> bool:
         return abs(bearing) > math.radians(self._config.turn_in_place_deg)
