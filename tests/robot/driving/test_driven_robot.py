@@ -111,6 +111,17 @@ def test_it_waits_for_what_is_in_its_way_and_says_so_if_it_stays():
     assert robot.waits == 1
 
 
+def test_a_rotation_too_slow_to_notice_is_no_motion():
+    """What is left to turn after rounding is no reason to wait for ever."""
+    base = FloorBase()
+    base.pose = Pose2(4.226411214167034, 0.9319804534843522, 1.089428786299802)
+    base.pole = base.pose.ahead(0.45).xy
+    robot = DrivenRobot(base, patience_s=2.0)
+    path = [(4.086457932345431, 1.1195757459359463), (4.275, 1.025)]
+    assert robot.follow(path, lambda _: base.ticks > 400) is Executed.BLOCKED
+    assert robot.waits == 1
+
+
 def test_turning_that_leads_nowhere_comes_to_an_end():
     """With crossed wires it turns away from where it wants to look, and never arrives."""
     base = FloorBase(crossed=True)

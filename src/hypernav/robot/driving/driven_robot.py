@@ -27,6 +27,8 @@ _MOVED_SHARE = 0.3
 """Share of the commanded motion below which the wheels are blocked."""
 _VAIN_TURN_RAD = 2.0 * math.pi
 """Rotation on the spot, to and fro or on, that leads nowhere: half as much shows every heading."""
+_STILL_RAD_S = 0.001
+"""Rate of rotation on the spot below which the robot stands and waits, radians per second."""
 _LAG_TICKS = 3
 """Number of ticks from a command to the wheels until odometry shows the motion."""
 
@@ -126,7 +128,7 @@ class DrivenRobot:
                 velocity = STANDSTILL
             if self._stopping.is_set():
                 return self._stand(Executed.STOPPED)
-            if velocity.is_zero:
+            if velocity.linear_m_s == 0.0 and abs(velocity.angular_rad_s) < _STILL_RAD_S:
                 self.waits += waited_s == 0.0
                 waited_s += TICK_S
                 if waited_s > self._patience_s:
