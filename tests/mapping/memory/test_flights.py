@@ -22,7 +22,7 @@ from hypernav.mapping.memory.flights import (
     stairs_ahead,
 )
 from hypernav.mapping.memory.memory import Memory
-from stair_views import FIRST_X, SIDES_Y, stairs_down, stairs_up
+from stair_views import FIRST_X, RISE_M, SIDES_Y, TREAD_M, stairs_down, stairs_up
 
 CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
 MIDDLE_Y = sum(SIDES_Y) / 2.0
@@ -266,17 +266,45 @@ def test_a_flight_is_none_where_the_landing_was_seen_to_go_on():
 
 
 def test_a_step_down_tells_which_flight_the_robot_is_on():
-    before, robot = Pose2(0.0, 0.0, 0.0), Pose2(0.4, 0.1, 0.0)
+    robot = Pose2(0.4, 0.1, 0.0)
+    way = [(0.0, 0.0, 0.0), (*robot.xy, -0.2)]
     known = replace(FLIGHT, end=(0.0, 0.5), axis=0.0)
-    beside = flight_underfoot(known, FLIGHT, before, robot)
+    beside = flight_underfoot(known, FLIGHT, way, robot)
     assert beside.axis == known.axis
     assert 0.0 < beside.end[1] - robot.y < 0.2
     near = replace(known, end=(0.0, 0.15))
-    assert flight_underfoot(near, FLIGHT, before, robot) == near
+    assert flight_underfoot(near, FLIGHT, way, robot) == near
     for other in (None, replace(FLIGHT, axis=math.pi / 2.0), replace(FLIGHT, axis=math.pi)):
-        across = flight_underfoot(other, replace(FLIGHT, axis=math.pi / 2.0), before, robot)
+        across = flight_underfoot(other, replace(FLIGHT, axis=math.pi / 2.0), way, robot)
         assert across.end == robot.xy
         assert math.cos(across.axis) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("askew_deg", [-50.0, -40.0, 40.0, 50.0])
+def test_steps_down_to_and_fro_tell_where_the_stairs_lead(askew_deg: float):
+    """Each of them is nearly as far off the wrong axis as off the right one."""
+    known = replace(FLIGHT, axis=math.radians(askew_deg))
+    way = [(0.0, 0.0, 0.0), (0.4, 0.3, -0.26), (0.8, 0.0, -0.52), (1.2, 0.3, -0.78)]
+    robot = Pose2(1.2, 0.3, 0.0)
+    assert flight_underfoot(known, known, way, robot).axis == pytest.approx(0.0, abs=0.01)
+    straight = [(0.4 * k, 0.3 * k, -0.26 * k) for k in range(4)]  # tells nothing about its sides
+    assert flight_underfoot(replace(known, axis=0.0), known, straight, robot).axis == 0.0
+
+
+@pytest.mark.parametrize("off_m", [-0.2, 0.0, 0.4])
+def test_a_robot_said_to_stand_higher_than_it_does_is_not_cut_off(off_m: float):
+    """A navigation mesh may lie two steps above the stairs."""
+    boxes = [FLOOR, *stairs_up()]
+    memory = seen_from(boxes, *(Pose2(x, MIDDLE_Y, 0.0) for x in (2.0, 2.5, 3.0, 3.5)))
+    camera, height_m = CLIMBER.camera.intrinsics, CLIMBER.camera.height_m
+    for k in range(3):
+        robot = Pose2(FIRST_X + (k + 0.5) * TREAD_M, MIDDLE_Y, 0.0)
+        z = (k + 1) * RISE_M
+        memory.follow(view_of(boxes, robot, camera=camera, height_m=height_m + z))
+    ground = memory.ground_around(robot.xy, down=False)
+    way = on_flight(ground, robot, z + off_m, None, goes_up=True)
+    ahead = [way.grid.cell_of(robot.x + 0.05 * k, robot.y) for k in range(12)]
+    assert all(way.reached[cell] for cell in ahead)
 
 
 def test_on_a_landing_the_way_on_leads_away_from_where_the_robot_has_looked():

@@ -9,7 +9,6 @@ from jaxtyping import Bool
 from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
-from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Mode
 from hypernav.mapping.ground import Ground
 from hypernav.mapping.memory.connectors import LEVEL_M, Connector, Passage
@@ -77,8 +76,7 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     if (climbing.is_back or has_turned) and not footing.is_off_floor:
         return _given_up(step, memory, plan, climbing)
     stairs = _around(step, memory, climbing, goes_up=connector.goes_up != climbing.is_back)
-    before = None if plan.ordered is None else plan.ordered[0]
-    flight = _flight(step, memory, climbing, stairs, connector, before)
+    flight = _flight(step, memory, climbing, stairs, connector)
     climbing = replace(climbing, flight=flight)
     with step.clock("plan"):
         action, leads_on = _next_action(step, memory, climbing, stairs, flight)
@@ -129,21 +127,21 @@ def _flight(
     climbing: Climbing,
     stairs: _Stairs,
     connector: Connector,
-    before: Pose2 | None,
 ) -> Connector | None:
     """The flight that the robot is on or goes to, as far as it is known now."""
     ground, robot = stairs.ground, step.robot
     first, known = flight_from(connector, goes_up=stairs.goes_up), climbing.flight
     if not memory.footing.is_off_floor:  # stairs that it came by have the axis of its last step
-        is_untried = connector.passage is Passage.UNTRIED
-        return first_flight(ground, first, memory.floor.z) if is_untried else None
+        is_known = connector.passage is Passage.UNTRIED and not _was_here(step, memory, climbing)
+        return first_flight(ground, first, memory.floor.z) if is_known else None
     if stairs.goes_up:
         return known
     if not stairs.on_slope:
         known = None if _is_lost(step, memory, climbing) else known
         return flight_down(ground, robot, stairs.z, known, first)
-    if memory.footing.rose_m < -LEVEL_M and before is not None:
-        return flight_underfoot(known, first, before, robot)
+    if memory.footing.rose_m < -LEVEL_M and climbing.came_by:
+        way = (*climbing.came_by, (*robot.xy, memory.footing.z))
+        return flight_underfoot(known, first, way, robot)
     return known
 
 
@@ -201,12 +199,17 @@ def _is_lost(step: Step, memory: Memory, climbing: Climbing) -> bool:
 
     Heights err by a few centimetres: either end of a landing may seem lower than the other.
     """
+    has_looked = climbing.turned > step.motion.turns_of_a_circle // 4
+    return climbing.touching or has_looked or _was_here(step, memory, climbing)
+
+
+def _was_here(step: Step, memory: Memory, climbing: Climbing) -> bool:
+    """Whether the robot made a step of this climb from where it is now."""
     near_m = _SAME_SHARE * step.motion.forward_m
-    was_here = any(
+    return any(
         step.robot.distance_to(x, y) < near_m and abs(memory.footing.z - z) < _SAME_HEIGHT_M
         for x, y, z in climbing.came_by
     )
-    return climbing.touching or was_here or climbing.turned > step.motion.turns_of_a_circle // 4
 
 
 def _looked(step: Step, climbing: Climbing) -> tuple[tuple[float, float], ...]:

@@ -6,12 +6,14 @@ to the axis from there.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Bool
 
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
+from hypernav.core.world import Position
 from hypernav.mapping.ground import Ground
 from hypernav.mapping.memory.connectors import LEVEL_M, Connector, connectors_in
 
@@ -35,12 +37,20 @@ _ASKEW = 0.4
 """Deviation of a flight from parallels and right angles, in right angles."""
 _OTHER_WAY = math.radians(60.0)
 """Angle between a step down and a flight beyond which the step was not taken on that flight."""
+_SKEW = math.radians(30.0)
+"""Angle from the axis of a flight up to which the ground may seem to fall: heights err."""
+_STEEP = 0.3
+"""Slope of a step down from which it was on stairs, also where it led askew over them."""
+_APART_M = 0.1
+"""Spread of a robot's way to both sides of a line, metres, from which it tells how ground falls."""
 _MOST = 0.75
 """Share of the ground where a flight begins, from which it is known to be level or not."""
 _BEGINS_M = 1.5
 """Distance within which a flight begins from where it was seen, metres."""
 _AROUND_M = 1.0
 """Distance within which a landing tells its height, metres."""
+_UNDERFOOT_M = 0.25
+"""Distance within which the robot stands on the ground."""
 _MESH_M = 0.3
 """Difference between this height and the robot's, metres, beyond which it is another one."""
 
@@ -86,6 +96,15 @@ def landing_z(ground: Ground, robot: Pose2, robot_z: float) -> float:
     return float(np.median(ground.heights[is_near])) if is_near.any() else robot_z
 
 
+def underfoot_z(ground: Ground, robot: Pose2, robot_z: float) -> float:
+    """Height of the ground under the robot, metres, as the camera sees it.
+
+    A simulated robot on stairs stands on a mesh whose heights are wrong by up to two steps there.
+    """
+    seen = ground.seen & ~ground.stood & (ground.distances_m(robot.xy) <= _UNDERFOOT_M)
+    return float(np.median(ground.measured[seen])) if seen.any() else robot_z
+
+
 def flight_down(
     ground: Ground, robot: Pose2, robot_z: float, before: Connector | None, first: Connector
 ) -> Connector | None:
@@ -117,19 +136,23 @@ def flight_down(
 
 
 def flight_underfoot(
-    flight: Connector | None, first: Connector, before: Pose2, robot: Pose2
+    flight: Connector | None, first: Connector, way: Sequence[Position], robot: Pose2
 ) -> Connector:
-    """The flight down that the robot is on, as its latest step tells, which led down on it.
+    """The flight down that the robot is on, as its latest steps tell, which led down on it.
 
-    The axis goes past where the robot stands, and leads where it went.
+    The axis goes past where the robot stands, and leads where the ground fell under its steps; a
+    single step tells only about where.
 
     Args:
         flight: The flight as known so far.
         first: The first flight of the stairs.
-        before: Pose of the robot before the step.
+        way: Where the robot came by ``(x, y, z)``, its position now included, at least two, metres.
         robot: Pose of the robot.
     """
-    went = math.atan2(robot.y - before.y, robot.x - before.x)
+    (x, y, _), falls = way[-2], _falls_towards(way)
+    went = math.atan2(robot.y - y, robot.x - x)
+    if falls is not None and (flight is None or abs(wrap_angle(falls - flight.axis)) > _SKEW):
+        return replace(first, end=robot.xy, axis=falls)
     if flight is None or abs(wrap_angle(went - flight.axis)) > _OTHER_WAY:
         quarters = round((went - first.axis) / (math.pi / 2.0))
         return replace(first, end=robot.xy, axis=wrap_angle(first.axis + quarters * math.pi / 2.0))
@@ -138,6 +161,28 @@ def flight_underfoot(
     off_m = beside_m - max(min(beside_m, _BESIDE_AXIS_M), -_BESIDE_AXIS_M)
     end = (flight.end[0] + off_m * left[0], flight.end[1] + off_m * left[1])
     return replace(flight, end=end)
+
+
+def _falls_towards(way: Sequence[Position]) -> float | None:
+    """Direction in which the ground falls under a way's last steps that all led down, radians.
+
+    None where these lie on one line, along which alone they tell how the ground falls. Landings end
+    a flight: meshes slope there, but less than stairs do.
+    """
+    count = 1
+    while count < len(way) and _slope(way[-count - 1], way[-count]) >= _STEEP:
+        count += 1
+    points = np.array(way[-count:], dtype=np.float64)
+    points -= points.mean(axis=0)
+    if count < 3 or np.linalg.svd(points[:, :2], compute_uv=False)[-1] < _APART_M:
+        return None
+    slope = np.linalg.lstsq(points[:, :2], points[:, 2], rcond=None)[0]
+    return math.atan2(-slope[1], -slope[0])
+
+
+def _slope(before: Position, after: Position) -> float:
+    """How far a step led down, by its length."""
+    return (before[2] - after[2]) / max(math.dist(before[:2], after[:2]), LEVEL_M)
 
 
 def _passed_m(flight: Connector, robot: Pose2) -> float:
@@ -164,9 +209,10 @@ def on_flight(
     ground: Ground, robot: Pose2, robot_z: float, flight: Connector | None, *, goes_up: bool
 ) -> Ground:
     """The ground that is on the way: nothing beside the axis of a flight down, and no way back."""
+    sign = 1.0 if goes_up else -1.0
+    back_z = sign * min(sign * robot_z, sign * underfoot_z(ground, robot, robot_z))
     with np.errstate(invalid="ignore"):
-        back_m = (robot_z - ground.heights) * (1.0 if goes_up else -1.0)
-        closed = ground.seen & (back_m > _BACK_M)
+        closed = ground.seen & (sign * (back_z - ground.heights) > _BACK_M)
     if flight is not None and not goes_up:
         ahead_m, beside_m = ground.along(flight.end, flight.axis)
         closed |= (ahead_m > 0.0) & (beside_m > _HALF_WIDTH_M) & ~ground.seen

@@ -1,0 +1,31 @@
+"""Searches in generated buildings whose stairs once kept the robot until its steps ran out."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from hypernav.build.component_specs import ComponentSpecs
+from hypernav.build.data.datasets import load_episodes
+from hypernav.build.presets import preset, with_changes
+from hypernav.evaluation.record import Outcome
+from hypernav.evaluation.workers.worker import EpisodeWorker, Job
+
+CONFIG = with_changes(preset("default"), {"embodiment": {"body": {"max_step_m": 0.2}}})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "most_steps"),
+    [
+        ("3056-1", 330),  # the navigation mesh lies 0.4 m above the first step
+        ("3061-23", 330),  # a railing stands before the middle of the stairs' head
+    ],
+)
+def test_its_goal_is_found_over_the_stairs(name: str, most_steps: int):
+    building = int(name.split("-")[0])
+    episodes = load_episodes(f"storeys-train#{building}:{building + 1}")
+    episode = next(one for one in episodes if one.episode_id == name)
+    worker = EpisodeWorker(Job(Path(), CONFIG, ComponentSpecs(agent="hypernav"), 0))
+    record = worker.run(replace(episode, max_steps=most_steps))
+    assert record.outcome is Outcome.FOUND
