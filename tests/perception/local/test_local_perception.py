@@ -474,7 +474,7 @@ class SeesEverything(ScriptedDetector):
     """Has names for all things."""
 
     def things_in(self, observation, detections):
-        return [*detections, Detection(Box(0.0, 40.0, 30.0, 70.0), 0.9, "wall")]
+        return [*detections, Detection(Box(0.0, 0.0, 30.0, 30.0), 0.9, "wall")]
 
 
 @pytest.mark.parametrize("is_new", [True, False])
