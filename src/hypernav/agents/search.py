@@ -89,8 +89,11 @@ class SearchAgent:
             memory.mark_occupied(bumped)
         with clock("local"):
             asks = self._asks_the_camera() and not memory.on_stairs
+            was_elsewhere = floor.search.seen_off_floor is not None
             detections = use.local.look(seen, goal, floor, asks=asks)
             memory.keep_image(seen)
+        if was_elsewhere and floor.search.seen_off_floor is None:
+            events.append("goal is on this floor after all")
         step = Step(self._steps, goal, seen, floor.map.grid, use, clock, events)
         if use.learner is not None:
             with clock("global"):

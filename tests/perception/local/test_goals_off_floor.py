@@ -1,15 +1,19 @@
 """A goal that is seen below or above the room of the robot's floor is on another floor."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from box_views import CAMERA, view_of
+from box_views import CAMERA, FLOOR, SolidBox, view_of
 from certainty import certain
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
@@ -31,24 +35,47 @@ class Shows:
         return [Detection(self.box, self.score, "thing", mask)]
 
 
-def looked_at(away_m: float, height_m: float, *, tells_floors: bool = True, score: float = 0.9):
-    """The floor and the record after an image of a cube straight ahead of the robot."""
-    x, y = ROBOT.x + away_m * np.cos(ROBOT.yaw), ROBOT.y + away_m * np.sin(ROBOT.yaw)
-    cube = ((x - 0.3, y - 0.3, height_m - 0.3), (x + 0.3, y + 0.3, height_m + 0.3))
-    seen = view_of([cube], ROBOT)
+def detector_of(away_m: float, height_m: float, *, score: float = 0.9, side_m: float = 0.3):
+    """A detector that shows a cube straight ahead of the robot, by half its side."""
     row = CAMERA.cy + CAMERA.fy * (0.88 - height_m) / away_m
-    box = Box(CAMERA.cx - 6.0, row - 6.0, CAMERA.cx + 6.0, row + 6.0)
-    floor = Memory(MappingConfig(), Embodiment()).floor
-    local = LocalPerception(
-        Shows(box, score),
+    px = max(6.0, CAMERA.fy * side_m / (away_m - side_m))
+    return Shows(Box(CAMERA.cx - px, row - px, CAMERA.cx + px, row + px), score)
+
+
+def cube_at(away_m: float, height_m: float, side_m: float = 0.3) -> SolidBox:
+    x, y = ROBOT.x + away_m * np.cos(ROBOT.yaw), ROBOT.y + away_m * np.sin(ROBOT.yaw)
+    low = (x - side_m, y - side_m, height_m - side_m)
+    return (low, (x + side_m, y + side_m, height_m + side_m))
+
+
+def perception(detector: Shows, *, tells_floors: bool = True) -> LocalPerception:
+    return LocalPerception(
+        detector,
         DepthCutSegmenter(),
         LocalConfig(),
         CameraConfig(),
         cell_size_m=0.05,
         tells_floors=tells_floors,
     )
+
+
+def new_floor() -> Floor:
+    return Memory(MappingConfig(), Embodiment()).floor
+
+
+def looked_at(away_m: float, height_m: float, *, tells_floors: bool = True, score: float = 0.9):
+    """The floor and the record after an image of a cube straight ahead of the robot."""
+    seen, floor = view_of([cube_at(away_m, height_m)], ROBOT), new_floor()
+    local = perception(detector_of(away_m, height_m, score=score), tells_floors=tells_floors)
     (record,) = local.look(seen, GOAL, floor)
     return floor, record
+
+
+def without_depth_of(detector: Shows, seen: Observation) -> Observation:
+    """The image of a mirror, of glass, or of something black."""
+    depth = seen.depth.copy()
+    depth[detector.box.mask(CAMERA.width, CAMERA.height)] = 0.0
+    return replace(seen, depth=depth)
 
 
 @pytest.mark.parametrize("height_m", [BELOW, ABOVE])
@@ -81,6 +108,7 @@ def test_out_of_range_its_line_of_sight_tells_the_floor(height_m: float, away_m:
     """It ends a storey away: nothing else tells how far away the goal is."""
     floor, record = looked_at(away_m, height_m)
     assert not record.accepted
+    assert "another floor" in record.reason
     assert floor.search.evidence.far_position is None
     x, y, z = certain(floor.search.seen_off_floor)
     assert np.hypot(x - ROBOT.x, y - ROBOT.y) == pytest.approx(away_m, abs=0.2)
@@ -96,4 +124,51 @@ def test_out_of_range_what_may_be_in_the_room_is_far_away():
 @pytest.mark.parametrize("away_m", [4.5, 8.0])
 def test_a_doubtful_detection_leads_to_no_other_floor(away_m: float):
     floor, _ = looked_at(away_m, -2.3 if away_m > 5.0 else BELOW, score=0.2)
+    assert floor.search.seen_off_floor is None
+
+
+@pytest.mark.parametrize(("away_m", "height_m"), [(1.5, 0.2), (2.0, 0.2), (2.0, 0.1)])
+def test_what_stands_near_by_without_depth_is_on_no_other_floor(away_m: float, height_m: float):
+    detector, floor = detector_of(away_m, height_m, side_m=0.2), new_floor()
+    seen = view_of([FLOOR, cube_at(away_m, height_m, 0.2)], ROBOT)
+    (record,) = perception(detector).look(without_depth_of(detector, seen), GOAL, floor)
+    assert floor.search.seen_off_floor is None
+    assert "depth" in record.reason
+
+
+def test_what_hangs_near_by_without_depth_is_on_no_other_floor():
+    robot, floor = Pose2(0.0, 0.0, 0.0), new_floor()
+    detector = detector_of(2.0, 1.9, side_m=0.2)
+    seen = view_of([FLOOR, ((2.0, -5.0, 0.0), (2.2, 5.0, 3.0))], robot)
+    perception(detector).look(without_depth_of(detector, seen), GOAL, floor)
+    assert floor.search.seen_off_floor is None
+
+
+def test_what_is_nearly_out_of_the_image_is_on_no_other_floor():
+    floor = new_floor()
+    seen = view_of([FLOOR, cube_at(1.5, 1.9, 0.2)], ROBOT)
+    perception(detector_of(1.5, 1.9, side_m=0.2)).look(seen, GOAL, floor)
+    assert floor.search.seen_off_floor is None
+
+
+def test_what_is_right_before_the_camera_is_on_no_other_floor():
+    """Nothing there has depth, but the map has what was seen from farther away."""
+    robot, floor = Pose2(0.0, 0.0, 0.0), new_floor()
+    wall = ((0.45, -5.0, 0.0), (0.6, 5.0, 3.0))
+    for away_m in np.arange(1.5, 0.4, -0.1):
+        floor.integrate(view_of([FLOOR, wall], Pose2(-float(away_m), 0.0, 0.0)))
+    nothing = view_of([], robot)
+    detector = detector_of(6.0, -2.3)
+    perception(detector).look(nothing, GOAL, floor)
+    assert floor.search.seen_off_floor is None
+    perception(detector).look(nothing, GOAL, new := new_floor())
+    assert new.search.seen_off_floor is not None
+
+
+def test_what_is_then_measured_on_this_floor_is_on_no_other_one():
+    floor = looked_at(8.0, -2.3)[0]
+    assert floor.search.seen_off_floor is not None
+    near = view_of([FLOOR, cube_at(2.0, 0.3)], ROBOT)
+    perception(detector_of(2.0, 0.3)).look(near, GOAL, floor)
+    assert floor.search.evidence.target is not None
     assert floor.search.seen_off_floor is None

@@ -1,7 +1,5 @@
 """Local perception: the goal in the image and its goal area on the map."""
 
-import math
-from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 
 import cv2
@@ -13,7 +11,6 @@ from hypernav.core.components.protocols import Detector, Segmenter
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.exploring.sightings import Sightings
 from hypernav.core.geometry.boxes import Detection
-from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord
@@ -31,6 +28,7 @@ from hypernav.perception.local.belief import (
     with_sightings,
 )
 from hypernav.perception.local.config import LocalConfig
+from hypernav.perception.local.out_of_range import far_position_of, off_floor_out_of_range
 from hypernav.perception.local.refinement import eroded, projected
 from hypernav.perception.shape.evidence import measure_of, shape_evidence
 from hypernav.perception.shape.form import measured_form
@@ -39,13 +37,10 @@ from hypernav.perception.shape.kinds import KindShape, kind_shape
 _NO_DEPTH = "too few points with depth"
 _REJECTED = "rejected before"
 _OFF_FLOOR = "on another floor"
-_BESIDE_REJECTED_DEG = 10.0  # a goal out of range this near to a rejected area is ignored
 _STRONG = 0.3
 """Least score of another thing to be remembered, and of a goal out of range to be followed."""
 _NEARER = 0.75
 """Share of the entry reach that is left where the goal's outline was guessed from a box."""
-_BELOW_M, _ABOVE_M = -2.3, 3.4
-"""Heights above the floor, metres, at which things of the floors below and above are, about."""
 _CERTAIN = 0.99
 """Score from which the detector is so certain that the form of the thing is not measured."""
 
@@ -116,13 +111,17 @@ class LocalPerception:
                 reason = _REJECTED if is_rejected(evidence, area) else ""
                 if not reason or config.target == "candidates":
                     sightings.append(self._sighting(detection, area, whole, observation, kind))
+            elif self.tells_floors and (
+                off_floor := off_floor_out_of_range(
+                    detection.box, whole, observation, self.camera, floor.map.grid
+                )
+            ):
+                reason = _OFF_FLOOR
+                if search.seen_off_floor is None and detection.score >= least:
+                    search.note_off_floor(off_floor)
             elif far_position is None and detection.score >= least:
                 areas = evidence.rejected_areas
-                off_floor = self._far_off_floor(detection, observation)
-                if off_floor is None:
-                    far_position = self._far_position(detection, observation, areas)
-                elif search.seen_off_floor is None:
-                    search.note_off_floor(off_floor)
+                far_position = far_position_of(detection.box, observation, self.camera, areas)
             records.append(_record(detection, mask, reason))
         if config.target == "latest":
             evidence = with_latest(evidence, sightings, observation)
@@ -132,7 +131,8 @@ class LocalPerception:
             if evidence.count > search.evidence.count:
                 remembered = search.remembered_of(known)
                 evidence = with_earlier_looks(evidence, search.evidence, remembered, goal, config)
-        far_position = far_position if evidence.target is None else None
+        if evidence.target is not None:
+            far_position = search.seen_off_floor = None
         search.evidence = replace(evidence, far_position=far_position)
         return records
 
@@ -221,44 +221,6 @@ class LocalPerception:
             reach_m = self.config.entry_reach_m * (_NEARER if is_guessed else 1.0)
             area = area.entered_from(observation, reach_m)
         return area
-
-    def _far_off_floor(
-        self, detection: Detection, observation: Observation
-    ) -> tuple[float, float, float] | None:
-        """About where a goal out of range is that lies below or above the room of this floor.
-
-        Returns:
-            Position ``(x, y, z)``, metres; None if it may be in the room, as far as its line of
-            sight tells, or if floors are not told apart.
-        """
-        box, camera_at = detection.box, observation.camera_to_map.translation
-        row, column = (
-            np.array([box.y_min + box.y_max]) / 2.0,
-            np.array([box.x_min + box.x_max]) / 2.0,
-        )
-        point = observation.camera.unproject(column, row, np.array([self.camera.max_depth_m]))
-        nearest = observation.camera_to_map.apply(point)[0]
-        if not self.tells_floors or is_in_room(float(nearest[2])):
-            return None
-        away = nearest - camera_at
-        z = _BELOW_M if away[2] < 0.0 else _ABOVE_M
-        x, y, z = (camera_at + max(1.0, (z - camera_at[2]) / away[2]) * away).tolist()
-        return (x, y, z)
-
-    def _far_position(
-        self, detection: Detection, observation: Observation, rejected: Sequence[GoalArea]
-    ) -> tuple[float, float] | None:
-        """Nearest ``(x, y)`` on the map of a goal out of range; None beside a rejected area."""
-        robot, camera, box = observation.robot, observation.camera, detection.box
-        column = (box.x_min + box.x_max) / 2.0
-        bearing = camera.bearing_of(column)
-        for area in rejected:
-            away = wrap_angle(robot.bearing_to(*area.centre) - bearing)
-            if abs(away) < math.radians(_BESIDE_REJECTED_DEG):
-                return None
-        reach_m = self.camera.max_depth_m / math.cos(bearing)
-        angle = robot.yaw + bearing
-        return (robot.x + reach_m * math.cos(angle), robot.y + reach_m * math.sin(angle))
 
 
 def _record(
