@@ -20,11 +20,8 @@ from hypernav.mapping.memory.connectors import (
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.ways import (
     drops_to_look_at,
-    forget_seen_from_elsewhere,
     new_ways,
-    seen_from_elsewhere,
     ways_out,
-    ways_to_sighting,
     ways_to_unseen,
 )
 from stair_views import FIRST_X, SIDES_Y, stairs_down, stairs_up
@@ -196,28 +193,6 @@ def test_the_way_to_what_is_unseen_is_the_one_over_the_fewest_stairs():
     memory.give_up(3)
     memory.floors[1].search.given_up.add(2)
     assert not ways_to_unseen(memory)
-
-
-def test_a_goal_seen_on_another_floor_is_gone_to_over_stairs_that_lead_there_once():
-    memory = memory_after([FLOOR], Pose2(0.0, 0.0, 0.0))
-    up, down = (Connector(0, goes_up, (1.0, 0.0), 0.0, sightings=2) for goes_up in (True, False))
-    memory.connectors = (up, down)
-    assert not ways_to_sighting(memory)
-    memory.search.note_off_floor((3.0, 4.0, -2.0))
-    assert [one.connector for one in ways_to_sighting(memory)] == [1]
-    assert seen_from_elsewhere(memory) is None
-    above = memory.number
-    memory.number = memory.add_floor(-2.6)
-    memory.crossed(1)
-    assert not ways_to_sighting(memory)
-    assert seen_from_elsewhere(memory) == (3.0, 4.0)
-    memory.number = above
-    assert [one.connector for one in ways_to_sighting(memory)] == [1]
-    memory.number = 1
-    forget_seen_from_elsewhere(memory)
-    memory.number = above
-    memory.search.note_off_floor((3.0, 4.0, -2.0))
-    assert not ways_to_sighting(memory)
 
 
 def test_stairs_that_were_taken_stay_a_way_though_a_search_fails_on_them():

@@ -105,14 +105,14 @@ def test_floors_are_told_apart_only_where_it_is_wanted(height_m: float):
 
 @pytest.mark.parametrize(("height_m", "away_m"), [(-2.3, 8.0), (3.4, 6.0)])
 def test_out_of_range_its_line_of_sight_tells_the_floor(height_m: float, away_m: float):
-    """It ends a storey away: nothing else tells how far away the goal is."""
+    """The place is where it ends a storey away; the height is the one at which the range ends."""
     floor, record = looked_at(away_m, height_m)
     assert not record.accepted
     assert "another floor" in record.reason
     assert floor.search.evidence.far_position is None
     x, y, z = certain(floor.search.seen_off_floor)
     assert np.hypot(x - ROBOT.x, y - ROBOT.y) == pytest.approx(away_m, abs=0.2)
-    assert z == pytest.approx(height_m, abs=0.1)
+    assert z == pytest.approx(0.88 + (height_m - 0.88) * CameraConfig().max_depth_m / away_m)
 
 
 def test_out_of_range_what_may_be_in_the_room_is_far_away():

@@ -222,7 +222,7 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
     if destination.connector is not None:
         memory.give_up(destination.connector)
     elif destination.is_sighting:
-        forget_sighting(memory)
+        forget_sighting(memory, destination.xy)
         plan = plan.explore(pursued=(*plan.exploring.pursued, destination.xy))
     elif destination.thing is not None:
         search.gone_to.add(destination.thing)

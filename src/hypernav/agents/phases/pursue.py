@@ -37,7 +37,7 @@ def _towards(
         return plan
     near_m = 2.0 * config.arrival_distance_m
     if any(math.dist(position, other) <= near_m for other in plan.exploring.pursued):
-        forget_sighting(memory)
+        forget_sighting(memory, position)
         return plan
     if plan.destination is None or not plan.destination.is_sighting:
         step.events.append(event)
@@ -60,8 +60,9 @@ def _over_stairs(step: Step, memory: Memory, plan: Plan) -> Plan:
     return replace(plan, exploring=plan.exploring.towards(there, step.config))
 
 
-def forget_sighting(memory: Memory) -> None:
-    """Pursue no more what was seen too far away, or from another floor."""
+def forget_sighting(memory: Memory, position: tuple[float, float]) -> None:
+    """Pursue no more what was seen at a position, metres, too far away or from another floor."""
     search = memory.search
-    search.evidence = replace(search.evidence, far_position=None)
-    forget_seen_from_elsewhere(memory)
+    if search.evidence.far_position == position:
+        search.evidence = replace(search.evidence, far_position=None)
+    forget_seen_from_elsewhere(memory, position)

@@ -62,8 +62,8 @@ class SearchMemory:
         looked_over: What it has looked at of the floor; None if the floor was not known before.
         looks_again: Whether it explores what it has not looked at itself, known or not.
         seen_off_floor: Position ``(x, y, z)`` where the goal was last seen below or above the room
-            of this floor, heights from the ground there, metres; None if it was not, or has been
-            found on this floor since.
+            of this floor, heights from the ground there, metres; it lies at that height or farther
+            on from here. None if it was not, or has been found on this floor since.
         went_off_floor: Whether the robot has been to such a position; it is led away only once.
         viewed_from: Pose of the latest frame with a new view; None before the first frame.
         has_new_view: Whether the present frame has one: only then all things in it and what it

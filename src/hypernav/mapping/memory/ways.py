@@ -96,14 +96,14 @@ def ways_out(memory: Memory) -> list[WayOut]:
 
 def seen_from_elsewhere(memory: Memory) -> tuple[float, float] | None:
     """Where ``(x, y)`` on this floor the goal was seen from another, metres; None if nowhere."""
-    here = [(x, y) for _, (x, y, z) in _off_floors(memory) if is_in_room(z - memory.floor.z)]
-    return here[0] if here else None
+    here = (at for _, at, floor in _off_floors(memory) if floor == memory.number)
+    return next(((x, y) for x, y, _ in here), None)
 
 
-def forget_seen_from_elsewhere(memory: Memory) -> None:
-    """Forget where on this floor the goal was seen from another one, for this search."""
-    for search, (_, _, z) in _off_floors(memory):
-        if is_in_room(z - memory.floor.z):
+def forget_seen_from_elsewhere(memory: Memory, position: tuple[float, float]) -> None:
+    """Forget that the goal was seen from another floor at a position on this one, metres."""
+    for search, (x, y, _), floor in _off_floors(memory):
+        if floor == memory.number and (x, y) == position:
             search.seen_off_floor, search.went_off_floor = None, True
 
 
@@ -112,28 +112,48 @@ def ways_to_sighting(memory: Memory) -> list[WayOut]:
 
     The robot has taken them before, or they are new and lead up or down as the goal lies.
     """
-    above_m = [z - memory.floor.z for _, (_, _, z) in _off_floors(memory)]
-    away = [one for one in above_m if not is_in_room(one)]
-    if not away:
-        return []
-    known = [one for one in known_floors(memory) if is_in_room(away[0] - one.above_m)]
-    if known:
-        return [known[0].way[0]]
-    goes_up = away[0] > 0.0
-    return [one for one in new_ways(memory) if memory.connectors[one.connector].goes_up == goes_up]
+    known = {one.number: one for one in known_floors(memory)}
+    for _, (_, _, z), floor in _off_floors(memory):
+        if floor in known:
+            return [known[floor].way[0]]
+        new = [
+            one for one in new_ways(memory) if memory.connectors[one.connector].goes_up == (z > 0.0)
+        ]
+        if floor is None and new:
+            return new
+    return []
 
 
-def _off_floors(memory: Memory) -> list[tuple[SearchMemory, tuple[float, float, float]]]:
-    """What was learned on the floors from which the goal was seen on another, and where it was.
+def _off_floors(
+    memory: Memory,
+) -> list[tuple[SearchMemory, tuple[float, float, float], int | None]]:
+    """Where the goal was seen on another floor, and the number of that floor, None if not known.
 
-    Positions are ``(x, y, z)``, ``map`` frame, metres.
+    It is the next floor up or down with a room that reaches as far as the goal, or farther: a line
+    of sight tells how far at least the goal lies up or down.
+
+    Returns:
+        For each floor from which it was seen, what was learned there, the position ``(x, y, z)``,
+        heights from that floor, metres, and the number.
     """
     seen = [(floor, floor.search.seen_off_floor) for floor in memory.floors]
     return [
-        (floor.search, (position[0], position[1], floor.z + position[2]))
+        (floor.search, position, _next_floor(memory, floor.z, position[2]))
         for floor, position in seen
         if position is not None
     ]
+
+
+def _next_floor(memory: Memory, from_z: float, height_m: float) -> int | None:
+    """Number of the next floor from a height on that has what lies so far above or below it."""
+    sign = math.copysign(1.0, height_m)
+    reaching = [
+        (sign * (one.z - from_z), number)
+        for number, one in enumerate(memory.floors)
+        if sign * (one.z - from_z) > 0.0
+        and (is_in_room(from_z + height_m - one.z) or sign * (from_z + height_m - one.z) < 0.0)
+    ]
+    return min(reaching)[1] if reaching else None
 
 
 def known_floors(memory: Memory) -> list[KnownFloor]:

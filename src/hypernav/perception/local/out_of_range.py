@@ -18,7 +18,8 @@ from hypernav.mapping.memory.thing import is_in_room
 _BESIDE_REJECTED_DEG = 10.0
 """Angle to a rejected area, degrees, within which a goal out of range is ignored."""
 _BELOW_M, _ABOVE_M = -2.3, 3.4
-"""Heights above the floor, metres, at which things of the floors below and above are, about."""
+"""Heights above the floor, metres, at which things of the floors below and above are, about: they
+tell how far away one is whose line of sight alone is known."""
 _IN_REACH = 0.25
 """Share of the pixels of a goal, or right below it, with a depth from which it is in reach."""
 _LEAST_BELOW_PX = 3.0
@@ -62,8 +63,9 @@ def off_floor_out_of_range(
         grid: Map of the floor.
 
     Returns:
-        Position ``(x, y, z)``, metres; None if it may be in the room, as far as its line of sight
-        tells, or within range.
+        Position ``(x, y)``, as if a storey lay between, and the height at which its line of sight
+        leaves the range, metres: the goal lies at least so far below or above. None if it may be in
+        the room, as far as its line of sight tells, or within range.
     """
     camera_at = observation.camera_to_map.translation
     column, row = (
@@ -76,8 +78,8 @@ def off_floor_out_of_range(
         return None
     away = nearest - camera_at
     z = _BELOW_M if away[2] < 0.0 else _ABOVE_M
-    x, y, z = (camera_at + max(1.0, (z - camera_at[2]) / away[2]) * away).tolist()
-    return (x, y, z)
+    x, y, _ = (camera_at + max(1.0, (z - camera_at[2]) / away[2]) * away).tolist()
+    return (x, y, float(nearest[2]))
 
 
 def _may_be_in_range(
