@@ -1,5 +1,6 @@
 """A goal that is seen on another floor is gone to there, and not to what lies above or below it."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -10,6 +11,7 @@ from hypernav.build.agents import build_search
 from hypernav.build.presets import preset, with_changes
 from hypernav.core.actions import Action
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.trace import StepTrace
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
 from searches import searched
@@ -49,11 +51,22 @@ def building() -> SimulatedWorld:
     return SimulatedWorld(scene, CONFIG.world, CONFIG.embodiment)
 
 
+class SeesFromTheGallery(GroundTruthDetector):
+    """Shows the goal from the gallery alone: below nothing is found."""
+
+    def detect(self, observation, goal):
+        return super().detect(observation, goal) if building().position[2] > -0.5 else []
+
+
+def events(trace: Sequence[StepTrace]) -> list[str]:
+    return [event for step in trace for event in step.events]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("goal", "start", "start_z", "on_z"),
     [
-        ("bed", Pose2(2.5, 2.5, 0.5), 0.0, LOW_M),
+        ("bed", Pose2(2.0, 1.0, 0.0), 0.0, LOW_M),
         ("sofa", Pose2(9.5, 2.5, 3.0), LOW_M, 0.0),
     ],
 )
@@ -63,5 +76,17 @@ def test_what_is_seen_on_another_floor_is_found_there(
     world = building()
     agent = build_search(CONFIG, GroundTruthDetector())
     trace = searched(agent, world, episode_from(start, goal, start_z=start_z), most_steps=250)
+    assert "goal seen on another floor" in events(trace)
     assert trace[-1].action is Action.STOP
     assert world.position[2] == pytest.approx(on_z, abs=0.15)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pursues", [True, False])
+def test_for_one_that_is_not_found_there_it_does_not_go_to_and_fro(pursues: bool):
+    config = with_changes(CONFIG, {"search": {"pursue_far_sightings": pursues}})
+    agent, start = build_search(config, SeesFromTheGallery()), Pose2(2.0, 1.0, 0.0)
+    trace = searched(agent, building(), episode_from(start, "bed", start_z=0.0), most_steps=200)
+    assert trace[-1].action is not Action.STOP
+    assert events(trace).count("goal seen on another floor") == int(pursues)
+    assert events(trace).count("another floor reached") <= 3

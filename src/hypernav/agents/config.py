@@ -78,7 +78,8 @@ class SearchConfig(RoomConfig):
         use_stairs: Whether a robot that climbs stairs looks for them, and goes on to other floors
             (paper: one floor).
         pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:
-            to where that range ended, also through the unknown, before anything else is explored.
+            to where that range ended, also through the unknown, before anything else is explored;
+            and over stairs towards one that was seen on another floor.
         recall: Whether a search with a memory first goes to remembered things that may be the goal,
             then to where key images were taken in which a chat model sees it (or that look like
             it, by ``--similarity``), and looks again at what it knows where they are gone or

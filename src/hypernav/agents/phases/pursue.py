@@ -17,15 +17,16 @@ from hypernav.mapping.memory.ways import (
 
 def pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
     """The plan that heads for a goal that was seen too far away, or on another floor."""
-    search, config = memory.search, step.config
-    far, below_or_above = search.evidence.far_position, seen_from_elsewhere(memory)
-    if config.pursue_far_sightings and far is not None:
+    if not step.config.pursue_far_sightings:
+        return plan
+    far, below_or_above = memory.search.evidence.far_position, seen_from_elsewhere(memory)
+    if far is not None:
         reason = f"the {step.goal.thing} is in sight, too far away to be measured"
         return _towards(far, "goal seen far away", reason, step, memory, plan)
-    if config.pursue_far_sightings and below_or_above is not None:
+    if below_or_above is not None:
         reason = f"the {step.goal.thing} was seen there from another floor"
         return _towards(below_or_above, "floor of the goal reached", reason, step, memory, plan)
-    return _over_stairs(step, memory, plan) if config.use_stairs else plan
+    return _over_stairs(step, memory, plan) if step.config.use_stairs else plan
 
 
 def _towards(
