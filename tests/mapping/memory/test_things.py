@@ -76,6 +76,16 @@ def test_what_is_seen_of_another_floor_is_no_thing_of_this_one(ground_m: float):
     assert len(Things().after_image(seen, detections, SENSOR, search=1).known) == 1
 
 
+@pytest.mark.parametrize(("ground_m", "known"), [(0.9, 1), (0.0, 0)])
+def test_from_a_raised_level_what_stands_on_the_floor_is_a_thing_of_it(ground_m: float, known: int):
+    image, detections = looks_at(Pose2(2.0, 3.0, 0.0))
+    seen = counted_from(1.0, image)
+    after_it = Things().after_image(
+        seen, detections, SENSOR, search=1, tells_floors=True, ground_m=ground_m
+    )
+    assert len(after_it.known) == known
+
+
 def test_without_a_mask_what_stands_far_behind_the_middle_does_not_count():
     image, (detection,) = looks_at(Pose2(2.0, 3.0, 0.0), solid=((4.0, 2.9, 0.0), (4.3, 3.1, 1.2)))
     wide = Box(detection.box.x_min - 60, detection.box.y_min, detection.box.x_max + 60, 200.0)

@@ -172,3 +172,24 @@ def test_what_is_then_measured_on_this_floor_is_on_no_other_one():
     perception(detector_of(2.0, 0.3)).look(near, GOAL, floor)
     assert floor.search.evidence.target is not None
     assert floor.search.seen_off_floor is None
+
+
+@pytest.mark.parametrize(("ground_m", "height_m"), [(0.9, -0.7), (-0.9, 3.3)])
+@pytest.mark.parametrize("away_m", [4.0, 6.0])
+def test_from_another_level_of_the_floor_its_room_is_the_floor_s_too(
+    ground_m: float, height_m: float, away_m: float
+):
+    seen = view_of([cube_at(away_m, height_m)], ROBOT)
+    split, level = new_floor(), new_floor()
+    split.ground_m = ground_m
+    for floor in (split, level):
+        perception(detector_of(away_m, height_m)).look(seen, GOAL, floor)
+    assert split.search.seen_off_floor is None
+    assert level.search.seen_off_floor is not None or away_m > 5.0
+
+
+def test_heights_of_sightings_are_counted_from_the_floor():
+    floor = new_floor()
+    floor.ground_m = 0.6
+    perception(detector_of(4.5, -1.8)).look(view_of([cube_at(4.5, -1.8)], ROBOT), GOAL, floor)
+    assert certain(floor.search.seen_off_floor)[2] == pytest.approx(-1.2, abs=0.3)

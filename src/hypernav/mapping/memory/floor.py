@@ -62,7 +62,7 @@ class SearchMemory:
         looked_over: What it has looked at of the floor; None if the floor was not known before.
         looks_again: Whether it explores what it has not looked at itself, known or not.
         seen_off_floor: Position ``(x, y, z)`` where the goal was last seen below or above the room
-            of this floor, heights from the ground there, metres; it lies at that height or farther
+            of this floor, heights from the floor, metres; it lies at that height or farther
             on from here. None if it was not, or has been found on this floor since.
         went_off_floor: Whether the robot has been to such a position; it is led away only once.
         viewed_from: Pose of the latest frame with a new view; None before the first frame.
@@ -153,6 +153,8 @@ class Floor:
     Attributes:
         z: Its height in the ``map`` frame, metres.
         map: Map of it.
+        ground_m: Height above it of the ground that the robot walked on last, metres, from which
+            all heights in its frames are counted; not 0 on another level of a split floor.
         trajectory: Positions ``(x, y)`` of the robot on it, one per frame, metres.
         sightings: Things that were seen on it, other than the goal, for explorers' questions.
         things: All things that were seen on it, for later searches.
@@ -162,6 +164,7 @@ class Floor:
 
     z: float
     map: TopDownMap
+    ground_m: float = 0.0
     trajectory: list[tuple[float, float]] = field(default_factory=list)
     sightings: Sightings = field(default_factory=Sightings)
     things: Things = field(default_factory=Things)

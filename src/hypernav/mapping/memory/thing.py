@@ -151,9 +151,16 @@ class Thing:
         return fit(self.label, goal)
 
 
-def is_in_room(height_m: float) -> bool:
-    """Whether what is at a height above a floor, metres, belongs to that floor."""
-    return _LOWEST_M <= height_m <= _HIGHEST_M
+def is_in_room(height_m: float, ground_m: float = 0.0) -> bool:
+    """Whether what is at a height belongs to a floor.
+
+    Args:
+        height_m: The height above the ground from which it is seen, metres.
+        ground_m: Height of that ground above the floor, metres: another level has the room over
+            the floor as well as that over itself.
+    """
+    lowest_m, highest_m = _LOWEST_M - max(ground_m, 0.0), _HIGHEST_M - min(ground_m, 0.0)
+    return lowest_m <= height_m <= highest_m
 
 
 @lru_cache(maxsize=4096)

@@ -153,11 +153,12 @@ class Things:
         search: int,
         only: Goal | None = None,
         tells_floors: bool = False,
+        ground_m: float = 0.0,
     ) -> "Things":
         """The things after one more image.
 
         Args:
-            observation: The image, with heights counted from this floor.
+            observation: The image, with heights counted from the ground of the robot.
             detections: All that was detected in it.
             camera: Camera, whose range of depth counts.
             search: Number of the present search.
@@ -165,12 +166,13 @@ class Things:
                 can be missed.
             tells_floors: Whether what is seen below or above the room of the floor is none of its
                 things.
+            ground_m: Height of the robot's ground above the floor, metres.
         """
         seen = [_seen_thing(one, observation, camera, search) for one in detections]
         here = [
             one
             for one in seen
-            if one is not None and not (tells_floors and not _stands_in_room(one))
+            if one is not None and not (tells_floors and not _stands_in_room(one, ground_m))
         ]
         after = self._with_seen(here)
         return after._with_missed(observation, only)._at_most(MOST_THINGS)
@@ -280,10 +282,10 @@ def _seen_thing(
     )
 
 
-def _stands_in_room(thing: Thing) -> bool:
+def _stands_in_room(thing: Thing, ground_m: float) -> bool:
     """Whether a thing is of the floor from which it was seen, however high it reaches."""
     middle_m = thing.position[2]
-    return is_in_room(min(middle_m, max(0.0, thing.low[2] + _TALL_M / 2.0)))
+    return is_in_room(min(middle_m, max(0.0, thing.low[2] + _TALL_M / 2.0)), ground_m)
 
 
 def _mask(

@@ -103,17 +103,21 @@ class LocalPerception:
             mask = whole if config.pixels == "box" else eroded(whole, config)
             area = self._area(mask, observation, is_guessed=detection.mask is None)
             reason = _NO_DEPTH
-            if area is not None and self.tells_floors and not is_in_room(area.height_m):
+            if (
+                area is not None
+                and self.tells_floors
+                and not is_in_room(area.height_m, floor.ground_m)
+            ):
                 reason = _OFF_FLOOR
                 if detection.score >= least:
-                    search.note_off_floor((*area.centre, area.height_m))
+                    search.note_off_floor((*area.centre, area.height_m + floor.ground_m))
             elif area is not None:
                 reason = _REJECTED if is_rejected(evidence, area) else ""
                 if not reason or config.target == "candidates":
                     sightings.append(self._sighting(detection, area, whole, observation, kind))
             elif self.tells_floors and (
                 off_floor := off_floor_out_of_range(
-                    detection.box, whole, observation, self.camera, floor.map.grid
+                    detection.box, whole, observation, self.camera, floor
                 )
             ):
                 reason = _OFF_FLOOR
@@ -166,6 +170,7 @@ class LocalPerception:
             search=search.number,
             only=only,
             tells_floors=self.tells_floors,
+            ground_m=floor.ground_m,
         )
         if only is not None:
             search.note_others(things.others_in(observation, goal), things, goal)

@@ -12,6 +12,7 @@ from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.core.observation import Observation
+from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.memory.thing import is_in_room
 
@@ -51,7 +52,7 @@ def off_floor_out_of_range(
     mask: Bool[np.ndarray, "height width"],
     observation: Observation,
     camera: CameraConfig,
-    grid: OccupancyGrid,
+    floor: Floor,
 ) -> tuple[float, float, float] | None:
     """About where a goal out of range is that lies below or above the room of the robot's floor.
 
@@ -60,7 +61,7 @@ def off_floor_out_of_range(
         mask: Mask of its pixels.
         observation: The image, with heights counted from the robot's ground.
         camera: Camera, whose range of depth counts.
-        grid: Map of the floor.
+        floor: The floor that the robot is on.
 
     Returns:
         Position ``(x, y)``, as if a storey lay between, and the height at which its line of sight
@@ -74,12 +75,14 @@ def off_floor_out_of_range(
     )
     point = observation.camera.unproject(column, row, np.array([camera.max_depth_m]))
     nearest = observation.camera_to_map.apply(point)[0]
-    if is_in_room(float(nearest[2])) or _may_be_in_range(box, mask, observation, camera, grid):
+    if is_in_room(float(nearest[2]), floor.ground_m):
+        return None
+    if _may_be_in_range(box, mask, observation, camera, floor.map.grid):
         return None
     away = nearest - camera_at
     z = _BELOW_M if away[2] < 0.0 else _ABOVE_M
     x, y, _ = (camera_at + max(1.0, (z - camera_at[2]) / away[2]) * away).tolist()
-    return (x, y, float(nearest[2]))
+    return (x, y, float(nearest[2]) + floor.ground_m)
 
 
 def _may_be_in_range(
