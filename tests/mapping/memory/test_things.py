@@ -205,6 +205,8 @@ def test_what_more_words_of_a_description_name_comes_before_others_of_its_kind()
     things = after(things, Pose2(2.0, 3.0, 0.0), solid=lower, label="table lamp")
     assert [one.label for one, _ in things.fitting(Goal("the metal table lamp"))] == ["table lamp"]
     assert len(things.fitting(Goal("the metal lamp"))) == 2
+    left = things.fitting(Goal("the metal table lamp"), besides={1})
+    assert [one.label for one, _ in left] == ["ceiling lamp"]
 
 
 def test_what_people_also_call_so_comes_only_where_nothing_has_the_name_itself():

@@ -146,10 +146,8 @@ def _left(floor: Floor, goal: Goal, least: float) -> list[tuple[Thing, float]]:
     search, things = floor.search, floor.things
     left = [
         (thing, chance)
-        for thing, chance in things.fitting(goal)
-        if chance >= least
-        and thing.number in search.remembered
-        and thing.number not in search.gone_to
+        for thing, chance in things.fitting(goal, besides=search.gone_to)
+        if chance >= least and thing.number in search.remembered
     ]
     weights = weights_of_place([thing for thing, _ in left], things.known, goal, floor.map)
     return [

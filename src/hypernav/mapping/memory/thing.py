@@ -21,6 +21,8 @@ _LOWEST_M, _HIGHEST_M = -0.5, 2.9
 
 Sunken floors and lamps are, but not what is seen down a stairwell or up on a gallery.
 """
+_TALL_M = 1.0
+"""Height of a thing, metres, above which its lower part alone tells what floor it stands on."""
 _AT_SCORE = 7.0
 _AT_RECALL = 4.4
 _AT_NOTHING = -9.3
@@ -161,6 +163,17 @@ def is_in_room(height_m: float, ground_m: float = 0.0) -> bool:
     """
     lowest_m, highest_m = _LOWEST_M - max(ground_m, 0.0), _HIGHEST_M - min(ground_m, 0.0)
     return lowest_m <= height_m <= highest_m
+
+
+def stands_in_room(thing: Thing, ground_m: float) -> bool:
+    """Whether a thing is of the floor from which it was seen, however high it reaches.
+
+    Args:
+        thing: The thing, with heights counted from the ground from which it was seen.
+        ground_m: Height of that ground above the floor, metres.
+    """
+    middle_m = thing.position[2]
+    return is_in_room(min(middle_m, max(0.0, thing.low[2] + _TALL_M / 2.0)), ground_m)
 
 
 @lru_cache(maxsize=4096)

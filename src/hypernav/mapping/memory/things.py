@@ -6,7 +6,7 @@ thing and doesn't is a miss, and misses tell the more, the more reliably the thi
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
@@ -25,10 +25,10 @@ from hypernav.mapping.memory.thing import (
     Thing,
     fit,
     holds,
-    is_in_room,
     joined,
     named_as,
     overlap,
+    stands_in_room,
 )
 from hypernav.mapping.memory.visibility import are_visible
 
@@ -43,8 +43,6 @@ _STRAYS = 0.05
 _SAME_DEPTH_M = 0.5
 """Distance in depth from a box's middle up to which its pixels are the thing's, without a mask."""
 _LOW_SHARE = 0.25
-_TALL_M = 1.0
-"""Height of a thing, metres, above which its lower part alone tells what floor it stands on."""
 _LEAST_PX = 20.0
 """Size in the image, pixels, below which it says nothing that a thing was not detected."""
 _NEAR_M = 4.0
@@ -110,13 +108,21 @@ class Things:
         """The thing of a number; None if it was forgotten."""
         return next((one for one in self.known if one.number == number), None)
 
-    def fitting(self, goal: Goal) -> list[tuple[Thing, float]]:
+    def fitting(self, goal: Goal, besides: Collection[int] = ()) -> list[tuple[Thing, float]]:
         """The things that may be a goal and are not gone, each with the chance that it is.
 
         Where one that is likely has the goal's own name, or more words of it than others, other
-        things of its kind are no candidates: a ceiling lamp is no table lamp.
+        things of its kind are no candidates yet: a table lamp comes before a ceiling lamp.
+
+        Args:
+            goal: The goal.
+            besides: Numbers of things that are none, since the search has gone to them.
         """
-        there = [one for one in self._that_fit(goal, _WHOLLY, _ITS_KIND) if not one.is_gone]
+        there = [
+            one
+            for one in self._that_fit(goal, _WHOLLY, _ITS_KIND)
+            if not one.is_gone and one.number not in besides
+        ]
         chances = [(one, one.chance * one.fits(goal)) for one in there]
         named = {one.number: named_as(one.label, goal) for one, chance in chances}
         most = max((named[one.number] for one, chance in chances if chance >= LIKELY), default=None)
@@ -172,7 +178,7 @@ class Things:
         here = [
             one
             for one in seen
-            if one is not None and not (tells_floors and not _stands_in_room(one, ground_m))
+            if one is not None and not (tells_floors and not stands_in_room(one, ground_m))
         ]
         after = self._with_seen(here)
         return after._with_missed(observation, only)._at_most(MOST_THINGS)
@@ -280,12 +286,6 @@ def _seen_thing(
         first_search=search,
         last_search=search,
     )
-
-
-def _stands_in_room(thing: Thing, ground_m: float) -> bool:
-    """Whether a thing is of the floor from which it was seen, however high it reaches."""
-    middle_m = thing.position[2]
-    return is_in_room(min(middle_m, max(0.0, thing.low[2] + _TALL_M / 2.0)), ground_m)
 
 
 def _mask(
