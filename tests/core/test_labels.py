@@ -60,6 +60,7 @@ def test_canonical_names_are_fixed_points_of_normalisation(name):
         "red fabric chair",
         "armchair beside the desk",
         "the armchair next to a floor lamp in the office",
+        "the red armchair of the office",
     ],
 )
 def test_a_goal_is_satisfied_when_all_it_says_is_true(goal):
@@ -115,6 +116,11 @@ def test_a_goal_is_spoken_of_without_its_article():
         ("ceiling lamp", "the metal table lamp", 1),
         ("nightstand", "white bedside table in the bedroom", 2),
         ("cactus", "the green plant", 1),
+        ("dresser", "the wooden chest of drawers in the bedroom", 3),
+        ("box of tissues", "the small box of tissues", 3),
+        ("stove", "range", 1),
+        ("toilet", "the white wc", 1),
+        ("curtain", "drapes", 1),
         ("dishwasher", "dish washer", 2),
         ("oven", "cooker", 1),
         ("sofa", "the bed beside the sofa", 0),
@@ -144,3 +150,11 @@ def test_what_else_people_call_a_thing_does_not_make_it_the_goal(label, goal):
 )
 def test_the_place_that_a_goal_tells_is_read_apart_from_what_it_is(goal, place):
     assert asked_place(Goal(goal)) == place
+
+
+def test_of_names_no_room_unless_an_article_follows():
+    assert asked_place(Goal("the old chest of drawers")) == AskedPlace("old chest of drawers")
+    assert asked_place(Goal("the door of the kitchen")) == AskedPlace("door", room="kitchen")
+    dresser = ObjectLabel("dresser", attributes=("wooden",), room="bedroom")
+    assert dresser.satisfies(Goal("wooden chest of drawers"))
+    assert dresser.satisfies(Goal("wooden chest of drawers in the bedroom"))

@@ -43,7 +43,8 @@ _SYNONYMS: tuple[tuple[str, ...], ...] = (
 )
 _CANONICAL = {name: group[0] for group in _SYNONYMS for name in group}
 _ARTICLE = re.compile(r"^(?:please )?(?:find |go to )?(?:the |a |an |my |some )?")
-_IN_ROOM = re.compile(r" (?:in|inside|of) (?:the |a |an |my )?(.+)$")
+_IN_ROOM = re.compile(r" (?:(?:in|inside) (?:the |a |an |my )?|of (?:the|my) )(.+)$")
+"""After "of" a room has an article: "the door of the kitchen", but a "chest of drawers"."""
 _BESIDE = re.compile(r" (?:beside|next to|near|by|close to|on|under|at) (?:the |a |an |my )?(.+)$")
 
 

@@ -5,49 +5,49 @@ plant. That only guides the robot through what it remembers. What counts as reac
 the names of the scene alone (`hypernav.core.labels`).
 """
 
-_CALLED: dict[str, tuple[str, ...]] = {
+_ALIKE: tuple[tuple[str, ...], ...] = (
+    ("stove", "oven", "range"),
+    ("toilet", "lavatory", "wc"),
+    ("sink", "washbasin", "basin"),
+    ("cabinet", "cupboard"),
+    ("closet", "wardrobe"),
+    ("table", "desk"),
+    ("cup", "mug"),
+    ("luggage", "suitcase"),
+    ("tv", "screen"),
+    ("curtain", "drape"),
+    ("extractor hood", "cooker hood", "range hood"),
+)
+"""Names that one person uses for what another calls by the other ones of a row."""
+_KINDS: dict[str, tuple[str, ...]] = {
     "potted plant": ("cactus", "succulent", "herb", "fern", "orchid", "bonsai", "palm", "flower"),
     "chair": ("armchair", "recliner", "stool"),
     "stool": ("ottoman", "pouf"),
     "sofa": ("futon", "sectional", "daybed"),
     "rug": ("bath mat", "doormat", "mat"),
-    "stove": ("oven", "cooktop", "hob", "range"),
-    "oven": ("stove", "range"),
-    "toilet": ("lavatory", "wc"),
-    "lavatory": ("toilet",),
-    "sink": ("washbasin", "basin"),
-    "washbasin": ("sink",),
-    "basin": ("sink",),
-    "cabinet": ("cupboard", "sideboard", "dresser"),
-    "cupboard": ("cabinet", "wardrobe"),
-    "closet": ("wardrobe",),
-    "wardrobe": ("closet",),
+    "stove": ("cooktop", "hob"),
+    "cabinet": ("sideboard", "dresser"),
+    "cupboard": ("wardrobe",),
     "shelf": ("bookshelf",),
-    "table": ("desk",),
-    "desk": ("table",),
     "lamp": ("chandelier", "lantern"),
     "picture": ("poster", "photo", "artwork", "picture frame"),
     "basket": ("hamper",),
-    "cup": ("mug",),
-    "mug": ("cup",),
     "bag": ("backpack", "handbag"),
-    "luggage": ("suitcase",),
-    "suitcase": ("luggage",),
     "toy": ("teddy bear", "doll"),
     "computer": ("laptop",),
-    "screen": ("tv", "computer monitor"),
-    "tv": ("screen",),
+    "screen": ("computer monitor",),
     "exercise equipment": ("treadmill", "exercise bike", "dumbbell"),
-    "curtain": ("drapes",),
-    "extractor hood": ("range hood",),
-    "cooker hood": ("range hood",),
 }
-_WIDER: dict[str, tuple[str, ...]] = {}
-for _word, _things in _CALLED.items():
-    for _thing in _things:
-        _WIDER[_thing] = (*_WIDER.get(_thing, ()), _word)
+"""What is a kind of a wider word; the wider word names each of them, but not the other way."""
+_OTHER: dict[str, tuple[str, ...]] = {}
+for _row in _ALIKE:
+    for _name in _row:
+        _OTHER[_name] = tuple(one for one in _row if one != _name)
+for _wider, _kinds in _KINDS.items():
+    for _name in _kinds:
+        _OTHER[_name] = (*_OTHER.get(_name, ()), _wider)
 
 
 def other_names(name: str) -> tuple[str, ...]:
     """What else a thing of a name, in the singular, may be called."""
-    return _WIDER.get(name, ())
+    return _OTHER.get(name, ())
