@@ -7,10 +7,14 @@ from functools import cache
 import pytest
 
 from box_scenes import Box, scene_of
+from box_views import FLOOR, view_of
 from hypernav.build.agents import build_search
 from hypernav.build.presets import preset, with_changes
 from hypernav.core.actions import Action
+from hypernav.core.geometry.boxes import Box as ImageBox
+from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
 from hypernav.core.trace import StepTrace
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
@@ -49,6 +53,17 @@ def building() -> SimulatedWorld:
         boxes.append((None, (x, 0.0, LOW_M), (x + TREAD_M, WIDE_M, top)))
     scene = replace(scene_of(*boxes, name="gallery"), storeys=(LOW_M, 0.0))
     return SimulatedWorld(scene, CONFIG.world, CONFIG.embodiment)
+
+
+class Shows:
+    """Shows the goal in one box of every image."""
+
+    def __init__(self, box: ImageBox):
+        self.box = box
+
+    def detect(self, observation, goal):
+        mask = self.box.mask(observation.camera.width, observation.camera.height)
+        return [Detection(self.box, 0.9, "thing", mask)]
 
 
 class SeesFromTheGallery(GroundTruthDetector):
@@ -90,3 +105,17 @@ def test_for_one_that_is_not_found_there_it_does_not_go_to_and_fro(pursues: bool
     assert trace[-1].action is not Action.STOP
     assert events(trace).count("goal seen on another floor") == int(pursues)
     assert events(trace).count("another floor reached") <= 3
+
+
+def test_the_trace_says_what_is_on_another_floor_and_that_it_is_not_after_all():
+    """The goal is out of range below, and then it stands before the robot."""
+    camera = CONFIG.embodiment.camera.intrinsics
+    shown = ImageBox(camera.cx - 12.0, camera.height - 60.0, camera.cx + 12.0, camera.height - 36.0)
+    agent = build_search(CONFIG, Shows(shown))
+    agent.reset(Goal("thing"))
+    robot, reasons = Pose2(0.0, 0.0, 0.0), list[str]()
+    for boxes in ([], [FLOOR]):
+        agent.act(view_of(boxes, robot, camera=camera))
+        reasons += [one.reason for one in agent.last_step.detections]
+    assert reasons == ["on another floor", ""]
+    assert "goal is on this floor after all" in agent.last_step.events
