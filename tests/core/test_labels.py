@@ -123,6 +123,9 @@ def test_a_goal_is_spoken_of_without_its_article():
         ("curtain", "drapes", 1),
         ("dishwasher", "dish washer", 2),
         ("oven", "cooker", 1),
+        ("copier", "the gray photocopier", 1),
+        ("toilet", "wc", 1),
+        ("water dispenser", "the water cooler in the kitchen", 2),
         ("sofa", "the bed beside the sofa", 0),
     ],
 )
