@@ -199,6 +199,27 @@ def test_where_something_has_the_goal_s_own_name_others_of_its_kind_are_no_candi
     assert len(things.fitting(Goal("lamp"))) == 2
 
 
+@pytest.mark.parametrize(
+    ("goal", "among_twelve"),
+    [
+        ("reception desk", 0.42),
+        ("the light gray desk in the hall", 0.42),
+        ("desk", 1.0),
+        ("the desk beside the sofa", 1.0),
+    ],
+)
+def test_of_many_that_lack_a_word_of_the_goal_each_is_the_less_likely(goal, among_twelve):
+    """Of twelve desks hardly any is the reception desk, but each may stand beside a sofa."""
+    one = Thing(0, "desk", 1.0, (0, 0, 0), (1, 1, 1), ((0, 0, 1),), 1.0, 1, 1)
+    alone, four, twelve = (
+        Things(tuple(replace(one, number=k) for k in range(count)), count).fitting(Goal(goal))
+        for count in (1, 4, 12)
+    )
+    ((_, chance),) = alone
+    assert [other for _, other in four] == pytest.approx(4 * [chance])
+    assert [other for _, other in twelve] == pytest.approx(12 * [among_twelve * chance], rel=0.01)
+
+
 def test_what_more_words_of_a_description_name_comes_before_others_of_its_kind():
     things = after(Things(), Pose2(2.0, 3.0, 0.0), label="ceiling lamp")
     lower = ((4.0, 0.2, 0.0), (5.0, 1.4, 0.8))

@@ -12,9 +12,9 @@ from hypernav.mapping.memory.candidate import Candidate
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.namesakes import LIKELY
 from hypernav.mapping.memory.surroundings import weights_of_place
 from hypernav.mapping.memory.thing import Thing
-from hypernav.mapping.memory.things import LIKELY
 from hypernav.mapping.memory.ways import known_floors, routes_from_here
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.perception.image_recall import IMAGES_PER_QUESTION

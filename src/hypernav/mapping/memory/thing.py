@@ -184,17 +184,6 @@ def fit(label: str, goal: Goal) -> float:
     return 0.5 if ObjectLabel(label).may_satisfy(goal) else 0.0
 
 
-@lru_cache(maxsize=4096)
-def named_as(label: str, goal: Goal) -> tuple[float, int, bool]:
-    """How well a label fits a goal, how many of its words name it, and whether as its own name.
-
-    More is nearer: an armchair is called a chair only where there is no chair.
-    """
-    one = ObjectLabel(label)
-    words = one.named_words(goal)
-    return fit(label, goal), words, one.has_own_name_in(goal)
-
-
 def overlap(a: Thing, b: Thing) -> bool:
     """Whether the middle of one lies in the other's box, or right beside it."""
     return holds(a, b.position) or holds(b, a.position)

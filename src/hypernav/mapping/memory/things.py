@@ -21,12 +21,12 @@ from hypernav.core.labels import canonical
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.goal_area import points_under_mask
 from hypernav.mapping.memory.image_kernels import are_near
+from hypernav.mapping.memory.namesakes import chances_by_name
 from hypernav.mapping.memory.thing import (
     Thing,
     fit,
     holds,
     joined,
-    named_as,
     overlap,
     stands_in_room,
 )
@@ -47,8 +47,6 @@ _LEAST_PX = 20.0
 """Size in the image, pixels, below which it says nothing that a thing was not detected."""
 _NEAR_M = 4.0
 """Distance beyond which no image can be expected to show a thing, metres."""
-LIKELY = 0.25
-"""Chance to be the goal from which a thing is gone to before anything is explored."""
 _WHOLLY, _ITS_KIND = 1.0, 0.5
 """How well a thing's label may fit a goal; see `Thing.fits`."""
 _LARGER = 4.0
@@ -111,8 +109,7 @@ class Things:
     def fitting(self, goal: Goal, besides: Collection[int] = ()) -> list[tuple[Thing, float]]:
         """The things that may be a goal and are not gone, each with the chance that it is.
 
-        Where one that is likely has the goal's own name, or more words of it than others, other
-        things of its kind are no candidates yet: a table lamp comes before a ceiling lamp.
+        Their names tell which of them are; see `chances_by_name`.
 
         Args:
             goal: The goal.
@@ -123,10 +120,7 @@ class Things:
             for one in self._that_fit(goal, _WHOLLY, _ITS_KIND)
             if not one.is_gone and one.number not in besides
         ]
-        chances = [(one, one.chance * one.fits(goal)) for one in there]
-        named = {one.number: named_as(one.label, goal) for one, chance in chances}
-        most = max((named[one.number] for one, chance in chances if chance >= LIKELY), default=None)
-        return [pair for pair in chances if most is None or named[pair[0].number] >= most]
+        return chances_by_name(there, goal)
 
     def others_in(self, observation: Observation, goal: Goal) -> set[int]:
         """Numbers of the things of a goal's kind that the latest image shows not to be the goal.
