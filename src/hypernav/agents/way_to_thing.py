@@ -53,7 +53,20 @@ def way_to_thing(
             nearest = int(np.where(is_clear, path_m, np.inf).argmin())
             x, y = points[nearest].tolist()
             return (x, y), float(path_m[nearest])
-    return thing.seen_from, _PER_STRAIGHT_M * robot.distance_to(*thing.seen_from)
+    return way_to_view(thing, reach, robot)
+
+
+def way_to_view(
+    thing: Thing, reach: ReachableArea, robot: Pose2
+) -> tuple[tuple[float, float], float]:
+    """The position that a thing was seen best from, and the length of the path there, metres."""
+    x, y = thing.seen_from
+    row, column = reach.grid.cell_of(x, y)
+    rows, columns = reach.travel_m.shape
+    path_m = np.inf
+    if 0 <= row < rows and 0 <= column < columns and reach.reachable[row, column]:
+        path_m = float(reach.travel_m[row, column])
+    return (x, y), min(path_m, _PER_STRAIGHT_M * robot.distance_to(x, y))
 
 
 def _in_sight(

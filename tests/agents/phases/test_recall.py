@@ -191,6 +191,26 @@ def test_what_cannot_be_come_near_is_gone_to_where_it_is_in_sight():
     assert 1.9 < there[0] < 5.0
 
 
+def test_what_is_not_in_sight_from_beside_it_is_looked_for_from_where_it_was_seen():
+    """The map at the height of the eyes tells nothing of a low cabinet that hides a low thing."""
+    boxes = [
+        *room_boxes(9.0, 4.0),
+        ("cabinet", (3.9, 1.2, 0.0), (4.2, 2.3, 0.8)),
+        ("trash can", (4.35, 1.85, 0.0), (4.65, 2.15, 0.3)),
+    ]
+    world = colourless_world(scene_of(*boxes, name="hall"), CONFIG)
+    _, _, memory = searched(world, "piano", Pose2(2.5, 1.0, 1.5), None)
+    (can,) = [one for one in memory.floor.things.known if one.label == "trash can"]
+    ((x, y, _),) = world.map_to_scene.inverse().apply(np.array([[3.3, 3.3, 0.0]]))
+    can = replace(can, views=((x, y, 1.0),))
+    memory.floor.things = replace(memory.floor.things, known=(can,))
+    steps, result, _ = searched(world, "trash can", Pose2(2.0, 2.0, 3.14), memory)
+    (hidden,) = [one for one in steps if "remembered thing not in sight from here" in one.events]
+    assert hidden.destination == pytest.approx((x, y))
+    assert result.metrics.success
+    assert not any("block" in one.reason for one in steps)
+
+
 TWO_SOFAS = [
     *room_boxes(9.0, 4.0),
     ("sofa", (0.1, 1.2, 0.0), (0.9, 2.8, 0.7)),

@@ -17,6 +17,7 @@ from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Mode
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.thing import APART_M, Thing
 from hypernav.mapping.memory.ways import ways_out, ways_to_unseen
 
 _CHOICES_PER_STEP = 4
@@ -225,16 +226,28 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
         forget_sighting(memory, destination.xy)
         plan = plan.explore(pursued=(*plan.exploring.pursued, destination.xy))
     elif destination.thing is not None:
-        search.gone_to.add(destination.thing)
         thing = memory.floor.things.find(destination.thing)
-        if thing is None or thing.fits(step.goal) == 1.0:
-            search.looks_again = True  # it may have been moved, and not far
+        if thing is not None and _may_be_hidden(thing, step, memory):
+            step.events.append("remembered thing not in sight from here")
+            search.hidden.add(thing.number)
+        else:
+            search.gone_to.add(destination.thing)
+            if thing is None or thing.fits(step.goal) == 1.0:
+                search.looks_again = True  # it may have been moved, and not far
     elif destination.image is not None:
         left = (one for one in search.images_to_visit if one != destination.image)
         search.images_to_visit = tuple(left)
     elif destination.face is None:
         search.visits.append(destination.xy)
     return plan.explore(destination=None, age=0)
+
+
+def _may_be_hidden(thing: Thing, step: Step, memory: Memory) -> bool:
+    """Whether this search has not seen a thing, but not yet looked from where it was seen best."""
+    search, x_y = memory.search, thing.seen_from
+    is_elsewhere = step.robot.distance_to(*x_y) >= APART_M
+    was_seen = thing.last_search == search.number
+    return is_elsewhere and not (was_seen or thing.is_gone or thing.number in search.hidden)
 
 
 def _onto_stairs(destination: Destination, plan: Plan) -> tuple[Phase, Plan]:

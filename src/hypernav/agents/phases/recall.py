@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from hypernav.agents.plan import Plan
 from hypernav.agents.step import Step
-from hypernav.agents.way_to_thing import way_to_thing
+from hypernav.agents.way_to_thing import way_to_thing, way_to_view
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.goal import Goal
 from hypernav.mapping.memory.candidate import Candidate
@@ -85,7 +85,15 @@ def _best(step: Step, memory: Memory, least: float) -> _Recalled | None:
         clearance_m = step.use.planning.clearances_m(step.use.embodiment.body)[0]
         reach = ReachableArea.of(step.grid, step.robot, step.use.mapping, clearance_m)
         reached = [
-            _Recalled(thing, chance, *way_to_thing(thing, floor.map, reach, step.robot))
+            _Recalled(
+                thing,
+                chance,
+                *(
+                    way_to_view(thing, reach, step.robot)
+                    if thing.number in search.hidden
+                    else way_to_thing(thing, floor.map, reach, step.robot)
+                ),
+            )
             for thing, chance in likely
         ]
     return min(reached, key=lambda one: (one.way_m / one.chance, one.thing.number))

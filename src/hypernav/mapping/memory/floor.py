@@ -52,6 +52,8 @@ class SearchMemory:
         lasts: Whether later searches are to know what it has seen.
         remembered: Numbers of the things that were known before it began.
         gone_to: Numbers of those that it has gone to, given up, or seen not to be the goal.
+        hidden: Numbers of those that it did not see from beside them, and that are gone to once
+            more, where they were seen best.
         unlike: Number of images, by the number of a thing, that show it not to be the goal.
         given_up: Numbers of the connectors of this floor that it has tried to take in vain.
         images_to_ask: Numbers of the key images that a chat model is to be asked about, in the
@@ -79,6 +81,7 @@ class SearchMemory:
     lasts: bool = False
     remembered: frozenset[int] = frozenset()
     gone_to: set[int] = field(default_factory=set)
+    hidden: set[int] = field(default_factory=set)
     unlike: Counter[int] = field(default_factory=Counter)
     given_up: set[int] = field(default_factory=set)
     images_to_ask: tuple[int, ...] | None = None

@@ -36,7 +36,7 @@ _RECALL = (0.3, 0.95)
 _REFUTED = 0.4
 """Share of the chance that is left of a thing that a search has rejected."""
 _MOST_VIEWS = 4
-_APART_M = 1.0
+APART_M = 1.0
 """Distance between two positions, metres, from which their images are different views."""
 _GONE = 0.2
 """Chance below which a thing counts as gone."""
@@ -235,7 +235,7 @@ def _views(first: View, others: list[View]) -> tuple[View, ...]:
     kept = [first]
     for x, y, score in others:
         for k, (other_x, other_y, best) in enumerate(kept):
-            if math.hypot(x - other_x, y - other_y) < _APART_M:
+            if math.hypot(x - other_x, y - other_y) < APART_M:
                 kept[k] = (other_x, other_y, max(score, best))
                 break
         else:
