@@ -155,6 +155,22 @@ def test_where_the_floor_ends_is_looked_at_from_near_unless_stairs_are_known_the
     assert not drops_to_look_at(memory)
 
 
+@pytest.mark.parametrize("lasts", [True, False])
+def test_the_well_of_stairs_that_were_taken_is_not_looked_at_again_by_who_remembers(lasts):
+    """Their head is too far from this edge to tell; only what they cross does."""
+    well = [*stairs_down(), ((5.2, -10.0, -3.0), (12.0, 10.0, 2.5))]
+    memory = memory_after([FLOOR])
+    memory.search.lasts = lasts
+    for pose in before_stairs(3.0, 2.5, 2.0):
+        memory.floor.integrate(view_of(well, pose, camera=CAMERA))
+    head, foot = (FIRST_X, MIDDLE_Y - 3.0), (FIRST_X, MIDDLE_Y + 3.0)
+    memory.connectors = (
+        Connector(0, False, head, 0.0, Passage.USED, other_floor=1),
+        Connector(1, True, foot, 0.0, Passage.USED, other_floor=0),
+    )
+    assert bool(drops_to_look_at(memory)) is not lasts
+
+
 def test_used_stairs_are_known_from_both_ends_and_lead_on_until_all_is_explored():
     memory = memory_after([FLOOR, *stairs_up()], *before_stairs(3.0, 2.5))
     memory.number = memory.add_floor(1.8)

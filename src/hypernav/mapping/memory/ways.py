@@ -36,7 +36,8 @@ def drops_to_look_at(memory: Memory) -> list[tuple[float, float]]:
     """Where the floor of a climbing robot ends, as it does at the head of stairs.
 
     From afar images show that floor is missing, but not whether stairs lead down there. What the
-    robot has been near is left out, and so are edges at stairs that it knows, up or down.
+    robot has been near is left out, and so are edges at stairs that it knows, up or down. With a
+    memory that lasts, so are those along stairs that it has taken: it is their well.
 
     Returns:
         For each edge, the position ``(x, y)`` on it that is nearest to where the robot has been,
@@ -45,12 +46,35 @@ def drops_to_look_at(memory: Memory) -> list[tuple[float, float]]:
     patches = np.unique(np.floor(memory.floor.map.edges_to_drops() / _PATCH_M), axis=0)
     if len(patches) < _EDGE_PATCHES:
         return []
-    known = [one.end for one in memory.connectors if one.floor == memory.number]
+    known = [(one.end, one.end) for one in memory.connectors if one.floor == memory.number]
+    known += _taken(memory) if memory.search.lasts else []
     been_m = _distances_m(patches, memory.floor.trajectory)
     patches, been_m = patches[been_m > _NEAR_M], been_m[been_m > _NEAR_M]
     nearest = [patches[edge[been_m[edge].argmin()]] for edge in _edges(patches)]
     found = [(float(_PATCH_M * (x + 0.5)), float(_PATCH_M * (y + 0.5))) for x, y in nearest]
-    return [one for one in found if all(math.dist(one, end) > _NEAR_M for end in known)]
+    return [one for one in found if all(_away_m(one, *ends) > _NEAR_M for ends in known)]
+
+
+def _taken(memory: Memory) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """Both ends ``(x, y)``, metres, of the stairs of this floor that the robot has taken."""
+    here = [one for one in memory.connectors if one.floor == memory.number]
+    return [
+        (one.end, other.end)
+        for one in here
+        for other in memory.connectors
+        if one.other_floor not in (None, one.floor)
+        and (other.floor, other.other_floor) == (one.other_floor, one.floor)
+    ]
+
+
+def _away_m(
+    position: tuple[float, float], first: tuple[float, float], last: tuple[float, float]
+) -> float:
+    """Distance of a position from the straight line between two others, all in metres."""
+    along = np.subtract(last, first)
+    length = float(along @ along)
+    share = 0.0 if length == 0.0 else float(np.subtract(position, first) @ along) / length
+    return math.dist(position, np.add(first, min(max(share, 0.0), 1.0) * along))
 
 
 def _distances_m(
