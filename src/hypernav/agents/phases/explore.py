@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.agents.phases.pursue import forget_sighting, pursuing
-from hypernav.agents.phases.recall import recalled, refutation, remembered
+from hypernav.agents.phases.recall import may_be_hidden, recalled, refutation, remembered
 from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
@@ -17,7 +17,6 @@ from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Mode
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.thing import APART_M, Thing
 from hypernav.mapping.memory.ways import ways_out, ways_to_unseen
 
 _CHOICES_PER_STEP = 4
@@ -227,7 +226,7 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
         plan = plan.explore(pursued=(*plan.exploring.pursued, destination.xy))
     elif destination.thing is not None:
         thing = memory.floor.things.find(destination.thing)
-        if thing is not None and _may_be_hidden(thing, step, memory):
+        if thing is not None and may_be_hidden(thing, step, memory):
             step.events.append("remembered thing not in sight from here")
             search.hidden.add(thing.number)
         else:
@@ -240,14 +239,6 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
     elif destination.face is None:
         search.visits.append(destination.xy)
     return plan.explore(destination=None, age=0)
-
-
-def _may_be_hidden(thing: Thing, step: Step, memory: Memory) -> bool:
-    """Whether this search has not seen a thing, but not yet looked from where it was seen best."""
-    search, x_y = memory.search, thing.seen_from
-    is_elsewhere = step.robot.distance_to(*x_y) >= APART_M
-    was_seen = thing.last_search == search.number
-    return is_elsewhere and not (was_seen or thing.is_gone or thing.number in search.hidden)
 
 
 def _onto_stairs(destination: Destination, plan: Plan) -> tuple[Phase, Plan]:

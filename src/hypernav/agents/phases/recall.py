@@ -14,7 +14,7 @@ from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.namesakes import LIKELY
 from hypernav.mapping.memory.surroundings import weights_of_place
-from hypernav.mapping.memory.thing import Thing
+from hypernav.mapping.memory.thing import APART_M, Thing
 from hypernav.mapping.memory.ways import known_floors, routes_from_here
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.perception.image_recall import IMAGES_PER_QUESTION
@@ -232,6 +232,22 @@ def refutation(memory: Memory, plan: Plan) -> str | None:
     if thing is None or thing.is_gone:
         return "remembered thing is gone"
     return "remembered thing is another" if thing.number in memory.search.gone_to else None
+
+
+def may_be_hidden(thing: Thing, step: Step, memory: Memory) -> bool:
+    """Whether a thing was not seen yet in this search, nor looked for from where it was seen best.
+
+    It must be what is asked for, as far as its label tells: others are not worth a second way.
+    """
+    search = memory.search
+    is_elsewhere = step.robot.distance_to(*thing.seen_from) >= APART_M
+    is_asked_for = thing.fits(step.goal) == 1.0
+    was_seen = thing.last_search == search.number
+    return (
+        is_asked_for
+        and is_elsewhere
+        and not (was_seen or thing.is_gone or thing.number in search.hidden)
+    )
 
 
 def is_nearer(step: Step, memory: Memory, plan: Plan, target: Candidate) -> bool:
