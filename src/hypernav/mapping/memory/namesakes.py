@@ -17,8 +17,8 @@ def chances_by_name(things: Sequence[Thing], goal: Goal) -> list[tuple[Thing, fl
     """Those of some things that may be a goal by their names, each with the chance that it is.
 
     Where one that is likely has the goal's own name, or more words of it than others, other things
-    of its kind are no candidates yet: a table lamp comes before a ceiling lamp. Of many that lack a word of it,
-    each is the less likely: of twelve desks hardly any is the reception desk.
+    of its kind are no candidates yet: a table lamp comes before a ceiling lamp. Of many that lack a
+    word of it, each is the less likely: of twelve desks hardly any is the reception desk.
 
     Args:
         things: Things of the goal's kind, as far as their labels tell.
