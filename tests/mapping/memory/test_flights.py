@@ -297,10 +297,11 @@ def test_a_robot_said_to_stand_higher_than_it_does_is_not_cut_off(off_m: float):
     boxes = [FLOOR, *stairs_up()]
     memory = seen_from(boxes, *(Pose2(x, MIDDLE_Y, 0.0) for x in (2.0, 2.5, 3.0, 3.5)))
     camera, height_m = CLIMBER.camera.intrinsics, CLIMBER.camera.height_m
-    for k in range(3):
-        robot = Pose2(FIRST_X + (k + 0.5) * TREAD_M, MIDDLE_Y, 0.0)
-        z = (k + 1) * RISE_M
-        memory.follow(view_of(boxes, robot, camera=camera, height_m=height_m + z))
+    treads = [Pose2(FIRST_X + (k + 0.5) * TREAD_M, MIDDLE_Y, 0.0) for k in range(3)]
+    for k, tread in enumerate(treads):
+        seen = view_of(boxes, tread, camera=camera, height_m=height_m + (k + 1) * RISE_M)
+        memory.follow(seen)
+    robot, z = treads[-1], 3 * RISE_M
     ground = memory.ground_around(robot.xy, down=False)
     way = on_flight(ground, robot, z + off_m, None, goes_up=True)
     ahead = [way.grid.cell_of(robot.x + 0.05 * k, robot.y) for k in range(12)]
