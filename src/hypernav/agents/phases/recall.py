@@ -84,18 +84,13 @@ def _best(step: Step, memory: Memory, least: float) -> _Recalled | None:
     with step.clock("plan"):
         clearance_m = step.use.planning.clearances_m(step.use.embodiment.body)[0]
         reach = ReachableArea.of(step.grid, step.robot, step.use.mapping, clearance_m)
-        reached = [
-            _Recalled(
-                thing,
-                chance,
-                *(
-                    way_to_view(thing, reach, step.robot)
-                    if thing.number in search.hidden
-                    else way_to_thing(thing, floor.map, reach, step.robot)
-                ),
-            )
-            for thing, chance in likely
-        ]
+
+        def way_to(thing: Thing) -> tuple[tuple[float, float], float]:
+            if thing.number in search.hidden:
+                return way_to_view(thing, reach, step.robot)
+            return way_to_thing(thing, floor.map, reach, step.robot)
+
+        reached = [_Recalled(thing, chance, *way_to(thing)) for thing, chance in likely]
     return min(reached, key=lambda one: (one.way_m / one.chance, one.thing.number))
 
 

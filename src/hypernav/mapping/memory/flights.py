@@ -13,9 +13,11 @@ import numpy as np
 from jaxtyping import Bool
 
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
-from hypernav.core.world import Position
 from hypernav.mapping.ground import Ground
 from hypernav.mapping.memory.connectors import LEVEL_M, Connector, connectors_in
+
+_Place = tuple[float, float, float]
+"""Position ``(x, y, z)``, ``map`` frame, metres."""
 
 _AHEAD_M = 0.9
 """Distance of the next aim on stairs, metres."""
@@ -37,7 +39,7 @@ _ASKEW = 0.4
 """Deviation of a flight from parallels and right angles, in right angles."""
 _OTHER_WAY = math.radians(60.0)
 """Angle between a step down and a flight beyond which the step was not taken on that flight."""
-_SKEW = math.radians(30.0)
+_OFF_AXIS = math.radians(30.0)
 """Angle from the axis of a flight up to which the ground may seem to fall: heights err."""
 _STEEP = 0.3
 """Slope of a step down from which it was on stairs, also where it led askew over them."""
@@ -136,7 +138,7 @@ def flight_down(
 
 
 def flight_underfoot(
-    flight: Connector | None, first: Connector, way: Sequence[Position], robot: Pose2
+    flight: Connector | None, first: Connector, way: Sequence[_Place], robot: Pose2
 ) -> Connector:
     """The flight down that the robot is on, as its latest steps tell, which led down on it.
 
@@ -151,7 +153,7 @@ def flight_underfoot(
     """
     (x, y, _), falls = way[-2], _falls_towards(way)
     went = math.atan2(robot.y - y, robot.x - x)
-    if falls is not None and (flight is None or abs(wrap_angle(falls - flight.axis)) > _SKEW):
+    if falls is not None and (flight is None or abs(wrap_angle(falls - flight.axis)) > _OFF_AXIS):
         return replace(first, end=robot.xy, axis=falls)
     if flight is None or abs(wrap_angle(went - flight.axis)) > _OTHER_WAY:
         quarters = round((went - first.axis) / (math.pi / 2.0))
@@ -163,7 +165,7 @@ def flight_underfoot(
     return replace(flight, end=end)
 
 
-def _falls_towards(way: Sequence[Position]) -> float | None:
+def _falls_towards(way: Sequence[_Place]) -> float | None:
     """Direction in which the ground falls under a way's last steps that all led down, radians.
 
     None where these lie on one line, along which alone they tell how the ground falls. Landings end
@@ -180,7 +182,7 @@ def _falls_towards(way: Sequence[Position]) -> float | None:
     return math.atan2(-slope[1], -slope[0])
 
 
-def _slope(before: Position, after: Position) -> float:
+def _slope(before: _Place, after: _Place) -> float:
     """How far a step led down, by its length."""
     return (before[2] - after[2]) / max(math.dist(before[:2], after[:2]), LEVEL_M)
 

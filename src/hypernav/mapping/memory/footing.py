@@ -24,7 +24,7 @@ ANOTHER_M = 1.0
 _LEVEL_M = 0.1
 _ERROR_M = 0.15
 """How far the ground may seem above or below the height at which the robot is said to be, metres:
-poses on a navigation mesh were off by up to 0.13, and less than a riser tells treads from ground.
+poses on meshes of floors were off by up to 0.13, and less than a riser tells treads from ground.
 """
 _OFF_M = 0.12
 """Difference in height, metres, from which the robot is off the ground that it walked on."""

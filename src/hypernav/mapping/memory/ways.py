@@ -140,11 +140,11 @@ def ways_to_sighting(memory: Memory) -> list[WayOut]:
     for _, (_, _, z), floor in _off_floors(memory):
         if floor in known:
             return [known[floor].way[0]]
-        new = [
-            one for one in new_ways(memory) if memory.connectors[one.connector].goes_up == (z > 0.0)
-        ]
-        if floor is None and new:
-            return new
+        if floor is None:
+            stairs = new_ways(memory)
+            new = [one for one in stairs if memory.connectors[one.connector].goes_up == (z > 0.0)]
+            if new:
+                return new
     return []
 
 

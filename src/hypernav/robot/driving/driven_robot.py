@@ -119,7 +119,7 @@ class DrivenRobot:
         if self._stopping.is_set():
             self._stopping.clear()
             self._pursuit.reset()
-        progress, waited_s, spun_rad = _Progress(self._base.odometry()), 0.0, 0.0
+        progress, waited_s = _Progress(self._base.odometry()), 0.0
         while not is_done(self._base.odometry()):
             ahead = self._safety.look(self._base.depth_view())  # waiting may help
             velocity = command(self._base.odometry(), ahead.obstacles)
@@ -136,10 +136,7 @@ class DrivenRobot:
             else:
                 waited_s = 0.0
             self._base.drive(velocity, TICK_S)
-            turned_rad = abs(velocity.angular_rad_s) * TICK_S
-            spun_rad = 0.0 if velocity.linear_m_s > 0.0 else spun_rad + turned_rad
-            is_vain = spun_rad > _VAIN_TURN_RAD
-            if is_vain or progress.lacks_after(velocity, self._base.odometry()):
+            if progress.lacks_after(velocity, self._base.odometry()):
                 return self._stand(Executed.BLOCKED)
         if brakes:
             self._stand(Executed.DONE)
@@ -156,14 +153,18 @@ class _Progress:
 
     def __init__(self, robot: Pose2) -> None:
         self._robot = robot
-        self._moved_m = self._turned_rad = 0.0
+        self._moved_m = self._turned_rad = self._spun_rad = 0.0
         self._asked = deque([(0.0, 0.0)], maxlen=1 + _LAG_TICKS)
 
     def lacks_after(self, velocity: Velocity, robot: Pose2) -> bool:
-        """Whether the wheels do not follow the commands of a moment ago."""
+        """Whether the wheels do not follow the commands of a moment ago, or turn on in vain."""
+        turned_rad = abs(velocity.angular_rad_s) * TICK_S
+        self._spun_rad = 0.0 if velocity.linear_m_s > 0.0 else self._spun_rad + turned_rad
+        if self._spun_rad > _VAIN_TURN_RAD:
+            return True
         asked_m, asked_rad = self._asked[-1]
         asked_m += velocity.linear_m_s * TICK_S
-        asked_rad += abs(velocity.angular_rad_s) * TICK_S
+        asked_rad += turned_rad
         self._asked.append((asked_m, asked_rad))
         self._moved_m += self._robot.distance_to(*robot.xy)
         self._turned_rad += abs(wrap_angle(robot.yaw - self._robot.yaw))
