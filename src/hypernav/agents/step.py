@@ -20,7 +20,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.ways import drops_to_look_at, known_floors, new_ways
+from hypernav.mapping.memory.ways import drops_to_look_at, known_floors, ways_to_new_floors
 from hypernav.perception.image_ranking import ImageRanking
 from hypernav.perception.image_recall import ImageRecall
 from hypernav.perception.local.local_perception import LocalPerception
@@ -136,7 +136,7 @@ class Step:
             things=floor.sightings.things,
             floor=memory.number,
             notes=floor.search.notes,
-            ways_out=new_ways(memory) if self.config.use_stairs else (),
+            ways_out=ways_to_new_floors(memory) if self.config.use_stairs else (),
             elsewhere=known_floors(memory) if self.config.use_stairs else (),
             drops=drops_to_look_at(memory) if looks_for_stairs else (),
         )

@@ -20,8 +20,8 @@ from hypernav.mapping.memory.connectors import (
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.ways import (
     drops_to_look_at,
-    new_ways,
     ways_out,
+    ways_to_new_floors,
     ways_to_unseen,
 )
 from stair_views import FIRST_X, SIDES_Y, stairs_down, stairs_up
@@ -155,20 +155,37 @@ def test_where_the_floor_ends_is_looked_at_from_near_unless_stairs_are_known_the
     assert not drops_to_look_at(memory)
 
 
-@pytest.mark.parametrize("lasts", [True, False])
-def test_the_well_of_stairs_that_were_taken_is_not_looked_at_again_by_who_remembers(lasts):
-    """Their head is too far from this edge to tell; only what they cross does."""
+@pytest.mark.parametrize(
+    ("storey_m", "is_known"), [(-0.9, False), (-1.8, True), (-3.0, True), (-5.6, False)]
+)
+def test_where_the_robot_knows_the_next_floor_down_no_edge_is_looked_at(
+    storey_m: float, is_known: bool
+):
+    """Of a floor two storeys down it knows only that there is one between."""
     well = [*stairs_down(), ((5.2, -10.0, -3.0), (12.0, 10.0, 2.5))]
     memory = memory_after([FLOOR])
-    memory.search.lasts = lasts
     for pose in before_stairs(3.0, 2.5, 2.0):
         memory.floor.integrate(view_of(well, pose, camera=CAMERA))
-    head, foot = (FIRST_X, MIDDLE_Y - 3.0), (FIRST_X, MIDDLE_Y + 3.0)
-    memory.connectors = (
-        Connector(0, False, head, 0.0, Passage.USED, other_floor=1),
-        Connector(1, True, foot, 0.0, Passage.USED, other_floor=0),
-    )
-    assert bool(drops_to_look_at(memory)) is not lasts
+    memory.add_floor(storey_m)
+    assert drops_to_look_at(memory)
+    far = (FIRST_X, MIDDLE_Y - 3.0)
+    memory.connectors = (Connector(0, False, far, 0.0, Passage.USED, other_floor=1),)
+    assert bool(drops_to_look_at(memory)) is not is_known
+
+
+@pytest.mark.parametrize("goes_up", [True, False])
+def test_new_stairs_towards_the_floor_that_the_robot_came_from_lead_to_no_new_one(goes_up: bool):
+    memory = memory_after([FLOOR])
+    down, up = (Connector(0, one, (5.0, 0.0), 0.0, sightings=2) for one in (False, True))
+    memory.connectors = (down, up)
+    assert [one.connector for one in ways_to_new_floors(memory)] == [0, 1]
+    memory.add_floor(2.6 if goes_up else -2.6)
+    used = replace(up if goes_up else down, end=(9.0, 0.0), passage=Passage.USED, other_floor=1)
+    memory.connectors = (down, up, used)
+    assert [one.connector for one in ways_to_new_floors(memory)] == [0 if goes_up else 1]
+    assert {one.connector for one in ways_out(memory)} >= {0, 1}
+    memory.give_up(2)
+    assert [one.connector for one in ways_to_new_floors(memory)] == [0, 1]
 
 
 def test_used_stairs_are_known_from_both_ends_and_lead_on_until_all_is_explored():
@@ -179,7 +196,7 @@ def test_used_stairs_are_known_from_both_ends_and_lead_on_until_all_is_explored(
     assert (there.floor, there.other_floor, there.goes_up) == (0, 1, True)
     assert (back.floor, back.other_floor, back.goes_up) == (1, 0, False)
     assert [one.connector for one in ways_out(memory)] == [1]
-    assert not new_ways(memory)
+    assert not ways_to_new_floors(memory)
     memory.floors[0].was_explored = memory.floors[0].search.is_explored = True
     assert not ways_out(memory)
 

@@ -24,57 +24,46 @@ _IN_SIGHT_M = 8.0
 """Distance from which images hardly show edges, metres."""
 _UNDERFOOT_M = 1.5
 """Greatest distance of a robot on the first steps of stairs from where they seem to end, metres."""
+_LEAST_STOREY_M = 1.6
+_MOST_STOREY_M = 4.5
+"""Heights between floors, metres, that have no other floor between them."""
 
 
-def new_ways(memory: Memory) -> list[WayOut]:
-    """The stairs here of which nobody knows where they lead."""
-    here = _open_from(memory, memory.number)
-    return [_way_over(memory, number) for number in here if memory.connectors[number].is_new]
+def ways_to_new_floors(memory: Memory) -> list[WayOut]:
+    """The stairs here that nobody has taken, towards floors that the robot knows no way to.
+
+    Others most likely lead to the next floor up or down that it does know a way to: a second
+    flight in the well of the stairs that it came by, say.
+    """
+    return [
+        _way_over(memory, number)
+        for number in _new_from_here(memory)
+        if not _knows_next_floor(memory, goes_up=memory.connectors[number].goes_up)
+    ]
 
 
 def drops_to_look_at(memory: Memory) -> list[tuple[float, float]]:
     """Where the floor of a climbing robot ends, as it does at the head of stairs.
 
     From afar images show that floor is missing, but not whether stairs lead down there. What the
-    robot has been near is left out, and so are edges at stairs that it knows, up or down. With a
-    memory that lasts, so are those along stairs that it has taken: it is their well.
+    robot has been near is left out, and so are edges at stairs that it knows, up or down. There are
+    none where it knows a way to the next floor down: most of them are the well of these stairs.
 
     Returns:
         For each edge, the position ``(x, y)`` on it that is nearest to where the robot has been,
         metres.
     """
+    if _knows_next_floor(memory, goes_up=False):
+        return []
     patches = np.unique(np.floor(memory.floor.map.edges_to_drops() / _PATCH_M), axis=0)
     if len(patches) < _EDGE_PATCHES:
         return []
-    known = [(one.end, one.end) for one in memory.connectors if one.floor == memory.number]
-    known += _taken(memory) if memory.search.lasts else []
+    known = [one.end for one in memory.connectors if one.floor == memory.number]
     been_m = _distances_m(patches, memory.floor.trajectory)
     patches, been_m = patches[been_m > _NEAR_M], been_m[been_m > _NEAR_M]
     nearest = [patches[edge[been_m[edge].argmin()]] for edge in _edges(patches)]
     found = [(float(_PATCH_M * (x + 0.5)), float(_PATCH_M * (y + 0.5))) for x, y in nearest]
-    return [one for one in found if all(_away_m(one, *ends) > _NEAR_M for ends in known)]
-
-
-def _taken(memory: Memory) -> list[tuple[tuple[float, float], tuple[float, float]]]:
-    """Both ends ``(x, y)``, metres, of the stairs of this floor that the robot has taken."""
-    here = [one for one in memory.connectors if one.floor == memory.number]
-    return [
-        (one.end, other.end)
-        for one in here
-        for other in memory.connectors
-        if one.other_floor not in (None, one.floor)
-        and (other.floor, other.other_floor) == (one.other_floor, one.floor)
-    ]
-
-
-def _away_m(
-    position: tuple[float, float], first: tuple[float, float], last: tuple[float, float]
-) -> float:
-    """Distance of a position from the straight line between two others, all in metres."""
-    along = np.subtract(last, first)
-    length = float(along @ along)
-    share = 0.0 if length == 0.0 else float(np.subtract(position, first) @ along) / length
-    return math.dist(position, np.add(first, min(max(share, 0.0), 1.0) * along))
+    return [one for one in found if all(math.dist(one, end) > _NEAR_M for end in known)]
 
 
 def _distances_m(
@@ -141,10 +130,10 @@ def ways_to_sighting(memory: Memory) -> list[WayOut]:
         if floor in known:
             return [known[floor].way[0]]
         if floor is None:
-            stairs = new_ways(memory)
-            new = [one for one in stairs if memory.connectors[one.connector].goes_up == (z > 0.0)]
+            stairs = _new_from_here(memory)
+            new = [one for one in stairs if memory.connectors[one].goes_up == (z > 0.0)]
             if new:
-                return new
+                return [_way_over(memory, one) for one in new]
     return []
 
 
@@ -262,6 +251,19 @@ def _open_from(memory: Memory, floor: int) -> list[int]:
         for number, one in enumerate(memory.connectors)
         if one.floor == floor and one.is_usable and number not in given_up
     ]
+
+
+def _new_from_here(memory: Memory) -> list[int]:
+    """Numbers of the connectors of this floor of which nobody knows where they lead."""
+    here = _open_from(memory, memory.number)
+    return [number for number in here if memory.connectors[number].is_new]
+
+
+def _knows_next_floor(memory: Memory, *, goes_up: bool) -> bool:
+    """Whether the robot knows a way to a floor one storey above or below the present one."""
+    sign = 1.0 if goes_up else -1.0
+    away_m = [sign * (memory.floors[one].z - memory.floor.z) for one in routes_from_here(memory)]
+    return any(_LEAST_STOREY_M <= one <= _MOST_STOREY_M for one in away_m)
 
 
 def _way_over(memory: Memory, number: int) -> WayOut:
