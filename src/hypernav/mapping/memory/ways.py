@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Float64, Int64
 
 from hypernav.core.exploring.floors import KnownFloor, WayOut
+from hypernav.core.geometry.segments import distances_to_segment
 from hypernav.mapping.distance import distance_from
 from hypernav.mapping.memory.connectors import Connector
 from hypernav.mapping.memory.floor import Floor, SearchMemory
@@ -50,9 +51,11 @@ def drops_to_look_at(memory: Memory) -> list[tuple[float, float]]:
     known += _taken(memory) if memory.search.lasts else []
     been_m = _distances_m(patches, memory.floor.trajectory)
     patches, been_m = patches[been_m > _NEAR_M], been_m[been_m > _NEAR_M]
-    nearest = [patches[edge[been_m[edge].argmin()]] for edge in _edges(patches)]
-    found = [(float(_PATCH_M * (x + 0.5)), float(_PATCH_M * (y + 0.5))) for x, y in nearest]
-    return [one for one in found if all(_away_m(one, *ends) > _NEAR_M for ends in known)]
+    nearest = [edge[been_m[edge].argmin()] for edge in _edges(patches)]
+    found = _PATCH_M * (patches[nearest] + 0.5)
+    for foot, head in np.array(known):
+        found = found[distances_to_segment(found, foot, head) > _NEAR_M]
+    return [(x, y) for x, y in found.tolist()]
 
 
 def _taken(memory: Memory) -> list[tuple[tuple[float, float], tuple[float, float]]]:
@@ -65,16 +68,6 @@ def _taken(memory: Memory) -> list[tuple[tuple[float, float], tuple[float, float
         if one.other_floor not in (None, one.floor)
         and (other.floor, other.other_floor) == (one.other_floor, one.floor)
     ]
-
-
-def _away_m(
-    position: tuple[float, float], first: tuple[float, float], last: tuple[float, float]
-) -> float:
-    """Distance of a position from the straight line between two others, all in metres."""
-    along = np.subtract(last, first)
-    length = float(along @ along)
-    share = 0.0 if length == 0.0 else float(np.subtract(position, first) @ along) / length
-    return math.dist(position, np.add(first, min(max(share, 0.0), 1.0) * along))
 
 
 def _distances_m(
