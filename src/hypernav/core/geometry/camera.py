@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Float64, Int64
 
 from hypernav.core.errors import CameraError
-from hypernav.core.geometry.bounds import is_within
+from hypernav.core.geometry.grid import is_within
 from hypernav.core.geometry.transforms import Transform
 
 _CENTRE = 0.5
