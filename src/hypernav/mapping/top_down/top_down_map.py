@@ -27,7 +27,6 @@ from hypernav.mapping.config import (
     UNEVEN_SHARE,
     MappingConfig,
 )
-from hypernav.mapping.top_down.camera_rays import rays_in_voxels, reach
 from hypernav.mapping.top_down.integrate_kernels import (
     FLOOR,
     FREE,
@@ -160,9 +159,9 @@ class TopDownMap:
                 f"the poses of an observation must be finite, got robot {robot} "
                 f"and camera at {pose.translation}"
             )
-        config, sensor = self.config, self.embodiment.camera
+        config, camera, sensor = self.config, observation.camera, self.embodiment.camera
         radius_m = self.embodiment.body.radius_m
-        low, high = reach(observation.camera, pose, sensor.max_depth_m)
+        low, high = camera.reach(pose, sensor.max_depth_m)
         here = np.array(robot.xy)
         self._grow(
             np.minimum(low, here - radius_m),
@@ -170,11 +169,11 @@ class TopDownMap:
         )
         window = self._window(low, high)
         self._reserve(window, observation.depth.size)
-        camera, size, corner = observation.camera, config.cell_size_m, self._corner_of(window)
+        size, corner = config.cell_size_m, self._corner_of(window)
         integrate_frame(
             np.require(observation.depth, np.float32, ["C", "W"]),
-            rays_in_voxels(
-                camera, pose, (*corner, self._band.bottom_m), (size, size, config.voxel_height_m)
+            camera.rays_in_voxels(
+                pose, (*corner, self._band.bottom_m), (size, size, config.voxel_height_m)
             ),
             (*camera.lens, *sensor.depth_limits_m),
             pose.inverse().rows,
