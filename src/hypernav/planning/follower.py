@@ -14,7 +14,7 @@ from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.planning.astar import costs_to_go
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import SURROUNDINGS_M, Costmap
-from hypernav.planning.motion_kernels import plan_actions
+from hypernav.planning.costmap_kernels import plan_actions
 from hypernav.planning.planner import PlannedPath, is_blocked
 from hypernav.planning.route import Route, along_line
 
