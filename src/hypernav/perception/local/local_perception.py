@@ -32,7 +32,7 @@ from hypernav.perception.local.out_of_range import far_position_of, off_floor_ou
 from hypernav.perception.local.refinement import eroded, projected
 from hypernav.perception.shape.evidence import measure_of, shape_evidence
 from hypernav.perception.shape.form import measured_form
-from hypernav.perception.shape.kinds import KindShape, kind_shape
+from hypernav.perception.shape.kinds import kind_shape
 
 _NO_DEPTH = "too few points with depth"
 _REJECTED = "rejected before"
@@ -95,7 +95,6 @@ class LocalPerception:
         known = floor.things
         if search.lasts:
             floor.things = self._remembered(floor, observation, goal, detections)
-        kind = kind_shape(goal.thing)
         evidence, records = search.evidence, list[DetectionRecord]()
         sightings, far_position = list[Sighting](), evidence.far_position
         for detection in (one for one in detections if one.is_goal):
@@ -114,7 +113,7 @@ class LocalPerception:
             elif area is not None:
                 reason = _REJECTED if is_rejected(evidence, area) else ""
                 if not reason or config.target == "candidates":
-                    sightings.append(self._sighting(detection, area, whole, observation, kind))
+                    sightings.append(self._sighting(detection, area, whole, observation, goal))
             elif self.tells_floors and (
                 off_floor := off_floor_out_of_range(
                     detection.box, whole, observation, self.camera, floor
@@ -131,7 +130,7 @@ class LocalPerception:
             evidence = with_latest(evidence, sightings, observation)
         else:
             others = [one for one in detections if not one.is_goal]
-            evidence = with_sightings(evidence, config, sightings, others, observation, kind)
+            evidence = with_sightings(evidence, config, sightings, others, observation)
             if evidence.count > search.evidence.count:
                 remembered = search.remembered_of(known)
                 evidence = with_earlier_looks(evidence, search.evidence, remembered, goal, config)
@@ -192,17 +191,21 @@ class LocalPerception:
         area: GoalArea,
         mask: Bool[np.ndarray, "height width"],
         observation: Observation,
-        kind: KindShape | None,
+        goal: Goal,
     ) -> Sighting:
         """A sighting, whose form counts if it is uncertain and the kind's forms are known."""
         seen = Sighting(detection, area, weight_of(detection, self.config))
-        if kind is None or self.config.target == "latest" or detection.score >= _CERTAIN:
+        if self.config.target == "latest" or detection.score >= _CERTAIN:
+            return seen
+        kind = kind_shape(goal.thing)
+        if kind is None:
             return seen
         form = measured_form(observation, mask, detection.box)
         if form is None:
             return seen
         shape = shape_evidence(form, kind).log_odds
-        return replace(seen, shape=shape, measure=measure_of(form, area.centre, observation))
+        measure = measure_of(form, area.centre, observation)
+        return replace(seen, shape=shape, measure=measure, kind=kind)
 
     def _area(
         self,
