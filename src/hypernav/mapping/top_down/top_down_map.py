@@ -35,7 +35,7 @@ from hypernav.mapping.top_down.integrate_kernels import (
     UNKNOWN,
     integrate_frame,
 )
-from hypernav.mapping.top_down.map_arrays import arrays_of, empty_arrays
+from hypernav.mapping.top_down.map_arrays import arrays_of, empty_arrays, enlarged
 
 
 class _Window(NamedTuple):
@@ -299,11 +299,9 @@ class TopDownMap:
         )
         if (new_rows, new_columns) == (rows, columns):
             return
-        grown = empty_arrays(new_rows, new_columns, self._band)
-        i, j = self._first_row - row, self._first_column - column
-        for new, old in zip(grown, self._arrays, strict=True):
-            new[i : i + rows, j : j + columns] = old
-        self._arrays, self._first_row, self._first_column = grown, row, column
+        at = (self._first_row - row, self._first_column - column)
+        self._arrays = enlarged(self._arrays, at, new_rows, new_columns, self._band)
+        self._first_row, self._first_column = row, column
 
     def _window(self, low: Float64[np.ndarray, "2"], high: Float64[np.ndarray, "2"]) -> _Window:
         """The cells of the box between two corners ``(x, y)``, metres, which the map holds."""
