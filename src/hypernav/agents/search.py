@@ -89,7 +89,7 @@ class SearchAgent:
         with clock("local"):
             asks = self._asks_the_camera() and not memory.on_stairs
             was_elsewhere = floor.search.seen_off_floor is not None
-            detections = use.local.look(seen, goal, floor, asks=asks)
+            detections = use.local.look(seen, goal, floor, ground_m=memory.ground_m, asks=asks)
             memory.keep_image(seen)
         if was_elsewhere and floor.search.seen_off_floor is None:
             events.append("goal is on this floor after all")
