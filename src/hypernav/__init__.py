@@ -67,9 +67,10 @@ if TYPE_CHECKING:
     from hypernav.evaluation.report.run_data import load_runs
     from hypernav.evaluation.run_plan import RunPlan, Selection
     from hypernav.perception.local.ground_truth import GroundTruthDetector
-    from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
+    from hypernav.robot.client.links import HttpLink, HttpServer
     from hypernav.robot.client.robot import Executed, Robot, Sensed
     from hypernav.robot.client.robot_client import RobotClient
+    from hypernav.robot.client.server_address import ServerAddress
     from hypernav.robot.client.stop_listener import StopListener
     from hypernav.robot.driving.base import Base, DepthView
     from hypernav.robot.driving.driven_robot import DrivenRobot
@@ -224,7 +225,7 @@ _MODULES = {
     "GroundTruthDetector": "hypernav.perception.local.ground_truth",
     "HttpLink": "hypernav.robot.client.links",
     "HttpServer": "hypernav.robot.client.links",
-    "ServerAddress": "hypernav.robot.client.links",
+    "ServerAddress": "hypernav.robot.client.server_address",
     "Executed": "hypernav.robot.client.robot",
     "Robot": "hypernav.robot.client.robot",
     "Sensed": "hypernav.robot.client.robot",

@@ -114,11 +114,11 @@ def test_heights_on_a_split_level_are_counted_from_its_ground():
     camera_m = CONFIG.embodiment.camera.height_m
     above = found.seen_from_ground(seen_at(3.0, 0.525))
     assert above.camera_to_map.translation[2] == pytest.approx(camera_m)
-    assert found.floor.ground_m == pytest.approx(0.525)
+    assert found.ground_m == pytest.approx(0.525)
     walk(found, *((3.0 - 0.25 * k, 0.0) for k in range(4)))
     below = found.seen_from_ground(seen_at(2.0, 0.0))
     assert below.camera_to_map.translation[2] == pytest.approx(camera_m)
-    assert found.floor.ground_m == 0.0
+    assert found.ground_m == 0.0
 
 
 def test_odometry_that_drifts_in_height_is_no_stairs():

@@ -14,7 +14,7 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.planning.astar import astar, costs_to_go
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap
-from hypernav.planning.motion_kernels import cost_of_line
+from hypernav.planning.costmap_kernels import cost_of_line
 from hypernav.planning.planner import PlannedPath, Planner, is_blocked
 
 CONFIG = PlanningConfig()

@@ -12,7 +12,6 @@ from typing import Any
 from pydantic import Field
 
 from hypernav.core.actions import Action
-from hypernav.core.clock import ModuleClock
 from hypernav.core.components.abilities import Reports, warning_of
 from hypernav.core.components.protocols import ArrowReasoner, ChatModel, Explorer
 from hypernav.core.config import RoomConfig
@@ -24,7 +23,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.trace import Ending, ExchangeLog, Mode, StepTrace
+from hypernav.core.trace import Ending, ExchangeLog, Mode, ModuleClock, StepTrace
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.memory import Memory

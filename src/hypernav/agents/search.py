@@ -6,14 +6,13 @@ from hypernav.agents.decide import decide
 from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, SearchComponents, Step
 from hypernav.core.actions import Action
-from hypernav.core.clock import ModuleClock
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.trace import BlockRecord, DetectionRecord, Mode, StepTrace
+from hypernav.core.trace import BlockRecord, DetectionRecord, Mode, ModuleClock, StepTrace
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.ways import stairs_underfoot
 from hypernav.planning.bump_sensor import bumped_points
@@ -90,7 +89,7 @@ class SearchAgent:
         with clock("local"):
             asks = self._asks_the_camera() and not memory.on_stairs
             was_elsewhere = floor.search.seen_off_floor is not None
-            detections = use.local.look(seen, goal, floor, asks=asks)
+            detections = use.local.look(seen, goal, floor, ground_m=memory.ground_m, asks=asks)
             memory.keep_image(seen)
         if was_elsewhere and floor.search.seen_off_floor is None:
             events.append("goal is on this floor after all")

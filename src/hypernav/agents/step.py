@@ -8,7 +8,6 @@ from functools import cached_property
 from hypernav.agents.config import SearchConfig
 from hypernav.agents.phases.gaze import Gaze
 from hypernav.core.actions import Action
-from hypernav.core.clock import ModuleClock
 from hypernav.core.components.abilities import Learns
 from hypernav.core.components.protocols import Explorer, PresenceCheck
 from hypernav.core.embodiment import Embodiment, MotionConfig
@@ -17,7 +16,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.trace import Ending, ExchangeLog, Mode
+from hypernav.core.trace import Ending, ExchangeLog, Mode, ModuleClock
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.ways import drops_to_look_at, known_floors, ways_to_new_floors

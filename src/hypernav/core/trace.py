@@ -3,7 +3,9 @@
 Videos, pages, logs, failure analysis and the operator's screen all read this stream.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from enum import StrEnum
 from typing import Any, ClassVar
 
@@ -215,6 +217,24 @@ class ExchangeLog:
         """All exchanges since the last call, oldest first."""
         drained, self._exchanges = self._exchanges, []
         return drained
+
+
+class ModuleClock:
+    """Adds up wall-clock seconds by name."""
+
+    def __init__(self) -> None:
+        """Begin with nothing measured."""
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def __call__(self, module: str) -> Iterator[None]:
+        """Measure a block of code, also when it raises."""
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            elapsed = time.perf_counter() - start
+            self.seconds[module] = self.seconds.get(module, 0.0) + elapsed
 
 
 def without_timings(value: Any) -> Any:

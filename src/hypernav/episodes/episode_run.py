@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from hypernav.core.actions import Action
-from hypernav.core.clock import ModuleClock
 from hypernav.core.components.abilities import BuiltForRobot, check_remembers, remembers
 from hypernav.core.components.protocols import Agent, ExplainsItself
 from hypernav.core.episodes.episode import Episode, Outcome
@@ -25,7 +24,7 @@ from hypernav.core.errors import (
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
-from hypernav.core.trace import Ending, Mode, StepTrace
+from hypernav.core.trace import Ending, Mode, ModuleClock, StepTrace
 from hypernav.core.world import KeepsMapFrame, World
 from hypernav.episodes.goal_sight import GoalSight, PathParts
 from hypernav.episodes.trial import Trial

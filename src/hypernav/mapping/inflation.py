@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, UInt8
 
-from hypernav.core.geometry.bounds import has_cell
+from hypernav.core.geometry.grid import has_cell
 from hypernav.mapping.distance_kernels import nearest_open_cell, travel_cells
 
 _WITHIN_M = 1.0

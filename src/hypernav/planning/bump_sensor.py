@@ -1,5 +1,6 @@
 """Detection of collisions with obstacles that the map does not show."""
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -9,6 +10,7 @@ from jaxtyping import Bool, Float64
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import Embodiment, MotionConfig
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.segments import distances_to_segment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.inflation import inflate
 from hypernav.planning.config import PlanningConfig
@@ -86,11 +88,7 @@ def _swept(
     """Whether the robot's body has passed over points."""
     swept = np.zeros(len(points), dtype=bool)
     for start, end in pairwise(np.array(way)):
-        leg = end - start
-        length_m = float(np.linalg.norm(leg))
-        if length_m > 1.5 * embodiment.motion.forward_m:
+        if math.dist(start, end) > 1.5 * embodiment.motion.forward_m:
             continue  # it was carried
-        along = (points - start) @ leg / max(length_m**2, 1e-12)
-        nearest = start + np.clip(along, 0.0, 1.0)[:, None] * leg
-        swept |= np.linalg.norm(points - nearest, axis=1) < embodiment.body.radius_m
+        swept |= distances_to_segment(points, start, end) < embodiment.body.radius_m
     return swept

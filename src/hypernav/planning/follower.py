@@ -9,12 +9,12 @@ from jaxtyping import Float32
 
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import MotionConfig
-from hypernav.core.geometry.bounds import has_cell
+from hypernav.core.geometry.grid import has_cell
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.planning.astar import costs_to_go
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import SURROUNDINGS_M, Costmap
-from hypernav.planning.motion_kernels import plan_actions
+from hypernav.planning.costmap_kernels import plan_actions
 from hypernav.planning.planner import PlannedPath, is_blocked
 from hypernav.planning.route import Route, along_line
 

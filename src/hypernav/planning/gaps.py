@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.geometry.bounds import has_cell
+from hypernav.core.geometry.grid import has_cell
 from hypernav.mapping.inflation import disc
 from hypernav.planning.astar import astar
 from hypernav.planning.costmap import Costmap

@@ -15,7 +15,7 @@ from hypernav.mapping.distance import distance_from
 from hypernav.planning.astar import astar
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap
-from hypernav.planning.motion_kernels import cost_of_line, shortcut
+from hypernav.planning.costmap_kernels import cost_of_line, shortcut
 
 _BESIDE_M = 0.1
 """Gap up to which a path ends in the destination, since cells have a size, metres."""

@@ -11,14 +11,13 @@ from hypernav.agents.phases.explore import explore
 from hypernav.agents.plan import Plan
 from hypernav.agents.step import Decision, SearchComponents, Step
 from hypernav.core.actions import Action
-from hypernav.core.clock import ModuleClock
 from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.trace import ExchangeLog
+from hypernav.core.trace import ExchangeLog, ModuleClock
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.config import LocalConfig

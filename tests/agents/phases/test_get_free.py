@@ -17,11 +17,10 @@ from hypernav.build.agents import build_search
 from hypernav.build.component_specs import PresetName
 from hypernav.build.presets import preset, with_changes
 from hypernav.core.actions import Action
-from hypernav.core.clock import ModuleClock
 from hypernav.core.episodes.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.trace import Ending, ExchangeLog, Mode
+from hypernav.core.trace import Ending, ExchangeLog, Mode, ModuleClock
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.local.ground_truth import GroundTruthDetector

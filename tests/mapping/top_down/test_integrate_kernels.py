@@ -5,7 +5,6 @@ import pytest
 
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Transform
-from hypernav.mapping.top_down.camera_rays import rays_in_voxels
 from hypernav.mapping.top_down.integrate_kernels import count_points
 
 CAMERA = PinholeCamera.from_hfov(24, 18, 79.0)
@@ -30,7 +29,7 @@ def test_every_measured_point_in_the_height_band_is_counted(
     pose = optical_to_base(height_m, pitch_deg) @ rolled(math.radians(roll_deg))
     depth = np.random.default_rng(0).uniform(0.0, 6.0, (18, 24)).astype(np.float32)
     depth[:, ::3] = np.nextafter(NEAR, FAR)  # as near as anything is measured
-    rays = rays_in_voxels(CAMERA, pose, CORNER, VOXEL)
+    rays = CAMERA.rays_in_voxels(pose, CORNER, VOXEL)
     counts = np.zeros(COLUMNS * COLUMNS * LAYERS, dtype=np.uint16)
     touched = np.zeros(depth.size, dtype=np.int32)
 

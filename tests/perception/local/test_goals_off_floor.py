@@ -181,15 +181,15 @@ def test_from_another_level_of_the_floor_its_room_is_the_floor_s_too(
 ):
     seen = view_of([cube_at(away_m, height_m)], ROBOT)
     split, level = new_floor(), new_floor()
-    split.ground_m = ground_m
-    for floor in (split, level):
-        perception(detector_of(away_m, height_m)).look(seen, GOAL, floor)
+    for floor, height_of_ground_m in ((split, ground_m), (level, 0.0)):
+        local = perception(detector_of(away_m, height_m))
+        local.look(seen, GOAL, floor, ground_m=height_of_ground_m)
     assert split.search.seen_off_floor is None
     assert level.search.seen_off_floor is not None or away_m > 5.0
 
 
 def test_heights_of_sightings_are_counted_from_the_floor():
     floor = new_floor()
-    floor.ground_m = 0.6
-    perception(detector_of(4.5, -1.8)).look(view_of([cube_at(4.5, -1.8)], ROBOT), GOAL, floor)
+    seen = view_of([cube_at(4.5, -1.8)], ROBOT)
+    perception(detector_of(4.5, -1.8)).look(seen, GOAL, floor, ground_m=0.6)
     assert certain(floor.search.seen_off_floor)[2] == pytest.approx(-1.2, abs=0.3)

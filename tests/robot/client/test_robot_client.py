@@ -13,13 +13,13 @@ from hypernav.core.errors import (
     ContractError,
     LinkLostError,
     RequestRefusedError,
-    RobotLinkError,
     SensorError,
     ServerUnreachableError,
 )
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.robot.client.links import HttpServer, ServerAddress
+from hypernav.robot.client.links import HttpServer
 from hypernav.robot.client.robot_client import Patience, RobotClient
+from hypernav.robot.client.server_address import ServerAddress
 from hypernav.robot.client.watchdog import Watchdog
 from hypernav.robot.wire.frames import unpack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding
@@ -235,33 +235,6 @@ def test_a_late_answer_stops_the_robot_before_it_comes():
     client = RobotClient(robot, Late(end(0)), patience=Patience(deadline_s=0.01))
     list(client)
     assert client.watchdog.times_late == 1
-
-
-@pytest.mark.parametrize(
-    ("url", "shown"),
-    [
-        ("http://127.0.0.1:8765", "http://127.0.0.1:8765"),
-        ("http://robot.local", "http://robot.local:80"),
-        ("https://example.org/nav/", "https://example.org:443/nav"),
-    ],
-)
-def test_addresses_are_read(url, shown):
-    assert str(ServerAddress.of(url)) == shown
-
-
-@pytest.mark.parametrize(
-    "url", ["127.0.0.1:8765", "ftp://a", "http://", "http://a:b", "http://a:99999"]
-)
-def test_what_is_no_address_is_refused(url):
-    with pytest.raises(RobotLinkError, match="address of the server"):
-        ServerAddress.of(url)
-
-
-def test_a_token_is_sent_and_never_shown(tmp_path):
-    (tmp_path / "token").write_text("secret\n")
-    address = ServerAddress.of("http://a:1", tmp_path / "token")
-    assert address.headers == {"Authorization": "Bearer secret"}
-    assert "secret" not in str(address) + repr(address)
 
 
 @pytest.mark.parametrize("answer", [None, True, "DONE"])

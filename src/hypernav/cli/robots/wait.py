@@ -19,8 +19,9 @@ from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.errors import ConfigError, LinkLostError, RequestRefusedError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
+from hypernav.robot.client.links import HttpLink, HttpServer
 from hypernav.robot.client.robot_client import RobotClient
+from hypernav.robot.client.server_address import ServerAddress
 from hypernav.robot.client.stop_listener import StopListener
 from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.simulation.base import SimulatedBase

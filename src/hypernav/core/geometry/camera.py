@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Bool, Float, Float64, Int64
+from jaxtyping import Bool, Float, Float32, Float64, Int64
 
 from hypernav.core.errors import CameraError
-from hypernav.core.geometry.bounds import is_within
+from hypernav.core.geometry.grid import is_within
 from hypernav.core.geometry.transforms import Transform
 
 _CENTRE = 0.5
@@ -126,6 +126,48 @@ class PinholeCamera:
     def contains_columns(self, u: Float64[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
         """Which image coordinates u lie between the left and right edges of the image."""
         return is_within(u, self.width)
+
+    def reach(
+        self, camera_to_map: Transform, max_depth_m: float
+    ) -> tuple[Float64[np.ndarray, "2"], Float64[np.ndarray, "2"]]:
+        """Corners ``(x, y)`` of the box on the floor plan around all that it measures, metres.
+
+        Args:
+            camera_to_map: Pose of the camera.
+            max_depth_m: Upper limit of the sensor's range, metres.
+        """
+        u = np.array([0.0, self.width, 0.0, self.width])
+        v = np.array([0.0, 0.0, self.height, self.height])
+        points = np.concatenate([np.zeros((1, 3)), self.unproject(u, v, max_depth_m)])
+        flat = camera_to_map.apply(points)[:, :2]
+        # Compiled arithmetic is single precision; a millimetre keeps its rounding inside the box.
+        return flat.min(axis=0) - 1e-3, flat.max(axis=0) + 1e-3
+
+    def rays_in_voxels(
+        self,
+        camera_to_map: Transform,
+        corner: tuple[float, float, float],
+        voxel: tuple[float, float, float],
+    ) -> tuple[
+        Float32[np.ndarray, "3"], Float32[np.ndarray, "width 3"], Float32[np.ndarray, "height 3"]
+    ]:
+        """Its position and, per column and row of pixels, the change per metre of depth.
+
+        Args:
+            camera_to_map: Pose of the camera.
+            corner: Lower corner of the voxels ``(x, y, z)``, ``map`` frame, metres.
+            voxel: Sides of a voxel along x, y and z, metres.
+
+        Returns:
+            All three as ``(column, row, layer)`` of voxels, for compiled loops.
+        """
+        per_voxel = 1.0 / np.array(voxel)
+        turn = camera_to_map.rotation
+        x, y = self.ray_slopes()
+        across = x[:, None] * (turn[:, 0] * per_voxel)
+        down = y[:, None] * (turn[:, 1] * per_voxel) + turn[:, 2] * per_voxel
+        start = (camera_to_map.translation - np.array(corner)) * per_voxel
+        return start.astype(np.float32), across.astype(np.float32), down.astype(np.float32)
 
     def _slopes(
         self, u: Float[np.ndarray, "*n"], v: Float[np.ndarray, "*m"]

@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
+from typing import overload
 
 import numpy as np
-from jaxtyping import Bool, Float, Float64, Int64, UInt8
-
-from hypernav.core.geometry.bounds import has_cell
+from jaxtyping import Bool, Float, Float64, Int64, Shaped, UInt8
 
 
 class Cell(IntEnum):
@@ -111,3 +110,23 @@ class OccupancyGrid:
             self.origin[1] + float(row) * self.resolution_m,
         )
         return OccupancyGrid(cells, self.resolution_m, origin)
+
+
+@overload
+def is_within(index: float, end: float) -> bool: ...
+@overload
+def is_within(index: Shaped[np.ndarray, "*n"], end: float) -> Bool[np.ndarray, "*n"]: ...
+def is_within(index, end):
+    """Whether an index or coordinate lies in ``[0, end)``; NaN does not."""
+    return (index >= 0) & (index < end)
+
+
+@overload
+def has_cell(shape: tuple[int, ...], row: int, column: int) -> bool: ...
+@overload
+def has_cell(
+    shape: tuple[int, ...], row: Shaped[np.ndarray, "*n"], column: Shaped[np.ndarray, "*n"]
+) -> Bool[np.ndarray, "*n"]: ...
+def has_cell(shape, row, column):
+    """Whether an array of this shape, ``(rows, columns)``, has a cell (or each of several)."""
+    return is_within(row, shape[0]) & is_within(column, shape[1])

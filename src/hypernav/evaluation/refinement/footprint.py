@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from hypernav.core.geometry.bounds import has_cell
+from hypernav.core.geometry.grid import has_cell
 from hypernav.core.geometry.transforms import Transform
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.worlds.scenes.scene import Scene

@@ -156,8 +156,6 @@ class Floor:
     Attributes:
         z: Its height in the ``map`` frame, metres.
         map: Map of it.
-        ground_m: Height above it of the ground that the robot walked on last, metres, from which
-            all heights in its frames are counted; not 0 on another level of a split floor.
         trajectory: Positions ``(x, y)`` of the robot on it, one per frame, metres.
         sightings: Things that were seen on it, other than the goal, for explorers' questions.
         things: All things that were seen on it, for later searches.
@@ -167,7 +165,6 @@ class Floor:
 
     z: float
     map: TopDownMap
-    ground_m: float = 0.0
     trajectory: list[tuple[float, float]] = field(default_factory=list)
     sightings: Sightings = field(default_factory=Sightings)
     things: Things = field(default_factory=Things)

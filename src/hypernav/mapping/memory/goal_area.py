@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float64, Int32
 
-from hypernav.core.geometry.bounds import has_cell
+from hypernav.core.geometry.grid import has_cell
 from hypernav.core.observation import Observation
 from hypernav.mapping.distance import distance_from
 from hypernav.mapping.memory.image_kernels import points_under

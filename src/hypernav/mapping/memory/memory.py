@@ -129,7 +129,7 @@ class Memory:
             self.elevation is None or footing.has_room(self.ground_around(here, down=False))
         ):
             self.number = self._known_or_new(z)
-        self._stand(footing.on_floor(self.floor.z))
+        self.footing = footing.on_floor(self.floor.z)
         if shows_steps and not self.on_stairs:
             ground = self.ground_around(here, down=True)
             seen = connectors_in(ground, self.number, self.footing.ground_z)
@@ -141,7 +141,7 @@ class Memory:
         """The floor that the first frame is taken on; a memory from disk begins there."""
         z = self.height_of(observation)
         self.number = self._known_or_new(z)
-        self._stand(Footing.on_level_ground(observation.robot, z, self.floor.z))
+        self.footing = Footing.on_level_ground(observation.robot, z, self.floor.z)
         return self.floor
 
     def settle(self, robot: Pose2) -> None:
@@ -149,12 +149,15 @@ class Memory:
 
         From there it sees at least the way back; on stairs nothing is drawn and nothing looked for.
         """
-        self._stand(Footing.on_level_ground(robot, self.footing.z, self.floor.z))
+        self.footing = Footing.on_level_ground(robot, self.footing.z, self.floor.z)
 
-    def _stand(self, footing: Footing) -> None:
-        """Note what the robot stands on."""
-        self.footing = footing
-        self.floor.ground_m = footing.ground_z - self.floor.z
+    @property
+    def ground_m(self) -> float:
+        """Height above its floor of the ground that the robot walked on last, metres.
+
+        It is not 0 on another level of a split floor.
+        """
+        return self.footing.ground_z - self.floor.z
 
     def height_of(self, observation: Observation) -> float:
         """Height of the robot in a frame, ``map`` frame, metres."""

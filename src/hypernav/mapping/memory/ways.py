@@ -38,7 +38,7 @@ def ways_to_new_floors(memory: Memory) -> list[WayOut]:
     return [
         _way_over(memory, number)
         for number in _new_from_here(memory)
-        if not _knows_next_floor(memory, goes_up=memory.connectors[number].goes_up)
+        if _leads_to_new_floor(memory, memory.connectors[number])
     ]
 
 
@@ -53,7 +53,7 @@ def drops_to_look_at(memory: Memory) -> list[tuple[float, float]]:
         For each edge, the position ``(x, y)`` on it that is nearest to where the robot has been,
         metres.
     """
-    if _knows_next_floor(memory, goes_up=False):
+    if _knows_next_floor(memory, memory.floor, goes_up=False):
         return []
     patches = np.unique(np.floor(memory.floor.map.edges_to_drops() / _PATCH_M), axis=0)
     if len(patches) < _EDGE_PATCHES:
@@ -103,8 +103,15 @@ def ways_to_unseen(memory: Memory) -> list[WayOut]:
 
 
 def ways_out(memory: Memory) -> list[WayOut]:
-    """The ways to what is unseen; where there are none, those to floors this search left early."""
-    return ways_to_unseen(memory) or _ways_to(memory, lambda floor: not floor.search.is_explored)
+    """The ways to what is unseen; where there are none, those to floors this search left early.
+
+    Last come new stairs here that most likely lead to a floor that the robot knows.
+    """
+    return (
+        ways_to_unseen(memory)
+        or _ways_to(memory, lambda floor: not floor.search.is_explored)
+        or [_way_over(memory, number) for number in _new_from_here(memory)]
+    )
 
 
 def seen_from_elsewhere(memory: Memory) -> tuple[float, float] | None:
@@ -259,10 +266,15 @@ def _new_from_here(memory: Memory) -> list[int]:
     return [number for number in here if memory.connectors[number].is_new]
 
 
-def _knows_next_floor(memory: Memory, *, goes_up: bool) -> bool:
-    """Whether the robot knows a way to a floor one storey above or below the present one."""
+def _leads_to_new_floor(memory: Memory, stairs: Connector) -> bool:
+    """Whether stairs that nobody has taken lead to a floor that the robot knows no way to."""
+    return not _knows_next_floor(memory, memory.floors[stairs.floor], goes_up=stairs.goes_up)
+
+
+def _knows_next_floor(memory: Memory, floor: Floor, *, goes_up: bool) -> bool:
+    """Whether the robot knows a way to a floor one storey above or below this one."""
     sign = 1.0 if goes_up else -1.0
-    away_m = [sign * (memory.floors[one].z - memory.floor.z) for one in routes_from_here(memory)]
+    away_m = [sign * (memory.floors[one].z - floor.z) for one in routes_from_here(memory)]
     return any(_LEAST_STOREY_M <= one <= _MOST_STOREY_M for one in away_m)
 
 
@@ -289,7 +301,7 @@ def _stairs_to(memory: Memory, first: int, is_wanted: Callable[[Floor], bool]) -
     queue = [(first, 1)]
     for number, count in queue:
         one = memory.connectors[number]
-        if one.is_new:
+        if one.is_new and _leads_to_new_floor(memory, one):
             return count
         if one.other_floor is None or one.other_floor in known:
             continue

@@ -47,6 +47,30 @@ def empty_arrays(rows: int, columns: int, band: HeightBand) -> MapArrays:
     )
 
 
+def enlarged(
+    arrays: MapArrays, at: tuple[int, int], rows: int, columns: int, band: HeightBand
+) -> MapArrays:
+    """Larger arrays that hold the given ones, and zeros elsewhere.
+
+    Args:
+        arrays: The arrays so far.
+        at: Row and column in the larger arrays at which they begin.
+        rows: Number of rows of the larger arrays.
+        columns: Number of their columns.
+        band: Height band of the map.
+
+    Raises:
+        MapError: They take too much memory.
+    """
+    larger = empty_arrays(rows, columns, band)
+    held = tuple(
+        slice(first, first + side) for first, side in zip(at, arrays.cells.shape, strict=True)
+    )
+    for new, old in zip(larger, arrays, strict=True):
+        new[held] = old
+    return larger
+
+
 def arrays_of(state: Mapping[str, np.ndarray], band: HeightBand) -> MapArrays:
     """Copies of the arrays in a file, by name.
 

@@ -27,7 +27,6 @@ from hypernav.mapping.config import (
     UNEVEN_SHARE,
     MappingConfig,
 )
-from hypernav.mapping.top_down.camera_rays import rays_in_voxels, reach
 from hypernav.mapping.top_down.integrate_kernels import (
     FLOOR,
     FREE,
@@ -36,7 +35,7 @@ from hypernav.mapping.top_down.integrate_kernels import (
     UNKNOWN,
     integrate_frame,
 )
-from hypernav.mapping.top_down.map_arrays import arrays_of, empty_arrays
+from hypernav.mapping.top_down.map_arrays import arrays_of, empty_arrays, enlarged
 
 
 class _Window(NamedTuple):
@@ -160,9 +159,9 @@ class TopDownMap:
                 f"the poses of an observation must be finite, got robot {robot} "
                 f"and camera at {pose.translation}"
             )
-        config, sensor = self.config, self.embodiment.camera
+        config, camera, sensor = self.config, observation.camera, self.embodiment.camera
         radius_m = self.embodiment.body.radius_m
-        low, high = reach(observation.camera, pose, sensor.max_depth_m)
+        low, high = camera.reach(pose, sensor.max_depth_m)
         here = np.array(robot.xy)
         self._grow(
             np.minimum(low, here - radius_m),
@@ -170,11 +169,11 @@ class TopDownMap:
         )
         window = self._window(low, high)
         self._reserve(window, observation.depth.size)
-        camera, size, corner = observation.camera, config.cell_size_m, self._corner_of(window)
+        size, corner = config.cell_size_m, self._corner_of(window)
         integrate_frame(
             np.require(observation.depth, np.float32, ["C", "W"]),
-            rays_in_voxels(
-                camera, pose, (*corner, self._band.bottom_m), (size, size, config.voxel_height_m)
+            camera.rays_in_voxels(
+                pose, (*corner, self._band.bottom_m), (size, size, config.voxel_height_m)
             ),
             (*camera.lens, *sensor.depth_limits_m),
             pose.inverse().rows,
@@ -300,11 +299,9 @@ class TopDownMap:
         )
         if (new_rows, new_columns) == (rows, columns):
             return
-        grown = empty_arrays(new_rows, new_columns, self._band)
-        i, j = self._first_row - row, self._first_column - column
-        for new, old in zip(grown, self._arrays, strict=True):
-            new[i : i + rows, j : j + columns] = old
-        self._arrays, self._first_row, self._first_column = grown, row, column
+        at = (self._first_row - row, self._first_column - column)
+        self._arrays = enlarged(self._arrays, at, new_rows, new_columns, self._band)
+        self._first_row, self._first_column = row, column
 
     def _window(self, low: Float64[np.ndarray, "2"], high: Float64[np.ndarray, "2"]) -> _Window:
         """The cells of the box between two corners ``(x, y)``, metres, which the map holds."""

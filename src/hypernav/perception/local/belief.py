@@ -67,6 +67,7 @@ class Sighting:
         score_weight: Shift of the log-odds by its score.
         shape: Shift of the log-odds by its form in this image.
         measure: Measurement of its form, to be combined with those of other images; None without.
+        kind: What things of the goal's kind are like, if its form was measured; else None.
     """
 
     detection: Detection
@@ -74,6 +75,7 @@ class Sighting:
     score_weight: float
     shape: float = 0.0
     measure: Measure | None = None
+    kind: KindShape | None = None
 
     @property
     def weight(self) -> float:
@@ -214,7 +216,6 @@ def with_sightings(
     sightings: list[Sighting],
     others: list[Detection],
     observation: Observation,
-    kind: KindShape | None = None,
 ) -> GoalEvidence:
     """The evidence for every candidate after an image, with the best of them as the target.
 
@@ -224,7 +225,6 @@ def with_sightings(
         sightings: Sightings of the goal in the image, in the detector's order.
         others: Detections of other things in the image.
         observation: The image.
-        kind: What things of the goal's kind are like; None if nothing is known of them.
     """
     known = {one.number: one for one in evidence.candidates}
     weights, count = dict[int, float](), evidence.count
@@ -239,8 +239,8 @@ def with_sightings(
             known[number] = known[number].seen_again(
                 one.area, one.detection, observation, join=True
             )
-        if one.measure is not None and kind is not None:
-            known[number] = _measured(known[number], one.measure, kind)
+        if one.measure is not None and one.kind is not None:
+            known[number] = _measured(known[number], one.measure, one.kind)
         weights[number] = one.weight
     for number, one in known.items():
         weight = weights.get(number)

@@ -32,7 +32,7 @@ from hypernav.perception.local.out_of_range import far_position_of, off_floor_ou
 from hypernav.perception.local.refinement import eroded, projected
 from hypernav.perception.shape.evidence import measure_of, shape_evidence
 from hypernav.perception.shape.form import measured_form
-from hypernav.perception.shape.kinds import KindShape, kind_shape
+from hypernav.perception.shape.kinds import kind_shape
 
 _NO_DEPTH = "too few points with depth"
 _REJECTED = "rejected before"
@@ -70,14 +70,21 @@ class LocalPerception:
     tells_floors: bool = False
 
     def look(
-        self, observation: Observation, goal: Goal, floor: Floor, *, asks: bool = True
+        self,
+        observation: Observation,
+        goal: Goal,
+        floor: Floor,
+        *,
+        ground_m: float = 0.0,
+        asks: bool = True,
     ) -> list[DetectionRecord]:
         """Search one image for the goal, and update the memory of the floor.
 
         Args:
-            observation: Present frame.
+            observation: Present frame, with heights counted from the robot's ground.
             goal: Goal of the search.
             floor: Memory of the floor that the robot is on.
+            ground_m: Height of that ground above the floor, metres.
             asks: Whether the detector is asked; else the image only counts as one more taken.
 
         Returns:
@@ -94,8 +101,7 @@ class LocalPerception:
         floor.sightings = self._with_things(floor.sightings, observation, strong)
         known = floor.things
         if search.lasts:
-            floor.things = self._remembered(floor, observation, goal, detections)
-        kind = kind_shape(goal.thing)
+            floor.things = self._remembered(floor, observation, goal, detections, ground_m)
         evidence, records = search.evidence, list[DetectionRecord]()
         sightings, far_position = list[Sighting](), evidence.far_position
         for detection in (one for one in detections if one.is_goal):
@@ -103,21 +109,17 @@ class LocalPerception:
             mask = whole if config.pixels == "box" else eroded(whole, config)
             area = self._area(mask, observation, is_guessed=detection.mask is None)
             reason = _NO_DEPTH
-            if (
-                area is not None
-                and self.tells_floors
-                and not is_in_room(area.height_m, floor.ground_m)
-            ):
+            if area is not None and self.tells_floors and not is_in_room(area.height_m, ground_m):
                 reason = _OFF_FLOOR
                 if detection.score >= least:
-                    search.note_off_floor((*area.centre, area.height_m + floor.ground_m))
+                    search.note_off_floor((*area.centre, area.height_m + ground_m))
             elif area is not None:
                 reason = _REJECTED if is_rejected(evidence, area) else ""
                 if not reason or config.target == "candidates":
-                    sightings.append(self._sighting(detection, area, whole, observation, kind))
+                    sightings.append(self._sighting(detection, area, whole, observation, goal))
             elif self.tells_floors and (
                 off_floor := off_floor_out_of_range(
-                    detection.box, whole, observation, self.camera, floor
+                    detection.box, whole, observation, self.camera, floor.map.grid, ground_m
                 )
             ):
                 reason = _OFF_FLOOR
@@ -131,7 +133,7 @@ class LocalPerception:
             evidence = with_latest(evidence, sightings, observation)
         else:
             others = [one for one in detections if not one.is_goal]
-            evidence = with_sightings(evidence, config, sightings, others, observation, kind)
+            evidence = with_sightings(evidence, config, sightings, others, observation)
             if evidence.count > search.evidence.count:
                 remembered = search.remembered_of(known)
                 evidence = with_earlier_looks(evidence, search.evidence, remembered, goal, config)
@@ -150,7 +152,12 @@ class LocalPerception:
         return known
 
     def _remembered(
-        self, floor: Floor, observation: Observation, goal: Goal, detections: list[Detection]
+        self,
+        floor: Floor,
+        observation: Observation,
+        goal: Goal,
+        detections: list[Detection],
+        ground_m: float,
     ) -> Things:
         """The floor's things after an image: the goal in all of them, the rest in new views.
 
@@ -170,7 +177,7 @@ class LocalPerception:
             search=search.number,
             only=only,
             tells_floors=self.tells_floors,
-            ground_m=floor.ground_m,
+            ground_m=ground_m,
         )
         if only is not None:
             search.note_others(things.others_in(observation, goal), things, goal)
@@ -192,17 +199,21 @@ class LocalPerception:
         area: GoalArea,
         mask: Bool[np.ndarray, "height width"],
         observation: Observation,
-        kind: KindShape | None,
+        goal: Goal,
     ) -> Sighting:
         """A sighting, whose form counts if it is uncertain and the kind's forms are known."""
         seen = Sighting(detection, area, weight_of(detection, self.config))
-        if kind is None or self.config.target == "latest" or detection.score >= _CERTAIN:
+        if self.config.target == "latest" or detection.score >= _CERTAIN:
+            return seen
+        kind = kind_shape(goal.thing)
+        if kind is None:
             return seen
         form = measured_form(observation, mask, detection.box)
         if form is None:
             return seen
         shape = shape_evidence(form, kind).log_odds
-        return replace(seen, shape=shape, measure=measure_of(form, area.centre, observation))
+        measure = measure_of(form, area.centre, observation)
+        return replace(seen, shape=shape, measure=measure, kind=kind)
 
     def _area(
         self,

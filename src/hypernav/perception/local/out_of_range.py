@@ -12,7 +12,6 @@ from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.core.observation import Observation
-from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.memory.thing import is_in_room
 
@@ -52,7 +51,8 @@ def off_floor_out_of_range(
     mask: Bool[np.ndarray, "height width"],
     observation: Observation,
     camera: CameraConfig,
-    floor: Floor,
+    grid: OccupancyGrid,
+    ground_m: float,
 ) -> tuple[float, float, float] | None:
     """About where a goal out of range is that lies below or above the room of the robot's floor.
 
@@ -61,7 +61,8 @@ def off_floor_out_of_range(
         mask: Mask of its pixels.
         observation: The image, with heights counted from the robot's ground.
         camera: Camera, whose range of depth counts.
-        floor: The floor that the robot is on.
+        grid: Map of the robot's floor.
+        ground_m: Height of that ground above the floor, metres.
 
     Returns:
         Position ``(x, y)``, as if a storey lay between, and the height at which its line of sight
@@ -75,14 +76,14 @@ def off_floor_out_of_range(
     )
     point = observation.camera.unproject(column, row, np.array([camera.max_depth_m]))
     nearest = observation.camera_to_map.apply(point)[0]
-    if is_in_room(float(nearest[2]), floor.ground_m):
+    if is_in_room(float(nearest[2]), ground_m):
         return None
-    if _may_be_in_range(box, mask, observation, camera, floor.map.grid):
+    if _may_be_in_range(box, mask, observation, camera, grid):
         return None
     away = nearest - camera_at
     z = _BELOW_M if away[2] < 0.0 else _ABOVE_M
     x, y, _ = (camera_at + max(1.0, (z - camera_at[2]) / away[2]) * away).tolist()
-    return (x, y, float(nearest[2]) + floor.ground_m)
+    return (x, y, float(nearest[2]) + ground_m)
 
 
 def _may_be_in_range(

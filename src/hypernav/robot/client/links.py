@@ -3,10 +3,7 @@
 import json
 from collections.abc import Iterator
 from contextlib import closing, suppress
-from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Protocol, TypeVar, runtime_checkable
-from urllib.parse import urlsplit
 
 import numpy as np
 from pydantic import BaseModel, ValidationError
@@ -20,6 +17,7 @@ from hypernav.core.errors import (
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.network.bounded_http import Deadline, Session
 from hypernav.core.trace import StepTrace
+from hypernav.robot.client.server_address import ServerAddress
 from hypernav.robot.wire.replies import ErrorBody, Reply, SearchOpened, Status
 from hypernav.robot.wire.requests import CloseRequest, OpenSearch, StopRequest
 from hypernav.robot.wire.values import SEARCHES
@@ -30,61 +28,6 @@ _CONNECT_S = 5.0
 _LONGEST_REASON = 500
 _LARGEST_REPLY_BYTES = 256 * 2**20
 """Limit of a reply: the trace of a long search and the map of a large building are the largest."""
-
-
-@dataclass(frozen=True)
-class ServerAddress:
-    """Where the server is, and the token for it.
-
-    Attributes:
-        host: Name or address of the machine.
-        port: Port of the server.
-        path: Prefix of all request paths; usually empty.
-        is_secure: Whether the connection is encrypted (``https``).
-        token: Token of the server; None sends none.
-    """
-
-    host: str
-    port: int
-    path: str = ""
-    is_secure: bool = False
-    token: str | None = field(default=None, repr=False)
-
-    @staticmethod
-    def of(url: str, token_file: Path | None = None) -> "ServerAddress":
-        """Read an address such as ``http://192.168.1.5:8765``.
-
-        Raises:
-            RobotLinkError: The text is no such address, or the token file cannot be read.
-        """
-        try:
-            parts = urlsplit(url)
-            port = parts.port
-        except ValueError as error:
-            raise RobotLinkError(f"address of the server '{url:.100}': {error}") from error
-        if parts.scheme not in ("http", "https") or not parts.hostname:
-            raise RobotLinkError(
-                f"address of the server '{url:.100}': expected one such as http://192.168.1.5:8765"
-            )
-        secure = parts.scheme == "https"
-        token = None
-        if token_file is not None:
-            try:
-                token = token_file.read_text(encoding="utf-8").strip()
-            except (OSError, UnicodeDecodeError) as error:
-                raise RobotLinkError(f"{token_file}: cannot read the token: {error}") from error
-        return ServerAddress(
-            parts.hostname, port or (443 if secure else 80), parts.path.rstrip("/"), secure, token
-        )
-
-    @property
-    def headers(self) -> dict[str, str]:
-        """The headers of every request."""
-        return {} if self.token is None else {"Authorization": f"Bearer {self.token}"}
-
-    def __str__(self) -> str:
-        """The address for people, without the token."""
-        return f"http{'s' * self.is_secure}://{self.host}:{self.port}{self.path}"
 
 
 @runtime_checkable

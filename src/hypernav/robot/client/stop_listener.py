@@ -4,7 +4,8 @@ import threading
 from collections.abc import Callable
 
 from hypernav.core.errors import RequestRefusedError, RobotLinkError
-from hypernav.robot.client.links import HttpServer, ServerAddress, failure_words, give_up
+from hypernav.robot.client.links import HttpServer, failure_words, give_up
+from hypernav.robot.client.server_address import ServerAddress
 from hypernav.robot.client.side_thread import SideThread
 from hypernav.robot.wire.replies import SearchEnding
 

@@ -7,7 +7,8 @@ from pydantic import ValidationError
 
 from hypernav.core.components.extras import require
 from hypernav.core.errors import LinkLostError, RequestRefusedError
-from hypernav.robot.client.links import ServerAddress, give_up
+from hypernav.robot.client.links import give_up
+from hypernav.robot.client.server_address import ServerAddress
 from hypernav.robot.wire.replies import Reply, StreamMessage
 from hypernav.robot.wire.values import SEARCHES
 

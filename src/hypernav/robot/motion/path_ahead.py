@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
+from hypernav.core.geometry.segments import distances_to_segment
 from hypernav.core.geometry.transforms import wrap_angle
 
 _SAME_LINE_M = 0.02
@@ -99,11 +100,12 @@ class PathAhead:
             ahead_m: Largest length beyond it, metres.
             cut_m: Largest distance of a corner from that line, metres.
         """
-        steps = math.ceil(ahead_m / _STEP_M)
+        robot, steps = np.array([x, y]), math.ceil(ahead_m / _STEP_M)
         for step in range(steps, 1, -1):
             end_m = min(along_m + step * _STEP_M, self.length_m)
             between = self._corners[(self._at > along_m) & (self._at < end_m)]
-            if _deviation(between, (x, y), self.point(end_m)) <= cut_m:
+            cuts_m = distances_to_segment(between, robot, np.array(self.point(end_m)))
+            if cuts_m.max(initial=0.0) <= cut_m:
                 return end_m
         return min(along_m + _STEP_M, self.length_m)
 
@@ -116,14 +118,3 @@ def _simplified(corners: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "m 2
     # Single precision is used only to choose corners; both ends stay exact.
     kept[0], kept[-1] = corners[0], corners[-1]
     return kept
-
-
-def _deviation(
-    points: Float64[np.ndarray, "n 2"], start: tuple[float, float], end: tuple[float, float]
-) -> float:
-    """Largest distance of points from a line segment, metres; 0 without points."""
-    if len(points) == 0:
-        return 0.0
-    a, line = np.array(start), np.array(end) - np.array(start)
-    shares = np.clip((points - a) @ line / max(float(line @ line), 1e-12), 0.0, 1.0)
-    return float(np.hypot(*(points - a - shares[:, None] * line).T).max())

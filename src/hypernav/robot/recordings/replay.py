@@ -5,13 +5,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from hypernav.agents.step import SearchComponents
-from hypernav.core.clock import ModuleClock
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.trace import Mode, StepTrace
+from hypernav.core.trace import Mode, ModuleClock, StepTrace
 from hypernav.mapping.memory.memory import Memory
 from hypernav.robot.recordings.recording import RecordedFrame, Recording
 from hypernav.robot.recordings.upright import world_to_map

@@ -8,8 +8,7 @@ import cv2
 import numpy as np
 from jaxtyping import Int64, UInt8
 
-from hypernav.core.geometry.bounds import is_within
-from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.grid import Cell, OccupancyGrid, is_within
 from hypernav.show.drawing.map_view import MapView
 from hypernav.show.drawing.palette import FREE, OCCUPIED, UNKNOWN, Rgb, blend
 

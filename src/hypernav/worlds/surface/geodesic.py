@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64, Int32, Int64, UInt8
 
-from hypernav.core.geometry.bounds import has_cell
+from hypernav.core.geometry.grid import has_cell
 from hypernav.worlds.surface.geodesic_kernels import first_bend, propagate, vertex_kinds
 from hypernav.worlds.surface.sight_kernels import UNITS
 

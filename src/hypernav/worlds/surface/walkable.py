@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float32, Float64, Int32
 
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError, StartError
-from hypernav.core.geometry.bounds import has_cell
+from hypernav.core.geometry.grid import has_cell
 from hypernav.core.world import Position
 from hypernav.worlds.config import CELL_M
 from hypernav.worlds.scenes.scene import Scene

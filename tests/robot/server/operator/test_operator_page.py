@@ -24,8 +24,9 @@ from hypernav.core.errors import LinkLostError
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Mode, StepTrace
-from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
+from hypernav.robot.client.links import HttpLink, HttpServer
 from hypernav.robot.client.robot_client import RobotClient
+from hypernav.robot.client.server_address import ServerAddress
 from hypernav.robot.client.stop_listener import StopListener
 from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.server.agents import AgentPlan

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
+from hypernav.core.geometry.segments import distances_to_segment
+
 _TOWARDS = ((0, 1), (1, 0), (0, -1), (-1, 0))
 """Steps in rows and columns along the sides of a cell, counter-clockwise: each turns left."""
 
@@ -84,7 +86,7 @@ def _straightened(line: Outline, tolerance: float) -> Outline:
         first, last = waiting.pop()
         if last - first < 2:
             continue
-        gaps = _from_segment(closed[first + 1 : last], closed[first], closed[last])
+        gaps = distances_to_segment(closed[first + 1 : last], closed[first], closed[last])
         worst = int(np.argmax(gaps))
         if gaps[worst] > tolerance:
             middle = first + 1 + worst
@@ -94,12 +96,3 @@ def _straightened(line: Outline, tolerance: float) -> Outline:
     if len(order) < 3:  # A thin outline must keep an area.
         order = list(range(len(points)))
     return Outline(points[order], line.cells[order])
-
-
-def _from_segment(
-    points: Float64[np.ndarray, "n 2"], a: Float64[np.ndarray, "2"], b: Float64[np.ndarray, "2"]
-) -> Float64[np.ndarray, "n"]:
-    """Distances of points from a segment."""
-    along, square = b - a, float(((b - a) ** 2).sum())
-    t = np.clip((points - a) @ along / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(points))
-    return np.linalg.norm(points - a - t[:, None] * along, axis=1)
