@@ -3,10 +3,12 @@
 import math
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import pytest
 
 from box_scenes import Box, scene_of
+from box_views import FLOOR, view_of
 from chat_models import Parrot
 from hypernav.build.agents import build_search
 from hypernav.build.presets import preset, with_changes
@@ -18,8 +20,10 @@ from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, Mode, StepTrace
-from hypernav.mapping.memory.connectors import Passage
+from hypernav.mapping.memory.connectors import Connector, Passage, UnderWay
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.reading import read_memory
+from hypernav.mapping.memory.writing import Writer
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
@@ -32,6 +36,7 @@ from stair_views import FIRST_X, RISE_M, SIDES_Y, STEPS, TREAD_M
 
 CONFIG = with_changes(preset("default"), {"embodiment": {"body": {"max_step_m": 0.2}}})
 ABOVE_M = STEPS * RISE_M
+CAMERA = CONFIG.embodiment.camera.intrinsics
 START_X = 1.5
 HEAD_X = FIRST_X + (STEPS - 1) * TREAD_M
 
@@ -164,6 +169,7 @@ def test_a_search_that_begins_on_stairs_is_not_blind():
     agent.act(world.reset(Episode("x", "0", Goal("umbrella"), start, start_z=0.0)))
     while world.pose.x < FIRST_X + 2.5 * TREAD_M:
         agent.act(world.step(Action.MOVE_FORWARD))
+    agent.memory.goes_over(None)
     agent.reset(Goal("bed"), agent.memory)
     for _ in range(6):  # turns to the lower room
         agent.act(world.step(Action.TURN_LEFT))
@@ -173,6 +179,52 @@ def test_a_search_that_begins_on_stairs_is_not_blind():
     before = len(memory.floor.trajectory)
     agent.act(world.step(Action.TURN_LEFT))
     assert len(memory.floor.trajectory) == before + 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("on_disk", [False, True])
+@pytest.mark.parametrize("last", ["in the middle", "at the end"])
+def test_stairs_on_which_a_search_ended_are_known_to_the_next_one(tmp_path, last: str, on_disk):
+    world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
+    first = episode_from(Pose2(START_X, 1.0, 0.0), "umbrella", start_z=0.0)
+    agent.reset(first.goal, agent.new_memory())
+    seen = world.reset(first)
+    ends_m = ABOVE_M / 2.0 if last == "in the middle" else ABOVE_M - 0.05
+    while agent.act(seen) is not None and world.position[2] < ends_m:
+        seen = world.step(agent.last_step.action)
+    memory = agent.memory
+    assert {one.passage for one in memory.connectors if one.goes_up} == {Passage.UNTRIED}
+    if on_disk:
+        memory = written_and_read(memory, tmp_path)
+        memory.begin_at(seen)
+    assert agent.last_step.mode is Mode.CLIMB
+    agent.reset(Goal("bed"), memory)
+    reasons = list[str]()
+    while agent.act(seen) not in (Action.STOP, None) and len(reasons) < 80:
+        reasons.append(agent.last_step.reason)
+        seen = world.step(agent.last_step.action)
+    assert agent.last_step.action is Action.STOP
+    assert reasons[0] == "on the stairs up"
+    ways = {(one.floor, one.other_floor) for one in memory.connectors if one.is_usable}
+    assert ways == {(0, 1), (1, 0)}
+
+
+def test_a_robot_that_was_carried_is_not_on_its_way_over_stairs():
+    memory = Memory(CONFIG.mapping, CONFIG.embodiment)
+    memory.connectors = (Connector(0, True, (1.0, 0.0), 0.0),)
+    memory.way.append((1.5, 0.0))
+    memory.goes_over(0)
+    assert memory.under_way == UnderWay(0, (1.5, 0.0, 0.0))
+    memory.begin_search(sees_stairs=True)
+    memory.follow(view_of([FLOOR], Pose2(4.0, 0.0, 0.0), camera=CAMERA))
+    assert memory.under_way is None
+
+
+def written_and_read(memory: Memory, folder: Path) -> Memory:
+    Writer(folder, None).write(memory, None, (), most_bytes=10**9)
+    contents = read_memory(folder, CONFIG.mapping, CONFIG.embodiment, most_bytes=10**9)
+    assert contents is not None
+    return contents.memory
 
 
 def takes_stairs(question: Question) -> str:

@@ -104,6 +104,8 @@ class SearchAgent:
         if decision.action is not None:
             plan = replace(plan, ordered=(seen.robot, decision.action))
         self._trace = self._traced(step, memory, plan, decision, detections)
+        climbing = plan.climbing
+        memory.goes_over(None if climbing is None or climbing.is_back else climbing.connector)
         self._plan, self._steps = plan, self._steps + 1
         return decision.action
 
@@ -132,6 +134,9 @@ class SearchAgent:
 
     def _plan_of_floor(self, memory: Memory, before: Plan | None, events: list[str]) -> Plan:
         """The first plan on a floor: a look around, unless the robot has been there before."""
+        if before is None and memory.under_way is not None and memory.on_stairs:
+            climbing = Climbing(memory.under_way.connector)  # where the last search has ended
+            return replace(Plan.at_start(self.components.paced, turns=0), climbing=climbing)
         then, climbing = None, None if before is None else before.climbing
         if climbing is not None:
             if memory.connectors[climbing.connector].other_floor == memory.number:
