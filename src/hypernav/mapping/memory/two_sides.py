@@ -8,7 +8,7 @@ from jaxtyping import Int32
 
 from hypernav.core.geometry.bounds import has_cell
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
-from hypernav.mapping.memory.thing import Thing
+from hypernav.mapping.memory.thing import SAME_SIDE, Thing
 from hypernav.mapping.top_down.top_down_map import TopDownMap
 
 _BESIDE_M = 0.6
@@ -26,7 +26,7 @@ def is_wall_between(one: Thing, other: Thing, floor_map: TopDownMap) -> bool:
         other: A thing in the same place, or right beside it.
         floor_map: Map of their floor.
     """
-    if one.was_seen_from(np.array(other.views)[:, :2]).any():
+    if _is_seen_from_one_side(one, other):
         return False
     corners = np.array([(*thing.low[:2], *thing.high[:2]) for thing in (one, other)])
     low, high = corners[:, :2].min(axis=0), corners[:, 2:].max(axis=0)
@@ -39,6 +39,17 @@ def is_wall_between(one: Thing, other: Thing, floor_map: TopDownMap) -> bool:
     parts = cv2.connectedComponents(is_open.view(np.uint8), connectivity=4)[1]
     sides = [_parts_in_sight(thing, grid, parts, (bottom, left)) for thing in (one, other)]
     return all(sides) and sides[0].isdisjoint(sides[1])
+
+
+def _is_seen_from_one_side(one: Thing, other: Thing) -> bool:
+    """As `Thing.was_seen_from`, much faster for so few views."""
+    x, y, _ = one.position
+    return any(
+        (a - x) * (c - x) + (b - y) * (d - y)
+        >= SAME_SIDE * math.hypot(a - x, b - y) * math.hypot(c - x, d - y)
+        for a, b, _ in one.views
+        for c, d, _ in other.views
+    )
 
 
 def _parts_in_sight(
