@@ -17,7 +17,7 @@ from hypernav.mapping.reachable_area import ReachableArea
 
 CLIMB_M = 8.0
 """Length of path that stairs to another floor are worth, metres: their own, and the way back."""
-_FLOOR_SHARE = 0.5
+FLOOR_SHARE = 0.5
 """Worth of an unseen floor, by the area that was seen of this one: the more of it was seen without
 the goal, the likelier that is on another."""
 _DROP_SHARE = 0.5
@@ -87,7 +87,7 @@ def stairs_blocks(
         first: Number of the first of them.
     """
     blocks: list[Block] = []
-    beyond_m2 = _unseen_floor_m2(reach.grid)
+    beyond_m2 = FLOOR_SHARE * reach.grid.free_m2
     for one in ways_out:
         there = _block_at(reach, one.xy, first + len(blocks), _BESIDE_CELLS)
         if there is not None:
@@ -107,19 +107,13 @@ def drop_blocks(
         first: Number of the first of them.
     """
     blocks: list[Block] = []
-    beyond_m2 = _DROP_SHARE * _unseen_floor_m2(reach.grid)
+    beyond_m2 = _DROP_SHARE * FLOOR_SHARE * reach.grid.free_m2
     within_cells = int(_BESIDE_DROP_M / reach.grid.resolution_m + 1e-9)
     for one in drops:
         there = _block_at(reach, one, first + len(blocks), within_cells)
         if there is not None:
             blocks.append(replace(there, words="the floor ends", beyond_m2=beyond_m2))
     return tuple(blocks)
-
-
-def _unseen_floor_m2(grid: OccupancyGrid) -> float:
-    """What another floor is worth, square metres, to a robot that has seen so much of this one."""
-    seen_m2 = float(np.count_nonzero(grid.free)) * grid.resolution_m**2
-    return _FLOOR_SHARE * seen_m2
 
 
 def _block_at(

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from hypernav.core.exploring.overview import Prospects
+from hypernav.core.exploring.overview import Block, Prospects
 from hypernav.mapping.distance_kernels import travel_cells
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.mapping.sight_lines import OPEN_M
@@ -17,6 +17,27 @@ _PATCH_CELLS = 4
 """Side of the patches in which the unknown is counted and paths are measured, cells."""
 _RAYS = 180
 """Rays of a full turn: at 5 m they are no farther apart than a patch, with cells of 0.05 m."""
+
+
+def block_prospects(reach: ReachableArea, range_m: float, blocks: Sequence[Block]) -> Prospects:
+    """What visits to blocks would show: the unknown in view, and what is expected beyond stairs.
+
+    Args:
+        reach: The map and what the robot can reach on it.
+        range_m: Range of the camera, metres.
+        blocks: Blocks of this map.
+    """
+    shown = find_prospects(reach, [one.destination for one in blocks], range_m)
+    leads_on = [k for k, one in enumerate(blocks) if one.beyond_m2 > 0.0]
+    if not leads_on:
+        return shown
+    beyond = np.zeros((len(blocks), len(leads_on)), dtype=bool)
+    beyond[leads_on, np.arange(len(leads_on))] = True
+    return Prospects(
+        np.concatenate([shown.areas_m2, [blocks[k].beyond_m2 for k in leads_on]]),
+        np.concatenate([shown.shows, beyond], axis=1),
+        np.concatenate([shown.positions, [blocks[k].destination for k in leads_on]]),
+    )
 
 
 def find_prospects(

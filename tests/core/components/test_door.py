@@ -38,7 +38,13 @@ from hypernav.core.exploring.arrows import Arrow, ArrowChoice, ArrowView
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.floors import KnownFloor
 from hypernav.core.exploring.guidance import Direction, GuideChoice, GuideView
-from hypernav.core.exploring.overview import Block, BlockChoice, FloorBlocks, Overview
+from hypernav.core.exploring.overview import (
+    Block,
+    BlockChoice,
+    FloorBlocks,
+    Overview,
+    prospects_of_boundaries,
+)
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
@@ -290,7 +296,7 @@ def test_what_it_draws_on_a_view_nobody_else_sees():
     rgb = seen.rgb.copy()
     grid = OccupancyGrid(np.ones((4, 4), np.uint8), 0.05, (0.0, 0.0))
     floor = KnownFloor(1, 3.0, grid, (), (), (), (), (), (0.0, 0.0))
-    elsewhere = [FloorBlocks(floor, ())]
+    elsewhere = [FloorBlocks(floor, (), prospects_of_boundaries)]
 
     def next_destination(self: object, view: ExplorationView) -> None:
         for drawn in (view.observation.rgb, view.grid.cells, view.elsewhere[0].grid.cells):

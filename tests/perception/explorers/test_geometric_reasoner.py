@@ -2,10 +2,19 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.core.exploring.overview import Block, Overview, Prospects, prospects_of_boundaries
+from hypernav.core.exploring.floors import KnownFloor
+from hypernav.core.exploring.overview import (
+    Block,
+    FloorBlocks,
+    Overview,
+    Prospects,
+    prospects_of_boundaries,
+)
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
@@ -194,3 +203,58 @@ def test_stairs_are_weighed_against_all_blocks_however_many_there_are():
     choice = choose(*crumbs, stairs, prospects=crumbs_and_a_floor, gain="view")
     assert choice.number == 14
     assert "stairs up" in choice.reason
+
+
+def whole_views(blocks):
+    """Each block shows 15 m² that no other shows."""
+    areas = np.full(len(blocks), 15.0)
+    return Prospects(areas, np.eye(len(blocks), dtype=bool), np.zeros((len(blocks), 2)))
+
+
+def between_floors(here, there, seen_m2=60.0, excluded=(), **config):
+    """What is chosen, where another floor of 100 m² is known."""
+    cells = np.full((100, 100), Cell.FREE, dtype=np.uint8)
+    grid = OccupancyGrid(cells, 0.1, (0.0, 0.0))
+    other = KnownFloor(1, 3.0, grid, (), (), (), (), (), (0.0, 0.0))
+    overview = Overview(
+        lambda *_: np.zeros((8, 8, 3), np.uint8),
+        tuple(here),
+        Pose2(0.0, 0.0, 0.0),
+        prospects=whole_views,
+        find_elsewhere=lambda: [FloorBlocks(other, tuple(there), whole_views)],
+        seen_m2=seen_m2,
+    )
+    reasoner = GeometricReasoner(ExchangeLog(), GeometricConfig(**config))
+    return reasoner.choose(overview, GOAL, frozenset(excluded))
+
+
+FAR_CORNER = [block(1, 10, 12.0)]
+MUCH_ELSEWHERE = [block(2, 10, 16.0), block(3, 10, 15.0), block(4, 10, 20.0)]
+
+
+def test_a_floor_is_left_where_another_shows_more_a_metre_of_way():
+    choice = between_floors(FAR_CORNER, MUCH_ELSEWHERE)
+    assert choice.number == 3
+    assert "floor 2, 3.0 m higher" in choice.reason
+
+
+@pytest.mark.parametrize("nearest_m", [0.0, 4.0])
+def test_it_is_not_left_for_as_much_that_is_farther_away(nearest_m: float):
+    here = [block(1, 10, nearest_m), block(5, 10, 9.0), block(6, 10, 10.0)]
+    assert between_floors(here, MUCH_ELSEWHERE).number in (1, 5, 6)
+
+
+def test_it_is_not_left_before_half_as_much_of_it_was_seen_as_of_the_other():
+    """A landing with one way on is no floor that was searched."""
+    assert between_floors(FAR_CORNER, MUCH_ELSEWHERE, seen_m2=49.0).number == 1
+    assert between_floors(FAR_CORNER, MUCH_ELSEWHERE, seen_m2=51.0).number == 3
+
+
+def test_nothing_that_is_excluded_or_out_of_reach_leads_to_another_floor():
+    assert between_floors(FAR_CORNER, MUCH_ELSEWHERE, excluded=(3,)).number == 2
+    assert between_floors(FAR_CORNER, MUCH_ELSEWHERE, excluded=(2, 3, 4)).number == 1
+    assert between_floors(FAR_CORNER, [block(2, 10, math.inf), block(3, 0, 9.0)]).number == 1
+
+
+def test_where_boundaries_count_the_robot_stays_on_its_floor():
+    assert between_floors(FAR_CORNER, MUCH_ELSEWHERE, gain="boundary").number == 1

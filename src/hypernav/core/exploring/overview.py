@@ -1,5 +1,6 @@
 """The map as a question: numbered blocks, the image of them, and the answer."""
 
+import math
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -92,10 +93,12 @@ class FloorBlocks:
     Attributes:
         known: The floor.
         blocks: Its blocks; their paths begin at the robot, and stairs on the way are in them.
+        prospects: Function that computes what given blocks of it would show.
     """
 
     known: KnownFloor
     blocks: tuple[Block, ...]
+    prospects: Callable[[Sequence[Block]], Prospects]
 
 
 def _nowhere() -> Sequence[FloorBlocks]:
@@ -119,6 +122,7 @@ class Overview:
         legs_m: Function that computes the lengths of the paths between given blocks, metres.
         find_elsewhere: Function that finds the blocks of other floors, whose numbers follow those
             of `blocks`; not every reasoner calls it.
+        seen_m2: Floor that the map shows, square metres.
     """
 
     draw: Callable[[Collection[int], Collection[int]], UInt8[np.ndarray, "height width 3"]]
@@ -131,6 +135,7 @@ class Overview:
     prospects: Callable[[Sequence[Block]], Prospects] = prospects_of_boundaries
     legs_m: Callable[[Sequence[Block]], Float64[np.ndarray, "blocks blocks"]] = straight_legs_m
     find_elsewhere: Callable[[], Sequence[FloorBlocks]] = _nowhere
+    seen_m2: float = math.inf
 
     @cached_property
     def elsewhere(self) -> Sequence[FloorBlocks]:

@@ -42,6 +42,11 @@ class OccupancyGrid:
         return self.cells == Cell.FREE
 
     @property
+    def free_m2(self) -> float:
+        """Area of the free cells, square metres."""
+        return float(np.count_nonzero(self.free)) * self.resolution_m**2
+
+    @property
     def occupied(self) -> Bool[np.ndarray, "rows columns"]:
         """Occupied cells, where obstacles are."""
         return self.cells == Cell.OCCUPIED

@@ -16,11 +16,11 @@ from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.floors import KnownFloor
-from hypernav.core.exploring.overview import Block, Overview, Prospects
+from hypernav.core.exploring.overview import Block, Overview
 from hypernav.mapping.blocks import CLIMB_M, blocks_of, drop_blocks, stairs_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import fresh_frontiers
-from hypernav.mapping.prospects import find_legs_m, find_prospects
+from hypernav.mapping.prospects import block_prospects, find_legs_m
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.perception.explorers.floor_panels import LEGEND, draw_floors
 from hypernav.perception.explorers.other_floors import (
@@ -145,8 +145,9 @@ class BlockExplorer:
             if _squares(blocks) == _squares(offered):
                 break
             offered = blocks
+            range_m = self.embodiment.camera.max_depth_m
             elsewhere = partial(
-                other_floors, view, reach, self.mapping, clearance_m, first=len(blocks) + 1
+                other_floors, view, reach, self.mapping, clearance_m, range_m, len(blocks) + 1
             )
             draw = partial(_drawn, view, blocks, self.config, reach, elsewhere)
             legend = self.config.style.legend
@@ -154,9 +155,10 @@ class BlockExplorer:
                 draw,
                 blocks,
                 view.robot,
-                prospects=partial(_prospects, reach, self.embodiment.camera.max_depth_m),
+                prospects=partial(block_prospects, reach, range_m),
                 legs_m=partial(_legs_m, reach),
                 find_elsewhere=elsewhere,
+                seen_m2=view.grid.free_m2,
                 legend=legend + LEGEND if view.ways_out or view.elsewhere else legend,
                 trajectory=view.trajectory,
                 things=view.things,
@@ -260,20 +262,6 @@ def _drawn(
         )
     panels = floor_panels(view, here, reach, elsewhere(), drawn)
     return draw_floors(panels, config.style, size=config.image_px, excluded=excluded)
-
-
-def _prospects(reach: ReachableArea, range_m: float, of: Sequence[Block]) -> Prospects:
-    shown = find_prospects(reach, [one.destination for one in of], range_m)
-    leads_on = [k for k, one in enumerate(of) if one.beyond_m2 > 0.0]
-    if not leads_on:
-        return shown
-    beyond = np.zeros((len(of), len(leads_on)), dtype=bool)
-    beyond[leads_on, np.arange(len(leads_on))] = True
-    return Prospects(
-        np.concatenate([shown.areas_m2, [of[k].beyond_m2 for k in leads_on]]),
-        np.concatenate([shown.shows, beyond], axis=1),
-        np.concatenate([shown.positions, [of[k].destination for k in leads_on]]),
-    )
 
 
 def _legs_m(reach: ReachableArea, between: Sequence[Block]) -> Float64[np.ndarray, "_ _"]:

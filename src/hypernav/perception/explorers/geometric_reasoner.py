@@ -1,6 +1,7 @@
 """Choice of a block without a model: by what it would show, and travel cost."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
@@ -19,7 +20,7 @@ from hypernav.core.exploring.overview import (
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
-from hypernav.mapping.blocks import CLIMB_M
+from hypernav.mapping.blocks import CLIMB_M, FLOOR_SHARE
 from hypernav.perception.explorers.tour_kernels import soonest_tour, unseen_after
 
 _NEVER_SEEN_M2 = 1e-3
@@ -38,6 +39,8 @@ _TURN_COST_M = 0.8
 
 A tour counts metres only; else every turn on the spot could change it.
 """
+_SHOWN_M2 = 3.0
+"""Unknown floor that exploring shows with each metre of path, on average, m²."""
 
 
 class GeometricConfig(RoomConfig):
@@ -83,14 +86,7 @@ class GeometricReasoner:
 
     def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
         """The block to go to; None if no boundary is left that can be reached."""
-        open_blocks = [
-            block
-            for block in overview.blocks
-            if block.number not in excluded
-            and block.frontier_cells >= self.config.min_frontier_cells
-            and math.isfinite(block.travel_m)
-        ]
-        choice = self._best(open_blocks, overview)
+        choice = self._choice(self._open(overview.blocks, excluded), overview, excluded)
         self.log.note(
             "choose block",
             "geometric",
@@ -101,6 +97,56 @@ class GeometricReasoner:
         )
         return choice
 
+    def _choice(
+        self, here: list[Block], overview: Overview, excluded: frozenset[int]
+    ) -> BlockChoice:
+        if not here:
+            return BlockChoice(None, "no block has unexplored boundary that can be reached")
+        if self.config.gain == "boundary":
+            return self._best(here, prospects_of_boundaries(here), overview)
+        shown = overview.prospects(here)
+        return self._elsewhere(here, shown, overview, excluded) or self._best(here, shown, overview)
+
+    def _open(self, blocks: Sequence[Block], excluded: frozenset[int]) -> list[Block]:
+        """The blocks with unexplored boundary that can be reached, the nearest first."""
+        found = [
+            block
+            for block in blocks
+            if block.number not in excluded
+            and block.frontier_cells >= self.config.min_frontier_cells
+            and math.isfinite(block.travel_m)
+        ]
+        return sorted(found, key=lambda one: (one.travel_m, one.number))
+
+    def _elsewhere(
+        self, here: list[Block], shown: Prospects, overview: Overview, excluded: frozenset[int]
+    ) -> BlockChoice | None:
+        """A block of another floor, if exploring that one shows more a metre; else None.
+
+        A place is left when others yield more for the time, the way there included: the marginal
+        value theorem of Charnov, "Optimal Foraging, the Marginal Value Theorem", 1976. A floor of
+        which less was seen than is expected of an unseen one is not left.
+        """
+        if not overview.elsewhere:
+            return None
+        largest_m2 = max(floor.known.grid.free_m2 for floor in overview.elsewhere)
+        if overview.seen_m2 < FLOOR_SHARE * largest_m2:
+            return None
+        most, choice = _shown_a_metre(here, shown), None
+        for floor in overview.elsewhere:
+            there = self._open(floor.blocks, excluded)
+            if not there:
+                continue
+            its = floor.prospects(there)
+            a_metre = _shown_a_metre(there, its)
+            if a_metre > most:
+                costs_m = [block.travel_m for block in there]
+                best = there[int(np.argmax(_values(_discounted(its), costs_m)))]
+                more = f"more is left for the way on {floor.known.words}"
+                reason = f"block {best.number}: {more}, {best.travel_m:.1f} m away"
+                most, choice = a_metre, BlockChoice(best.number, reason)
+        return choice
+
     @property
     def _question(self) -> str:
         gain = "unexplored boundary" if self.config.gain == "boundary" else "unknown in view"
@@ -108,30 +154,22 @@ class GeometricReasoner:
             return f"Which block has the most {gain} for the way there?"
         return f"Which block comes first where the most {gain} is to come soon?"
 
-    def _best(self, blocks: list[Block], overview: Overview) -> BlockChoice:
-        config = self.config
-        if not blocks:
-            return BlockChoice(None, "no block has unexplored boundary that can be reached")
-        blocks = sorted(blocks, key=lambda one: (one.travel_m, one.number))
-        by_view = config.gain == "view"
-        prospects = (overview.prospects if by_view else prospects_of_boundaries)(blocks)
-        gains = prospects.gains_m2.tolist()
-        if by_view:
-            prospects = _discounted(prospects)
+    def _best(self, blocks: list[Block], shown: Prospects, overview: Overview) -> BlockChoice:
+        by_view = self.config.gain == "view"
+        prospects = _discounted(shown) if by_view else shown
         costs = [self._cost_m(block, overview.robot) for block in blocks]
-        values = [
-            gain * math.exp(-cost / _TRAVEL_SCALE_M)
-            for gain, cost in zip(prospects.gains_m2.tolist(), costs, strict=True)
-        ]
+        values = _values(prospects, costs)
         best_first = sorted(range(len(blocks)), key=lambda k: -values[k])  # the nearer of equals
         best = best_first[0]
-        if config.order == "tour":
+        if self.config.order == "tour":
             stairs_first = sorted(best_first, key=lambda k: blocks[k].connector is None)
             stops = stairs_first[:_TOUR_STOPS]
             legs_m = (overview.legs_m if by_view else straight_legs_m)([blocks[k] for k in stops])
             unseen = unseen_after(prospects.areas_m2, prospects.shows[stops]) + _NEVER_SEEN_M2
             best = stops[soonest_tour(np.array([costs[k] for k in stops]), legs_m, unseen)[0]]
-        return BlockChoice(blocks[best].number, self._reason(blocks[best], gains[best]))
+        return BlockChoice(
+            blocks[best].number, self._reason(blocks[best], float(shown.gains_m2[best]))
+        )
 
     def _cost_m(self, block: Block, robot: Pose2) -> float:
         travel_m = block.travel_m + (0.0 if block.connector is None else CLIMB_M)
@@ -151,6 +189,21 @@ class GeometricReasoner:
         if self.config.gain == "boundary":
             worth = f"{block.frontier_cells} cells of unexplored boundary"
         return f"block {block.number}: {worth}, {block.travel_m:.1f} m away"
+
+
+def _values(prospects: Prospects, costs_m: Sequence[float]) -> list[float]:
+    """What each block is worth: what it would show, and less the farther away it is."""
+    return [
+        gain * math.exp(-cost_m / _TRAVEL_SCALE_M)
+        for gain, cost_m in zip(prospects.gains_m2.tolist(), costs_m, strict=True)
+    ]
+
+
+def _shown_a_metre(blocks: list[Block], shown: Prospects) -> float:
+    """What some blocks would show for each metre of path, the way to the nearest included, m²."""
+    left_m2 = float(_discounted(shown).areas_m2.sum())
+    path_m = blocks[0].travel_m + left_m2 / _SHOWN_M2
+    return left_m2 / path_m if path_m > 0.0 else 0.0
 
 
 def _discounted(prospects: Prospects) -> Prospects:

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from jaxtyping import Float64
@@ -13,6 +14,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.blocks import CLIMB_M, blocks_of, stairs_blocks
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.frontiers import frontiers_of
+from hypernav.mapping.prospects import block_prospects
 from hypernav.mapping.reachable_area import ReachableArea
 from hypernav.perception.explorers.floor_panels import FloorPanel
 
@@ -33,7 +35,7 @@ def other_floors(
     here: ReachableArea,
     mapping: MappingConfig,
     clearance_m: float,
-    *,
+    range_m: float,
     first: int,
 ) -> list[OtherFloor]:
     """The floors to which stairs lead that the robot can reach.
@@ -43,6 +45,7 @@ def other_floors(
         here: What it can reach on its floor.
         mapping: Size of the blocks.
         clearance_m: Distance from obstacles that its middle keeps, metres.
+        range_m: Range of its camera, metres.
         first: Number of the first block.
     """
     found: list[OtherFloor] = []
@@ -57,7 +60,8 @@ def other_floors(
         first += len(blocks)
         way_m = begins[0].travel_m + CLIMB_M * len(floor.way)
         farther = tuple(replace(one, travel_m=way_m + one.travel_m) for one in blocks)
-        found.append(OtherFloor(floor, farther, reach))
+        prospects = partial(block_prospects, reach, range_m)
+        found.append(OtherFloor(floor, farther, prospects, reach))
     return found
 
 
