@@ -39,8 +39,8 @@ _TURN_COST_M = 0.8
 
 A tour counts metres only; else every turn on the spot could change it.
 """
-_SHOWN_M2 = 3.0
-"""Unknown floor that exploring shows with each metre of path, on average, m²."""
+_SHOWN_M2 = 2.0
+"""Unknown floor that each metre of exploring shows, m²: 2.2 in 14 searches in training buildings."""
 
 
 class GeometricConfig(RoomConfig):
