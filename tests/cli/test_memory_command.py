@@ -122,6 +122,21 @@ def test_things_are_exported_as_closed_polygons_on_the_map(home, tmp_path):
     assert len(ring) == 5
 
 
+def test_exported_heights_are_those_of_the_map_frame(home, tmp_path):
+    index = json.loads((home / "memory.json").read_text())
+    index["floors"][0]["z"] = -2.5
+    (home / "memory.json").write_text(json.dumps(index))
+    assert hypernav("memory", home, "--export", tmp_path / "things.geojson") == 0
+    found = json.loads((tmp_path / "things.geojson").read_text())["features"]
+    things = index["floors"][0]["things"]
+    assert things
+    for one, thing in zip(found, things, strict=True):
+        told = one["properties"]
+        assert (told["floor"], told["floor_m"]) == (1, -2.5)
+        assert told["bottom_m"] == pytest.approx(thing["low"][2] - 2.5)
+        assert told["top_m"] == pytest.approx(thing["high"][2] - 2.5)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

@@ -86,18 +86,22 @@ def run(options: Options) -> int:
 
 
 def geojson(memory: Memory) -> dict[str, Any]:
-    """All things as GeoJSON polygons; coordinates are metres of the ``map`` frame, no degrees."""
+    """All things as GeoJSON polygons.
+
+    Coordinates and heights are metres of the ``map`` frame, no degrees; of each thing ``floor_m``
+    is the height of its floor there, and ``bottom_m`` and ``top_m`` are those of its box.
+    """
     return {
         "type": "FeatureCollection",
         "features": [
-            _feature(thing, number)
+            _feature(thing, number, floor.z)
             for number, floor in enumerate(memory.floors)
             for thing in floor.things.known
         ],
     }
 
 
-def _feature(thing: Thing, floor: int) -> dict[str, Any]:
+def _feature(thing: Thing, floor: int, floor_m: float) -> dict[str, Any]:
     corners = thing.outline[1:]
     return {
         "type": "Feature",
@@ -106,8 +110,9 @@ def _feature(thing: Thing, floor: int) -> dict[str, Any]:
             "label": thing.label,
             "chance": round(thing.chance, 3),
             "floor": floor + 1,
-            "bottom_m": thing.low[2],
-            "top_m": thing.high[2],
+            "floor_m": floor_m,
+            "bottom_m": floor_m + thing.low[2],
+            "top_m": floor_m + thing.high[2],
             "seen": thing.seen,
             "missed": thing.missed,
             "last_search": thing.last_search,
