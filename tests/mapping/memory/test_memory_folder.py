@@ -208,7 +208,7 @@ def test_a_damaged_map_is_drawn_anew_and_things_and_images_are_kept(home, damage
         path.write_bytes(content[: len(content) // 2] if damage == "cut" else b"x" * len(content))
     with open_memory(home, CONFIG) as memory:
         (line,) = memory.left_out
-        assert line.startswith("the map of floor 0 is damaged (")
+        assert line.startswith("the map of floor 1 is damaged (")
         assert not memory.memory.floor.map.grid.explored.any()
         assert not memory.memory.floor.was_explored
         assert memory.memory.floor.things.known

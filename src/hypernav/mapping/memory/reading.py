@@ -103,8 +103,8 @@ def read_memory(
             floor = _floor_without_map(record, mapping, embodiment)
             damaged.append(record.state.name)
             left_out.append(
-                f"the map of floor {number} is damaged ({error}); it is drawn anew, and its things "
-                "and images are kept"
+                f"the map of floor {number + 1} is damaged ({error}); it is drawn anew, and its "
+                "things and images are kept"
             )
         memory.floors.append(floor)
     memory.number = index.floor
