@@ -9,6 +9,7 @@ from hypernav.cli.main import main
 from hypernav.cli.screen.warnings_shown import no_such_object_line
 from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.goal import Goal
+from hypernav.houses.building import NOUNS
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
 
@@ -128,6 +129,13 @@ def test_help_names_every_option(capsys):
     said = capsys.readouterr().out
     for option in ("--scene", "--agent", "--preset", "--detector", "--start", "--seed", "--out"):
         assert option in said
+
+
+@pytest.mark.parametrize("command", [("find",), ("robot", "simulate")])
+def test_help_names_every_kind_of_building(command, capsys):
+    assert hypernav(*command, "--help") == 0
+    said = capsys.readouterr().out
+    assert [kind for kind in NOUNS if f"{kind}:N" not in said] == []
 
 
 @pytest.mark.slow
