@@ -103,13 +103,21 @@ def test_bad_input_is_one_line_with_the_remedy(arguments, words, capsys):
 
 @pytest.mark.parametrize(
     ("goal", "words"),
-    [("bedd", "to 'bedd'; did you mean 'bed'?"), ("zeppelin", "to 'zeppelin'; it holds ")],
+    [
+        ("bedd", "to 'bedd'; did you mean 'bed'? The search runs anyway."),
+        ("zeppelin", "to 'zeppelin'; it holds bed. The search runs anyway."),
+    ],
 )
 def test_a_goal_that_the_building_does_not_hold_is_said_before_the_search(
     goal, words, glb, tmp_path, capsys
 ):
     hypernav("find", goal, "--scene", glb, "--out", tmp_path, "--max-steps", 1)
     assert words in capsys.readouterr().err.splitlines()[0]
+
+
+def test_a_number_of_no_building_is_told_with_its_kind(capsys):
+    assert hypernav("find", "bed", "--scene", "storeys:-1") == 2
+    assert "there is no storeyed building '-1'" in capsys.readouterr().err
 
 
 def test_a_building_without_names_is_told_how_to_get_some():
