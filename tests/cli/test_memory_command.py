@@ -162,6 +162,15 @@ def test_what_is_forgotten_is_gone_from_the_folder(home):
     assert list((home / "images").iterdir()) == []
 
 
+@pytest.mark.parametrize("name", ["beds", "A-Bed"])
+def test_what_is_forgotten_is_counted_by_its_label_and_so_are_images(home, capsys, name):
+    images = len(json.loads((home / "memory.json").read_text())["images"])
+    assert images > 1
+    assert hypernav("memory", home, "--forget", name, "--forget-images") == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[:2] == ["1 thing forgotten: bed", f"{images} key images forgotten"]
+
+
 def test_a_memory_that_a_search_uses_is_left_alone(home, capsys):
     before = (home / "memory.json").read_bytes()
     with folder_lock(home):

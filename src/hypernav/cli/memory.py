@@ -64,9 +64,15 @@ def run(options: Options) -> int:
                 hint = f"; did you mean '{near[0]}'?" if near else ""
                 raise ConfigError(f"--forget: no '{name}' is remembered{hint}")
         for name in options.forget or ():
-            console.print(f"{_forgotten(home.memory, name)} {name} things forgotten", markup=False)
+            labels = sorted(label for label in known if same_name(label, name))
+            count = _forgotten(home.memory, name)
+            console.print(
+                f"{_number_of(count, 'thing')} forgotten: {', '.join(labels)}", markup=False
+            )
         if options.forget_images:
+            count = _image_count(home.memory)
             home.forget_images()
+            console.print(f"{_number_of(count, 'key image')} forgotten", markup=False)
         elif options.forget:
             console.print("key images stay, also those that show them; --forget-images forgets all")
         if options.forget or options.forget_images:
@@ -77,9 +83,10 @@ def run(options: Options) -> int:
             _write(options.export, json.dumps(geojson(home.memory), indent=1) + "\n")
         floors = home.memory.floors
         console.print(
-            f"{len(home.history)} searches, {sum(len(one.things.known) for one in floors)} things, "
-            f"{len(home.memory.images.kept if home.memory.images else ())} key images, "
-            f"{len(floors)} {'floor' if len(floors) == 1 else 'floors'}; open {page}",
+            f"{_number_of(len(home.history), 'search', 'searches')}, "
+            f"{_number_of(sum(len(one.things.known) for one in floors), 'thing')}, "
+            f"{_number_of(_image_count(home.memory), 'key image')}, "
+            f"{_number_of(len(floors), 'floor')}; open {page}",
             markup=False,
         )
     return ExitStatus.SUCCESS
@@ -128,6 +135,14 @@ def _forgotten(memory: Memory, name: str) -> int:
         number += len(floor.things.known) - len(kept)
         floor.things = Things(kept, floor.things.count)
     return number
+
+
+def _image_count(memory: Memory) -> int:
+    return len(memory.images.kept) if memory.images else 0
+
+
+def _number_of(count: int, one: str, more: str = "") -> str:
+    return f"{count} {one if count == 1 else more or f'{one}s'}"
 
 
 def _write(path: Path, text: str) -> None:
