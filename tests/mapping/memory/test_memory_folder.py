@@ -234,6 +234,17 @@ def test_another_robot_building_or_folder_is_refused(home, tmp_path):
         open_memory(tmp_path / "thesis", CONFIG)
 
 
+def test_no_memory_begins_inside_another(home, tmp_path):
+    before = sorted(home.rglob("*"))
+    for inside in (home / "kitchen", home / "images" / "of" / "mine"):
+        with pytest.raises(MemoryFolderError, match=r"lies in .*home, which is a memory itself"):
+            open_memory(inside, CONFIG)
+    assert sorted(home.rglob("*")) == before
+    (tmp_path / "memory.json").write_text("{}")  # of another program
+    with open_memory(tmp_path / "beside", CONFIG) as memory:
+        assert memory.index is None
+
+
 def test_a_robot_that_was_moved_unnoticed_is_refused(home):
     with open_memory(home, CONFIG) as memory:
         assert memory.place is not None

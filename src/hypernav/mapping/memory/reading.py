@@ -155,6 +155,26 @@ def read_index(folder: Path) -> Index | None:
     return index
 
 
+def check_not_inside_another(folder: Path) -> None:
+    """Refuse to begin a memory in a folder inside that of another one.
+
+    Raises:
+        MemoryFolderError: There is no memory in it yet, and one in a folder around it.
+    """
+    if (folder / INDEX_NAME).exists():
+        return
+    for outer in folder.resolve().parents:
+        try:
+            facts = parse_json(read_file(outer / INDEX_NAME))
+        except (OSError, ValueError):  # no memory, or none that can be told from other files
+            continue
+        if isinstance(facts, dict) and facts.get("format") == FORMAT:
+            raise MemoryFolderError(
+                f"{folder} lies in {outer}, which is a memory itself; name that one, or a folder "
+                "elsewhere"
+            )
+
+
 def _check_empty(folder: Path) -> None:
     """Refuse a folder in which something lies already."""
     try:
