@@ -132,6 +132,12 @@ def test_a_start_inside_a_wall_names_a_better_one(glb, tmp_path, capsys):
     assert "nearest position is" in capsys.readouterr().err
 
 
+def test_a_start_that_is_refused_leaves_no_folder(glb, tmp_path):
+    out = tmp_path / "out"
+    assert hypernav("find", "bed", "--scene", glb, "--out", out, "--start", -1, 0, 0) == 2
+    assert not out.exists()
+
+
 def test_help_names_every_option(capsys):
     assert hypernav("find", "--help") == 0
     said = capsys.readouterr().out

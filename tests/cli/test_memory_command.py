@@ -91,6 +91,36 @@ def test_a_robot_that_finds_its_start_says_where_it_is(searched, home, tmp_path,
     assert [one["outcome"] for one in index["history"]] == ["found", "found"]
 
 
+@pytest.mark.parametrize(
+    ("out", "words"),
+    [
+        ("home", "is the folder of --memory; choose another"),
+        ("home/floor-1", "lies in the memory, whose files it could replace; choose another"),
+    ],
+)
+def test_results_in_the_memory_are_refused_before_anything_is_begun(
+    searched, home, monkeypatch, capsys, out, words
+):
+    monkeypatch.chdir(home.parent)
+    before = {path: path.read_bytes() for path in home.rglob("*") if path.is_file()}
+    scene = searched / "room.glb"
+    assert hypernav("find", "bed", "--scene", scene, "--out", out, "--memory", home, *SMALL) == 2
+    assert f"--out {out} {words}" in " ".join(capsys.readouterr().err.split())
+    assert {path: path.read_bytes() for path in home.rglob("*") if path.is_file()} == before
+
+
+def test_a_folder_of_results_in_use_leaves_the_memory_as_it_is(searched, home, tmp_path, capsys):
+    before = (home / "memory.json").read_bytes()
+    out, scene = tmp_path / "out", searched / "room.glb"
+    with folder_lock(out):
+        status = hypernav(
+            "find", "bed", "--scene", scene, "--out", out, "--memory", home, *SMALL
+        )  # fmt: skip
+    assert status == 2
+    assert "is in use by another run" in " ".join(capsys.readouterr().err.split())
+    assert (home / "memory.json").read_bytes() == before
+
+
 def test_relocalizing_needs_a_memory(searched, tmp_path, capsys):
     scene = searched / "room.glb"
     assert hypernav("find", "bed", "--scene", scene, "--out", tmp_path, "--relocalize") == 2

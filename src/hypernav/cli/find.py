@@ -18,7 +18,7 @@ from hypernav.build.memories import open_memory
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.interruptions import Terminated, interruptions_put_off
-from hypernav.cli.guards.outputs import check_file, check_folder
+from hypernav.cli.guards.outputs import check_apart, check_file, check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.find import Options
@@ -86,6 +86,8 @@ def run(options: Options) -> int:
         raise ConfigError("--similarity compares the images of a memory; add --memory FOLDER")
     goal = Goal(options.goal)
     folder = options.out or _new_folder(goal)
+    if options.memory is not None:
+        check_apart(folder, options.memory)
     check_folder(folder, OUTPUT_FILES)
     check_views(options.views, folder)
     if options.who.record is not None:
@@ -120,6 +122,8 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         memory = None
         if options.memory is not None:
             memory = opened.enter_context(opened_memory(options, config, console))
+            # Before the search begins, which changes the memory.
+            opened.enter_context(folder_lock(folder))
         search = EpisodeRun(
             parts.agent,
             world,
@@ -129,6 +133,8 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
             memory=memory,
             relocalize=options.relocalize,
         )
+        if memory is None:  # only now, since a start that is refused leaves no folder
+            opened.enter_context(folder_lock(folder))
         if search.found_start is not None:
             console.print(found_start_line(search.found_start, options.memory), soft_wrap=True)
         if not search.trial.holds_goal:
@@ -143,7 +149,6 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         )
         # Absolute, since a component of the user's own may change the working directory.
         with (
-            folder_lock(folder),
             EpisodeRecorder(folder.absolute(), **asdict(info)) as recorder,
             opened_views(options.views, info, recorder) as views,
         ):
