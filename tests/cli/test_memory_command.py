@@ -55,6 +55,19 @@ def test_a_second_search_goes_on_from_the_first(searched, home, tmp_path):
     assert [one["outcome"] for one in history] == ["found", "found"]
 
 
+def test_result_and_page_tell_with_which_memory_a_search_began(searched, home, tmp_path):
+    first = json.loads((searched / "out" / "result.json").read_text())
+    assert first["memory"] == {"folder": "home", "earlier_searches": 0}
+    options = ("--scene", searched / "room.glb", "--out", tmp_path / "out", "--max-steps", 1)
+    hypernav("find", "bed", "--memory", home, *options, *SMALL)
+    second = json.loads((tmp_path / "out" / "result.json").read_text())
+    assert second["memory"] == {"folder": "home", "earlier_searches": 1}
+    assert "had been in 1 earlier search" in (tmp_path / "out" / "index.html").read_text()
+    hypernav("find", "bed", *options, *SMALL)
+    without = json.loads((tmp_path / "out" / "result.json").read_text())
+    assert "memory" not in without
+
+
 def test_a_robot_that_cannot_tell_its_start_says_so_and_begins_anew(searched, tmp_path, capsys):
     home, scene = tmp_path / "home", searched / "room.glb"
     hypernav(
@@ -70,6 +83,7 @@ def test_a_robot_that_cannot_tell_its_start_says_so_and_begins_anew(searched, tm
     assert status == 0
     found = json.loads((tmp_path / "out" / "result.json").read_text())["found_start"]
     assert not found["sure"]
+    assert "memory" not in json.loads((tmp_path / "out" / "result.json").read_text())
     assert f"isn't clear: {found['doubt']}" in " ".join(capsys.readouterr().err.split())
     assert found["doubt"] in (tmp_path / "out" / "index.html").read_text()
     assert (home / "memory.json").read_bytes() == before

@@ -119,9 +119,10 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         rng = np.random.default_rng(options.seed)
         start = start_pose(options.start, world, goal, rng)
         episode = Episode(options.scene, "", goal, start, max_steps=steps)
-        memory = None
+        memory, earlier_searches = None, 0
         if options.memory is not None:
             memory = opened.enter_context(opened_memory(options, config, console))
+            earlier_searches = memory.memory.searches
             # Before the search begins, which changes the memory.
             opened.enter_context(folder_lock(folder))
         search = EpisodeRun(
@@ -165,6 +166,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
                     "seed": options.seed,
                     "start": [start.x, start.y, float(np.degrees(start.yaw))],
                     **_found_start(search),
+                    **_memory_entry(options, search, earlier_searches),
                     **_numbers(outcome),
                     **parts.take_report(),
                     "config": config.model_dump(mode="json"),
@@ -304,6 +306,15 @@ def _numbers(result: EpisodeResult) -> dict[str, Any]:
 
 def _found_start(search: EpisodeRun) -> dict[str, Any]:
     return {} if search.found_start is None else {"found_start": search.found_start.as_dict()}
+
+
+def _memory_entry(options: Options, search: EpisodeRun, earlier_searches: int) -> dict[str, Any]:
+    """The memory that the search began with; empty if it began with none."""
+    is_lost = search.found_start is not None and bool(search.found_start.doubt)
+    if options.memory is None or is_lost:
+        return {}
+    folder = options.memory.resolve().name
+    return {"memory": {"folder": folder, "earlier_searches": earlier_searches}}
 
 
 def _new_folder(goal: Goal) -> Path:
