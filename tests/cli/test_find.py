@@ -9,6 +9,7 @@ from hypernav.cli.main import main
 from hypernav.cli.screen.warnings_shown import no_such_object_line
 from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.goal import Goal
+from hypernav.houses.building import NOUNS
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
 
@@ -102,13 +103,21 @@ def test_bad_input_is_one_line_with_the_remedy(arguments, words, capsys):
 
 @pytest.mark.parametrize(
     ("goal", "words"),
-    [("bedd", "to 'bedd'; did you mean 'bed'?"), ("zeppelin", "to 'zeppelin'; it holds ")],
+    [
+        ("bedd", "to 'bedd'; did you mean 'bed'? The search runs anyway."),
+        ("zeppelin", "to 'zeppelin'; it holds bed. The search runs anyway."),
+    ],
 )
 def test_a_goal_that_the_building_does_not_hold_is_said_before_the_search(
     goal, words, glb, tmp_path, capsys
 ):
     hypernav("find", goal, "--scene", glb, "--out", tmp_path, "--max-steps", 1)
     assert words in capsys.readouterr().err.splitlines()[0]
+
+
+def test_a_number_of_no_building_is_told_with_its_kind(capsys):
+    assert hypernav("find", "bed", "--scene", "storeys:-1") == 2
+    assert "there is no storeyed building '-1'" in capsys.readouterr().err
 
 
 def test_a_building_without_names_is_told_how_to_get_some():
@@ -123,11 +132,24 @@ def test_a_start_inside_a_wall_names_a_better_one(glb, tmp_path, capsys):
     assert "nearest position is" in capsys.readouterr().err
 
 
+def test_a_start_that_is_refused_leaves_no_folder(glb, tmp_path):
+    out = tmp_path / "out"
+    assert hypernav("find", "bed", "--scene", glb, "--out", out, "--start", -1, 0, 0) == 2
+    assert not out.exists()
+
+
 def test_help_names_every_option(capsys):
     assert hypernav("find", "--help") == 0
     said = capsys.readouterr().out
     for option in ("--scene", "--agent", "--preset", "--detector", "--start", "--seed", "--out"):
         assert option in said
+
+
+@pytest.mark.parametrize("command", [("find",), ("robot", "simulate")])
+def test_help_names_every_kind_of_building(command, capsys):
+    assert hypernav(*command, "--help") == 0
+    said = capsys.readouterr().out
+    assert [kind for kind in NOUNS if f"{kind}:N" not in said] == []
 
 
 @pytest.mark.slow

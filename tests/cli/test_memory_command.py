@@ -55,6 +55,19 @@ def test_a_second_search_goes_on_from_the_first(searched, home, tmp_path):
     assert [one["outcome"] for one in history] == ["found", "found"]
 
 
+def test_result_and_page_tell_with_which_memory_a_search_began(searched, home, tmp_path):
+    first = json.loads((searched / "out" / "result.json").read_text())
+    assert first["memory"] == {"folder": "home", "earlier_searches": 0}
+    options = ("--scene", searched / "room.glb", "--out", tmp_path / "out", "--max-steps", 1)
+    hypernav("find", "bed", "--memory", home, *options, *SMALL)
+    second = json.loads((tmp_path / "out" / "result.json").read_text())
+    assert second["memory"] == {"folder": "home", "earlier_searches": 1}
+    assert "had been in 1 earlier search" in (tmp_path / "out" / "index.html").read_text()
+    hypernav("find", "bed", *options, *SMALL)
+    without = json.loads((tmp_path / "out" / "result.json").read_text())
+    assert "memory" not in without
+
+
 def test_a_robot_that_cannot_tell_its_start_says_so_and_begins_anew(searched, tmp_path, capsys):
     home, scene = tmp_path / "home", searched / "room.glb"
     hypernav(
@@ -70,6 +83,7 @@ def test_a_robot_that_cannot_tell_its_start_says_so_and_begins_anew(searched, tm
     assert status == 0
     found = json.loads((tmp_path / "out" / "result.json").read_text())["found_start"]
     assert not found["sure"]
+    assert "memory" not in json.loads((tmp_path / "out" / "result.json").read_text())
     assert f"isn't clear: {found['doubt']}" in " ".join(capsys.readouterr().err.split())
     assert found["doubt"] in (tmp_path / "out" / "index.html").read_text()
     assert (home / "memory.json").read_bytes() == before
@@ -89,6 +103,36 @@ def test_a_robot_that_finds_its_start_says_where_it_is(searched, home, tmp_path,
     assert f"the robot is at ({x:.1f}, {y:.1f}) on floor 1 of" in capsys.readouterr().err
     assert "found on floor 1 by one turn" in (tmp_path / "out" / "index.html").read_text()
     assert [one["outcome"] for one in index["history"]] == ["found", "found"]
+
+
+@pytest.mark.parametrize(
+    ("out", "words"),
+    [
+        ("home", "is the folder of --memory; choose another"),
+        ("home/floor-1", "lies in the memory, whose files it could replace; choose another"),
+    ],
+)
+def test_results_in_the_memory_are_refused_before_anything_is_begun(
+    searched, home, monkeypatch, capsys, out, words
+):
+    monkeypatch.chdir(home.parent)
+    before = {path: path.read_bytes() for path in home.rglob("*") if path.is_file()}
+    scene = searched / "room.glb"
+    assert hypernav("find", "bed", "--scene", scene, "--out", out, "--memory", home, *SMALL) == 2
+    assert f"--out {out} {words}" in " ".join(capsys.readouterr().err.split())
+    assert {path: path.read_bytes() for path in home.rglob("*") if path.is_file()} == before
+
+
+def test_a_folder_of_results_in_use_leaves_the_memory_as_it_is(searched, home, tmp_path, capsys):
+    before = (home / "memory.json").read_bytes()
+    out, scene = tmp_path / "out", searched / "room.glb"
+    with folder_lock(out):
+        status = hypernav(
+            "find", "bed", "--scene", scene, "--out", out, "--memory", home, *SMALL
+        )  # fmt: skip
+    assert status == 2
+    assert "is in use by another run" in " ".join(capsys.readouterr().err.split())
+    assert (home / "memory.json").read_bytes() == before
 
 
 def test_relocalizing_needs_a_memory(searched, tmp_path, capsys):
@@ -122,6 +166,21 @@ def test_things_are_exported_as_closed_polygons_on_the_map(home, tmp_path):
     assert len(ring) == 5
 
 
+def test_exported_heights_are_those_of_the_map_frame(home, tmp_path):
+    index = json.loads((home / "memory.json").read_text())
+    index["floors"][0]["z"] = -2.5
+    (home / "memory.json").write_text(json.dumps(index))
+    assert hypernav("memory", home, "--export", tmp_path / "things.geojson") == 0
+    found = json.loads((tmp_path / "things.geojson").read_text())["features"]
+    things = index["floors"][0]["things"]
+    assert things
+    for one, thing in zip(found, things, strict=True):
+        told = one["properties"]
+        assert (told["floor"], told["floor_m"]) == (1, -2.5)
+        assert told["bottom_m"] == pytest.approx(thing["low"][2] - 2.5)
+        assert told["top_m"] == pytest.approx(thing["high"][2] - 2.5)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -145,6 +204,15 @@ def test_what_is_forgotten_is_gone_from_the_folder(home):
     assert not any(one["label"] == "bed" for one in index["floors"][0]["things"])
     assert index["images"] == []
     assert list((home / "images").iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["beds", "A-Bed"])
+def test_what_is_forgotten_is_counted_by_its_label_and_so_are_images(home, capsys, name):
+    images = len(json.loads((home / "memory.json").read_text())["images"])
+    assert images > 1
+    assert hypernav("memory", home, "--forget", name, "--forget-images") == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[:2] == ["1 thing forgotten: bed", f"{images} key images forgotten"]
 
 
 def test_a_memory_that_a_search_uses_is_left_alone(home, capsys):

@@ -18,7 +18,7 @@ from hypernav.build.memories import open_memory
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.interruptions import Terminated, interruptions_put_off
-from hypernav.cli.guards.outputs import check_file, check_folder
+from hypernav.cli.guards.outputs import check_apart, check_file, check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.find import Options
@@ -86,6 +86,8 @@ def run(options: Options) -> int:
         raise ConfigError("--similarity compares the images of a memory; add --memory FOLDER")
     goal = Goal(options.goal)
     folder = options.out or _new_folder(goal)
+    if options.memory is not None:
+        check_apart(folder, options.memory)
     check_folder(folder, OUTPUT_FILES)
     check_views(options.views, folder)
     if options.who.record is not None:
@@ -117,9 +119,12 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         rng = np.random.default_rng(options.seed)
         start = start_pose(options.start, world, goal, rng)
         episode = Episode(options.scene, "", goal, start, max_steps=steps)
-        memory = None
+        memory, earlier_searches = None, 0
         if options.memory is not None:
             memory = opened.enter_context(opened_memory(options, config, console))
+            earlier_searches = memory.memory.searches
+            # Before the search begins, which changes the memory.
+            opened.enter_context(folder_lock(folder))
         search = EpisodeRun(
             parts.agent,
             world,
@@ -129,6 +134,8 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
             memory=memory,
             relocalize=options.relocalize,
         )
+        if memory is None:  # only now, since a start that is refused leaves no folder
+            opened.enter_context(folder_lock(folder))
         if search.found_start is not None:
             console.print(found_start_line(search.found_start, options.memory), soft_wrap=True)
         if not search.trial.holds_goal:
@@ -143,7 +150,6 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         )
         # Absolute, since a component of the user's own may change the working directory.
         with (
-            folder_lock(folder),
             EpisodeRecorder(folder.absolute(), **asdict(info)) as recorder,
             opened_views(options.views, info, recorder) as views,
         ):
@@ -160,6 +166,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
                     "seed": options.seed,
                     "start": [start.x, start.y, float(np.degrees(start.yaw))],
                     **_found_start(search),
+                    **_memory_entry(options, search, earlier_searches),
                     **_numbers(outcome),
                     **parts.take_report(),
                     "config": config.model_dump(mode="json"),
@@ -299,6 +306,15 @@ def _numbers(result: EpisodeResult) -> dict[str, Any]:
 
 def _found_start(search: EpisodeRun) -> dict[str, Any]:
     return {} if search.found_start is None else {"found_start": search.found_start.as_dict()}
+
+
+def _memory_entry(options: Options, search: EpisodeRun, earlier_searches: int) -> dict[str, Any]:
+    """The memory that the search began with; empty if it began with none."""
+    is_lost = search.found_start is not None and bool(search.found_start.doubt)
+    if options.memory is None or is_lost:
+        return {}
+    folder = options.memory.resolve().name
+    return {"memory": {"folder": folder, "earlier_searches": earlier_searches}}
 
 
 def _new_folder(goal: Goal) -> Path:

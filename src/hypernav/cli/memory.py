@@ -64,9 +64,15 @@ def run(options: Options) -> int:
                 hint = f"; did you mean '{near[0]}'?" if near else ""
                 raise ConfigError(f"--forget: no '{name}' is remembered{hint}")
         for name in options.forget or ():
-            console.print(f"{_forgotten(home.memory, name)} {name} things forgotten", markup=False)
+            labels = sorted(label for label in known if same_name(label, name))
+            count = _forgotten(home.memory, name)
+            console.print(
+                f"{_number_of(count, 'thing')} forgotten: {', '.join(labels)}", markup=False
+            )
         if options.forget_images:
+            count = _image_count(home.memory)
             home.forget_images()
+            console.print(f"{_number_of(count, 'key image')} forgotten", markup=False)
         elif options.forget:
             console.print("key images stay, also those that show them; --forget-images forgets all")
         if options.forget or options.forget_images:
@@ -77,27 +83,32 @@ def run(options: Options) -> int:
             _write(options.export, json.dumps(geojson(home.memory), indent=1) + "\n")
         floors = home.memory.floors
         console.print(
-            f"{len(home.history)} searches, {sum(len(one.things.known) for one in floors)} things, "
-            f"{len(home.memory.images.kept if home.memory.images else ())} key images, "
-            f"{len(floors)} {'floor' if len(floors) == 1 else 'floors'}; open {page}",
+            f"{_number_of(len(home.history), 'search', 'searches')}, "
+            f"{_number_of(sum(len(one.things.known) for one in floors), 'thing')}, "
+            f"{_number_of(_image_count(home.memory), 'key image')}, "
+            f"{_number_of(len(floors), 'floor')}; open {page}",
             markup=False,
         )
     return ExitStatus.SUCCESS
 
 
 def geojson(memory: Memory) -> dict[str, Any]:
-    """All things as GeoJSON polygons; coordinates are metres of the ``map`` frame, no degrees."""
+    """All things as GeoJSON polygons.
+
+    Coordinates and heights are metres of the ``map`` frame, no degrees; of each thing ``floor_m``
+    is the height of its floor there, and ``bottom_m`` and ``top_m`` are those of its box.
+    """
     return {
         "type": "FeatureCollection",
         "features": [
-            _feature(thing, number)
+            _feature(thing, number, floor.z)
             for number, floor in enumerate(memory.floors)
             for thing in floor.things.known
         ],
     }
 
 
-def _feature(thing: Thing, floor: int) -> dict[str, Any]:
+def _feature(thing: Thing, floor: int, floor_m: float) -> dict[str, Any]:
     corners = thing.outline[1:]
     return {
         "type": "Feature",
@@ -106,8 +117,9 @@ def _feature(thing: Thing, floor: int) -> dict[str, Any]:
             "label": thing.label,
             "chance": round(thing.chance, 3),
             "floor": floor + 1,
-            "bottom_m": thing.low[2],
-            "top_m": thing.high[2],
+            "floor_m": floor_m,
+            "bottom_m": floor_m + thing.low[2],
+            "top_m": floor_m + thing.high[2],
             "seen": thing.seen,
             "missed": thing.missed,
             "last_search": thing.last_search,
@@ -123,6 +135,14 @@ def _forgotten(memory: Memory, name: str) -> int:
         number += len(floor.things.known) - len(kept)
         floor.things = Things(kept, floor.things.count)
     return number
+
+
+def _image_count(memory: Memory) -> int:
+    return len(memory.images.kept) if memory.images else 0
+
+
+def _number_of(count: int, one: str, more: str = "") -> str:
+    return f"{count} {one if count == 1 else more or f'{one}s'}"
 
 
 def _write(path: Path, text: str) -> None:

@@ -1,5 +1,6 @@
 """Lives in a worker: goals one after the other, with a memory that is kept or emptied."""
 
+import json
 from contextlib import closing
 from dataclasses import replace
 from typing import ClassVar
@@ -68,6 +69,21 @@ def test_each_goal_begins_where_the_robot_stands_with_what_it_knows(tmp_path):
     assert [r.goal_number for r in (first, second, third)] == [1, 2, 3]
     assert third.shortest_path_m == first.distance_to_goal_m < first.shortest_path_m
     assert second.path_length_m == 0.0
+
+
+@pytest.mark.parametrize(
+    ("fresh", "told"),
+    [
+        (False, [None, {"earlier_searches": 1}, {"earlier_searches": 2}]),
+        (True, [None, None, None]),
+    ],
+)
+def test_results_of_a_life_tell_how_often_the_robot_had_been_there(tmp_path, fresh, told):
+    agent = Listening([STOP, STOP, STOP])
+    life = life_in(tmp_path)
+    records = lived(tmp_path, life, agent, fresh_memory=fresh, save="videos")
+    results = [json.loads((tmp_path / one.saved / "result.json").read_text()) for one in records]
+    assert [one.get("memory") for one in results] == told
 
 
 def test_with_a_fresh_memory_a_goal_is_an_episode_that_starts_there(tmp_path):

@@ -208,7 +208,7 @@ def test_a_damaged_map_is_drawn_anew_and_things_and_images_are_kept(home, damage
         path.write_bytes(content[: len(content) // 2] if damage == "cut" else b"x" * len(content))
     with open_memory(home, CONFIG) as memory:
         (line,) = memory.left_out
-        assert line.startswith("the map of floor 0 is damaged (")
+        assert line.startswith("the map of floor 1 is damaged (")
         assert not memory.memory.floor.map.grid.explored.any()
         assert not memory.memory.floor.was_explored
         assert memory.memory.floor.things.known
@@ -232,6 +232,17 @@ def test_another_robot_building_or_folder_is_refused(home, tmp_path):
     (tmp_path / "thesis" / "chapter.tex").touch()
     with pytest.raises(MemoryFolderError, match=r"holds other files .chapter\.tex"):
         open_memory(tmp_path / "thesis", CONFIG)
+
+
+def test_no_memory_begins_inside_another(home, tmp_path):
+    before = sorted(home.rglob("*"))
+    for inside in (home / "kitchen", home / "images" / "of" / "mine"):
+        with pytest.raises(MemoryFolderError, match=r"lies in .*home, which is a memory itself"):
+            open_memory(inside, CONFIG)
+    assert sorted(home.rglob("*")) == before
+    (tmp_path / "memory.json").write_text("{}")  # of another program
+    with open_memory(tmp_path / "beside", CONFIG) as memory:
+        assert memory.index is None
 
 
 def test_a_robot_that_was_moved_unnoticed_is_refused(home):

@@ -241,7 +241,7 @@ def test_a_map_that_no_map_can_be_is_damaged_whatever_vouches_for_it(home, chang
     change_index(home, floors=floors)
     with opened(home) as memory:
         (line,) = memory.left_out
-        assert line.startswith("the map of floor 0 is damaged (")
+        assert line.startswith("the map of floor 1 is damaged (")
         memory.save()
 
 

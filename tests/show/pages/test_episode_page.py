@@ -89,6 +89,21 @@ def test_the_page_tells_the_whole_story(
     assert len(page.with_tag("button")) >= 2
 
 
+@pytest.mark.parametrize(
+    ("memory", "words"),
+    [
+        ({}, "searched a building that it had never seen, for"),
+        ({"memory": {"folder": "flat", "earlier_searches": 0}}, "that it had never seen, for"),
+        ({"memory": {"folder": "flat", "earlier_searches": 1}}, "been in 1 earlier search, for"),
+        ({"memory": {"earlier_searches": 3}}, "a building where it had been in 3 earlier searches"),
+    ],
+)
+def test_the_page_says_whether_the_robot_had_been_there(
+    result: dict[str, Any], memory: dict[str, Any], words: str, tmp_path: Path
+) -> None:
+    assert words in read(write_page(tmp_path, result | memory, [], {})).visible
+
+
 def test_the_page_needs_no_network(
     steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
 ) -> None:

@@ -102,8 +102,9 @@ def building_of(scene: str) -> Building:
             f"there are no generated '{kind:.40}'; expected {', '.join(f'{k}:N' for k in NOUNS)}"
         )
     if not is_whole_number(number):
+        noun = NOUNS[kind].replace("-", " ")
         raise SceneError(
-            f"there is no {NOUNS[kind]} '{number:.40}'; expected a whole number of at most nine "
-            f"digits, for example {kind}:1234"
+            f"there is no {noun} '{number:.40}'; expected a whole number of at most nine digits, "
+            f"for example {kind}:1234"
         )
     return Building(kind, int(number))

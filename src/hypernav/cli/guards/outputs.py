@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from hypernav.core.errors import OutputError
+from hypernav.core.errors import ConfigError, OutputError
 from hypernav.core.files.output_file import check_regular
 
 
@@ -51,3 +51,18 @@ def check_file(path: Path) -> None:
     """
     check_regular(path)
     check_folder(path.parent)
+
+
+def check_apart(folder: Path, memory: Path) -> None:
+    """Refuse to write results to the folder of a memory, or into it.
+
+    Raises:
+        ConfigError: They would be; the message names ``--out``.
+    """
+    results, home = folder.resolve(), memory.resolve()
+    if results == home:
+        raise ConfigError(f"--out {folder} is the folder of --memory; choose another")
+    if results.is_relative_to(home):
+        raise ConfigError(
+            f"--out {folder} lies in the memory, whose files it could replace; choose another"
+        )

@@ -17,8 +17,8 @@ class Options:
     goal: tyro.conf.Positional[str]
     """The object to find: bed, "L-shaped sofa", …"""
     scene: str = "builtin"
-    """The building: builtin, houses:N, offices:N or shops:N (any whole number N), or the path of a
-    GLB, another model or a Gazebo world."""
+    """The building: builtin, houses:N, offices:N, shops:N, crowded:N or storeys:N (any whole number
+    N), or the path of a GLB, another model or a Gazebo world."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agent."""
     start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW")] = None

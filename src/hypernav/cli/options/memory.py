@@ -18,4 +18,5 @@ class Options:
     forget_images: bool = False
     """Forget all key images."""
     export: Path | None = None
-    """GeoJSON file to write with all things; coordinates are metres of the map frame."""
+    """GeoJSON file to write with all things; coordinates and heights are metres of the map
+    frame."""

@@ -21,7 +21,8 @@ class Simulate:
     """Address of the server, for example http://127.0.0.1:8765; else one is started for the
     search."""
     scene: str = "builtin"
-    """The building: builtin, houses:N, offices:N or shops:N, or the file of a scene."""
+    """The building: builtin, houses:N, offices:N, shops:N, crowded:N or storeys:N, or the file of a
+    scene."""
     token_file: Path | None = None
     """File with the server's secret."""
     link: Literal["http", "websocket"] = "http"
@@ -77,7 +78,8 @@ class Wait:
     name: str = "simulated"
     """The robot's name on the page."""
     scene: str = "builtin"
-    """The building: builtin, houses:N, offices:N or shops:N, or the file of a scene."""
+    """The building: builtin, houses:N, offices:N, shops:N, crowded:N or storeys:N, or the file of a
+    scene."""
     token_file: Path | None = None
     """File with the server's secret."""
     agent: str | None = None

@@ -64,10 +64,10 @@ def no_such_object_line(goal: Goal, labels: Iterable[ObjectLabel]) -> str:
         hint = f"did you mean '{close[0]}'?"
     elif kinds:
         more = f" and {len(kinds) - _MOST_KINDS} other kinds" * (len(kinds) > _MOST_KINDS)
-        hint = f"it holds {', '.join(kinds[:_MOST_KINDS])}{more}"
+        hint = f"it holds {', '.join(kinds[:_MOST_KINDS])}{more}."
     else:
-        hint = "no object in it has a name; an objects.json beside its file gives them names"
+        hint = "no object in it has a name; an objects.json beside its file gives them names."
     return (
-        f"[yellow]nothing in this building answers to '{escape(goal.text)}'[/]; {escape(hint)}. "
+        f"[yellow]nothing in this building answers to '{escape(goal.text)}'[/]; {escape(hint)} "
         "The search runs anyway."
     )

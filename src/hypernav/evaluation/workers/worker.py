@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -153,7 +154,7 @@ class EpisodeWorker:
                 memory=memory,
                 goes_on=goes_on,
             )
-            return self._watch(run, scene, number)
+            return self._watch(run, scene, number, goes_on=goes_on)
         except SIMULATOR_ERRORS as error:
             said = f"{type(error).__name__}: {error}"
             return unmeasured_record(episode, Outcome.SIMULATOR_ERROR, said, goal_number=number)
@@ -177,7 +178,10 @@ class EpisodeWorker:
             self._scene = _OpenScene(scene_id, opened.world, opened.renderer)
         return self._scene
 
-    def _watch(self, run: EpisodeRun, scene: "_OpenScene", number: int) -> EpisodeRecord:
+    def _watch(
+        self, run: EpisodeRun, scene: "_OpenScene", number: int, *, goes_on: bool
+    ) -> EpisodeRecord:
+        before = {"memory": {"earlier_searches": number - 1}} if goes_on else {}
         episode, world, save = run.trial.episode, scene.world, self._job.save
         goal = world.goal_truth(episode.goal, episode.view_points)
         evidence = FailureEvidence(world, goal, self._job.config)
@@ -200,11 +204,11 @@ class EpisodeWorker:
             )
             verdict = classify(facts)
             if recorder is not None:
-                saved = self._finish(recorder, episode, result, verdict)
+                saved = self._finish(recorder, episode, result, verdict, before)
         if save == "failures" and verdict is not None:
             with self._recorder(episode) as recorder:
                 storyboard.record(recorder, scene.image_from)
-                saved = self._finish(recorder, episode, result, verdict)
+                saved = self._finish(recorder, episode, result, verdict, before)
         return EpisodeRecord(
             scene_id=episode.scene_id,
             episode_id=episode.episode_id,
@@ -244,6 +248,7 @@ class EpisodeWorker:
         episode: Episode,
         result: EpisodeResult,
         verdict: Verdict | None,
+        before: dict[str, Any],
     ) -> str:
         """Complete the episode's folder; returns its path within the run's."""
         recorder.finish(
@@ -252,6 +257,7 @@ class EpisodeWorker:
                 "scene": episode.scene_id,
                 "episode": episode.episode_id,
                 **self._searcher.words,
+                **before,
                 "outcome": result.outcome.value,
                 "failure": verdict.failure.words if verdict is not None else "",
                 "why": verdict.why if verdict is not None else "",

@@ -22,7 +22,7 @@ from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.index import GoalRecord, Index, Place
 from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.reading import Contents, read_memory
+from hypernav.mapping.memory.reading import Contents, check_not_inside_another, read_memory
 from hypernav.mapping.memory.start import check_start
 from hypernav.mapping.memory.writing import Writer
 
@@ -74,9 +74,10 @@ class MemoryFolder:
 
         Raises:
             RunFolderError: Another process uses it, or it can't be written.
-            MemoryFolderError: It holds no memory, a broken one, or that of another robot; or a file
-                can't be read now.
+            MemoryFolderError: It holds no memory, a broken one, or that of another robot; a file
+                can't be read now; or it is empty and lies in the folder of another memory.
         """
+        check_not_inside_another(folder)
         self.folder: Path = folder
         self._most_bytes = round(most_megabytes * 1e6)
         self._clock = clock

@@ -105,8 +105,8 @@ def read_memory(
             floor = _floor_without_map(record, mapping, embodiment)
             damaged.append(record.state.name)
             left_out.append(
-                f"the map of floor {number} is damaged ({error}); it is drawn anew, and its things "
-                "and images are kept"
+                f"the map of floor {number + 1} is damaged ({error}); it is drawn anew, and its "
+                "things and images are kept"
             )
         memory.floors.append(floor)
     memory.number = index.floor
@@ -155,6 +155,26 @@ def read_index(folder: Path) -> Index | None:
         where = ".".join(map(str, first["loc"]))
         raise MemoryFolderError(_broken(path, f"{where}: {first['msg']}")) from error
     return index
+
+
+def check_not_inside_another(folder: Path) -> None:
+    """Refuse to begin a memory in a folder inside that of another one.
+
+    Raises:
+        MemoryFolderError: There is no memory in it yet, and one in a folder around it.
+    """
+    if (folder / INDEX_NAME).exists():
+        return
+    for outer in folder.resolve().parents:
+        try:
+            facts = parse_json(read_file(outer / INDEX_NAME))
+        except (OSError, ValueError):  # no memory, or none that can be told from other files
+            continue
+        if isinstance(facts, dict) and facts.get("format") == FORMAT:
+            raise MemoryFolderError(
+                f"{folder} lies in {outer}, which is a memory itself; name that one, or a folder "
+                "elsewhere"
+            )
 
 
 def _check_empty(folder: Path) -> None:

@@ -176,7 +176,9 @@ def _summary(result: Mapping[str, Any]) -> str:
     """The episode in one or two sentences."""
     if result.get("outcome") == "replayed":
         return "Recorded frames went through mapping and local perception; nothing was driven."
-    text = "The robot searched a building that it had never seen"
+    earlier = (result.get("memory") or {}).get("earlier_searches", 0)
+    been = f"where it had been in {earlier} earlier search{'' if earlier == 1 else 'es'}"
+    text = f"The robot searched a building {been if earlier else 'that it had never seen'}"
     steps, walked = result.get("steps"), result.get("path_length_m")
     if isinstance(steps, int):
         text += f", for {steps} step{'' if steps == 1 else 's'}"
