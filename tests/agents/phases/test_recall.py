@@ -95,6 +95,14 @@ def test_what_is_hardly_likely_is_gone_to_when_nothing_is_left_to_explore(memory
     assert not recalls or "block" in " ".join(reasons[: recalls[0]])
 
 
+@pytest.mark.parametrize(
+    ("goal", "is_gone_to"), [("sofa", True), ("the sofa beside the bed", False)]
+)
+def test_what_is_hardly_likely_where_it_is_waits_as_well(memory, goal, is_gone_to):
+    steps, _, _ = searched(two_rooms(coloured=False), goal, IN_BEDROOM, memory)
+    assert (steps[0].reason == "a sofa was seen there before") is is_gone_to
+
+
 def test_the_present_search_recalls_nothing_of_its_own():
     steps, _, memory = searched(two_rooms(coloured=False), "piano", START, None)
     assert memory.search.remembered == frozenset()

@@ -145,7 +145,11 @@ def stairs_to_recalled(step: Step, memory: Memory) -> Destination | None:
 
 
 def _left(floor: Floor, goal: Goal, least: float) -> list[tuple[Thing, float]]:
-    """What is remembered of a floor, may be the goal and was not gone to, with its chances."""
+    """What is remembered of a floor, may be the goal and was not gone to, with its chances.
+
+    Each has at least the least chance both by its name and by where it is: among many alike, the
+    place alone makes none likely.
+    """
     search, things = floor.search, floor.things
     left = [
         (thing, chance)
@@ -153,10 +157,11 @@ def _left(floor: Floor, goal: Goal, least: float) -> list[tuple[Thing, float]]:
         if chance >= least and thing.number in search.remembered
     ]
     weights = weights_of_place([thing for thing, _ in left], things.known, goal, floor.map)
-    return [
+    weighed = [
         (thing, min(chance * weight, thing.chance))
         for (thing, chance), weight in zip(left, weights, strict=True)
     ]
+    return [pair for pair in weighed if pair[1] >= least]
 
 
 def seen_in_image(step: Step, memory: Memory) -> Destination | None:
