@@ -261,16 +261,16 @@ def is_nearer(step: Step, memory: Memory, plan: Plan, target: Candidate) -> bool
         return False
     if destination is None and step.number == 0:
         best = _best(step, memory, LIKELY)
-        thing, left_m = (None, 0.0) if best is None else (best.thing, best.way_m)
+        number, left_m = (None, 0.0) if best is None else (best.thing.number, best.way_m)
     elif destination is not None and destination.thing is not None:
-        thing = memory.floor.things.find(destination.thing)
-        left_m = plan.exploring.route.left_m(step.robot)
+        number, left_m = destination.thing, plan.exploring.route.left_m(step.robot)
     else:
         return False
     there = memory.floor.things.at(*target.area.centre, step.goal)
-    if thing is None or thing in there or thing.is_gone or thing.number in memory.search.gone_to:
+    chances = {one.number: chance for one, chance in _left(memory.floor, step.goal, 0.0)}
+    if number not in chances or any(one.number == number for one in there):
         return False
-    worth_m = left_m * target.chance / (thing.chance * thing.fits(step.goal))
+    worth_m = left_m * target.chance / chances[number]
     if worth_m < target.distance_to(*step.robot.xy):
         return True
     with step.clock("plan"):
