@@ -3,10 +3,12 @@
 import math
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import pytest
 
 from box_scenes import Box, scene_of
+from box_views import FLOOR, view_of
 from chat_models import Parrot
 from hypernav.build.agents import build_search
 from hypernav.build.presets import preset, with_changes
@@ -18,8 +20,12 @@ from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, Mode, StepTrace
-from hypernav.mapping.memory.connectors import Passage
+from hypernav.mapping.memory.connectors import Connector, Passage, UnderWay, with_crossing
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.reading import read_memory
+from hypernav.mapping.memory.thing import Thing
+from hypernav.mapping.memory.things import Things
+from hypernav.mapping.memory.writing import Writer
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
@@ -32,6 +38,7 @@ from stair_views import FIRST_X, RISE_M, SIDES_Y, STEPS, TREAD_M
 
 CONFIG = with_changes(preset("default"), {"embodiment": {"body": {"max_step_m": 0.2}}})
 ABOVE_M = STEPS * RISE_M
+CAMERA = CONFIG.embodiment.camera.intrinsics
 START_X = 1.5
 HEAD_X = FIRST_X + (STEPS - 1) * TREAD_M
 
@@ -164,6 +171,7 @@ def test_a_search_that_begins_on_stairs_is_not_blind():
     agent.act(world.reset(Episode("x", "0", Goal("umbrella"), start, start_z=0.0)))
     while world.pose.x < FIRST_X + 2.5 * TREAD_M:
         agent.act(world.step(Action.MOVE_FORWARD))
+    agent.memory.goes_over(None)
     agent.reset(Goal("bed"), agent.memory)
     for _ in range(6):  # turns to the lower room
         agent.act(world.step(Action.TURN_LEFT))
@@ -173,6 +181,54 @@ def test_a_search_that_begins_on_stairs_is_not_blind():
     before = len(memory.floor.trajectory)
     agent.act(world.step(Action.TURN_LEFT))
     assert len(memory.floor.trajectory) == before + 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("on_disk", [False, True])
+@pytest.mark.parametrize("last", ["in the middle", "at the end"])
+def test_stairs_on_which_a_search_ended_are_known_to_the_next_one(tmp_path, last: str, on_disk):
+    world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
+    first = episode_from(Pose2(START_X, 1.0, 0.0), "umbrella", start_z=0.0)
+    agent.reset(first.goal, agent.new_memory())
+    seen = world.reset(first)
+    ends_m = ABOVE_M / 2.0 if last == "in the middle" else ABOVE_M - 0.05
+    while (action := agent.act(seen)) is not None and world.position[2] < ends_m:
+        seen = world.step(action)
+    memory = agent.memory
+    assert {one.passage for one in memory.connectors if one.goes_up} == {Passage.UNTRIED}
+    if on_disk:
+        memory = written_and_read(memory, tmp_path)
+        memory.begin_at(seen)
+    assert agent.last_step.mode is Mode.CLIMB
+    agent.reset(Goal("bed"), memory)
+    reasons = list[str]()
+    while (action := agent.act(seen)) is not None and len(reasons) < 80:
+        reasons.append(agent.last_step.reason)
+        if action is Action.STOP:
+            break
+        seen = world.step(action)
+    assert action is Action.STOP
+    assert reasons[0] == "on the stairs up"
+    ways = {(one.floor, one.other_floor) for one in memory.connectors if one.is_usable}
+    assert ways == {(0, 1), (1, 0)}
+
+
+def test_a_robot_that_was_carried_is_not_on_its_way_over_stairs():
+    memory = Memory(CONFIG.mapping, CONFIG.embodiment)
+    memory.connectors = (Connector(0, True, (1.0, 0.0), 0.0),)
+    memory.way.append((1.5, 0.0))
+    memory.goes_over(0)
+    assert memory.under_way == UnderWay(0, (1.5, 0.0, 0.0))
+    memory.begin_search(sees_stairs=True)
+    memory.follow(view_of([FLOOR], Pose2(4.0, 0.0, 0.0), camera=CAMERA))
+    assert memory.under_way is None
+
+
+def written_and_read(memory: Memory, folder: Path) -> Memory:
+    Writer(folder, None).write(memory, None, (), most_bytes=10**9)
+    contents = read_memory(folder, CONFIG.mapping, CONFIG.embodiment, most_bytes=10**9)
+    assert contents is not None
+    return contents.memory
 
 
 def takes_stairs(question: Question) -> str:
@@ -329,10 +385,34 @@ def test_a_robot_takes_the_stairs_that_it_knows_to_a_thing_on_another_floor(
     is_sent, two_sofas, reason
 ):
     trace, memory = search_above_for_the_sofa(is_sent=is_sent, two_sofas=two_sofas)
-    assert trace[0].reason == reason
+    assert not (is_sent and trace[0].mode is Mode.LOOK_AROUND)
+    assert next(one.reason for one in trace if one.mode is not Mode.LOOK_AROUND) == reason
     climbed = [one.reason for one in trace if one.mode is Mode.CLIMB]
     assert all(one.startswith("on the stairs to floor 1") for one in climbed)
     assert trace[-1].action is Action.STOP
+    assert memory.number == 0
+
+
+def test_a_robot_looks_at_what_is_unseen_before_it_takes_stairs_to_a_thing():
+    world, agent = split_level(), build_search(CONFIG, GroundTruthDetector())
+    memory = Memory(CONFIG.mapping, CONFIG.embodiment)
+    memory.floor.trajectory = [(0.0, 0.0)]
+    memory.add_floor(-ABOVE_M)
+    head = (10.0 - HEAD_X, 2.5 - sum(SIDES_Y) / 2.0)
+    down = Connector(0, False, head, 0.0, Passage.USED, other_floor=1, sightings=2)
+    memory.connectors = with_crossing((down,), 0, 1, (head[0] + 2.0, head[1]), math.pi)
+    bed = Thing(0, "bed", 1.0, (8.0, 0.0, 0.0), (9.0, 1.0, 0.5), ((7.0, 0.0, 1.0),), 999.0, 1, 1)
+    memory.floors[1].things = Things((bed,), 1)
+    start = Pose2(10.0, 2.5, math.pi)  # with its back to another bed
+    seen = world.reset(Episode("x", "0", Goal("bed"), start, start_z=ABOVE_M))
+    agent.reset(Goal("bed"), memory)
+    modes = list[Mode]()
+    while (action := agent.act(seen)) is not Action.STOP and len(modes) < 20:
+        assert action is not None
+        modes.append(agent.last_step.mode)
+        seen = world.step(action)
+    assert action is Action.STOP
+    assert modes[0] is Mode.LOOK_AROUND
     assert memory.number == 0
 
 

@@ -288,6 +288,12 @@ def test_an_agent_of_ones_own_asks_for_a_detector(folder: Path):
             ConfigError,
             "--agent own_parts:Whole asks no similarity",
         ),
+        (
+            {"similarity": "own_parts:Compares"},
+            ("search.recall=false",),
+            ConfigError,
+            "--similarity own_parts:Compares would never be asked",
+        ),
         ({}, ("own.detector.score=1",), ConfigError, "own.detector is not for ground-truth"),
         ({}, ("own.segmenter.score=1",), ConfigError, "own.segmenter: no segmenter is asked"),
         (

@@ -1,17 +1,30 @@
 """`hypernav serve`: its options, and how it begins and ends."""
 
+import errno
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from hypernav.build.memories import open_memory
 from hypernav.cli.command_line import run_command
-from hypernav.core.errors import ConfigError, MemoryFolderError, MissingExtraError, ModelError
+from hypernav.core.errors import (
+    ConfigError,
+    MemoryFolderError,
+    MissingExtraError,
+    ModelError,
+    OutputError,
+)
+from hypernav.core.geometry.transforms import Transform
+from hypernav.core.goal import Goal
+from hypernav.worlds.box_room import BoxRoom
 from servers.robots import Answer, RobotLink, body_of
 
 
@@ -30,6 +43,10 @@ from servers.robots import Answer, RobotLink, body_of
         (["--relocalize"], "add --memory FOLDER"),
         (["--similarity", "local:nowhere"], "--similarity compares .* add --memory FOLDER"),
         (["--memory", "home", "--agent", "servers.robots:ScriptedAgent"], "keeps no memory"),
+        (
+            ["--memory", "home", "--similarity", "local:x", "--set", "search.recall=false"],
+            "--similarity local:x would never be asked: .*search.recall",
+        ),
     ],
 )
 def test_mistakes_are_said_before_anything_is_served(options, words, tmp_path):
@@ -46,6 +63,63 @@ def test_a_broken_memory_is_said_before_anything_is_served(tmp_path):
     (tmp_path / "memory.json").write_text("{")
     with pytest.raises(MemoryFolderError, match=r"memory\.json is broken"):
         run_command(["serve", "--state", str(tmp_path / "state"), "--memory", str(tmp_path)])
+
+
+@pytest.fixture
+def home(tmp_path: Path) -> Path:
+    """A robot's memory after one image."""
+    return remembered(tmp_path / "home")
+
+
+def remembered(folder: Path, **place: Any) -> Path:
+    with open_memory(folder) as memory:
+        seen = BoxRoom().observe()
+        memory.begin(Goal("door"), seen, **place).floor.map.integrate(seen)
+        memory.end("found", steps=1)
+    return folder
+
+
+def served(tmp_path: Path, home: Path) -> None:
+    run_command(["serve", "--state", str(tmp_path / "state"), "--memory", str(home)])
+
+
+def test_a_memory_that_was_learned_in_simulation_is_refused_before_a_robot_comes(tmp_path):
+    home = remembered(tmp_path / "home", building="house", map_to_scene=Transform.identity())
+    with pytest.raises(MemoryFolderError, match=r"of house, which is simulated; name another"):
+        served(tmp_path, home)
+
+
+def test_a_memory_of_which_a_file_can_not_be_read_is_said_before_anything_is_served(tmp_path, home):
+    (state,) = home.glob("floor-1/state-*.npz")
+    state.unlink()
+    state.mkdir()
+    with pytest.raises(MemoryFolderError, match=r"state-1\.npz cannot be read"):
+        served(tmp_path, home)
+
+
+def test_a_memory_that_could_not_be_saved_is_said_before_anything_is_served(
+    tmp_path, home, monkeypatch
+):
+    def read_only(*, dir: Path):
+        raise PermissionError(errno.EACCES, "Permission denied")
+
+    state = tmp_path / "state"
+    state.mkdir()
+    make = tempfile.TemporaryFile
+    monkeypatch.setattr(
+        "tempfile.TemporaryFile",
+        lambda *, dir: read_only(dir=dir) if dir == home else make(dir=dir),
+    )
+    with pytest.raises(OutputError, match=r"home cannot be written \(Permission denied\)"):
+        served(tmp_path, home)
+
+
+def test_what_is_damaged_of_a_memory_is_said_at_the_start(tmp_path, home, monkeypatch, capsys):
+    (state,) = home.glob("floor-1/state-*.npz")
+    state.write_bytes(b"no archive")
+    monkeypatch.setattr("hypernav.robot.server.serving.serve", lambda *args, **options: None)
+    served(tmp_path, home)
+    assert "the map of floor 0 is damaged" in " ".join(capsys.readouterr().err.split())
 
 
 def test_a_missing_extra_is_named(monkeypatch, tmp_path):

@@ -118,6 +118,7 @@ def test_a_ranking_is_told_in_the_trace_and_an_empty_memory_asks_nothing():
     assert (told.kind, told.asked, told.by_model) == ("rank images", "similarity by colours", False)
     assert told.question == "a photo of a red ball"
     assert told.answer.startswith("image 10: +")
+    assert told.seconds > 0.0
 
 
 def test_a_model_that_can_not_be_used_is_refused_before_the_search():

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from hypernav.agents.decide import decide
+from hypernav.agents.phases.recall import leaves_for_recalled
 from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, SearchComponents, Step
 from hypernav.core.actions import Action
@@ -103,6 +104,8 @@ class SearchAgent:
         if decision.action is not None:
             plan = replace(plan, ordered=(seen.robot, decision.action))
         self._trace = self._traced(step, memory, plan, decision, detections)
+        climbing = plan.climbing
+        memory.goes_over(None if climbing is None or climbing.is_back else climbing.connector)
         self._plan, self._steps = plan, self._steps + 1
         return decision.action
 
@@ -130,7 +133,13 @@ class SearchAgent:
         return self._goal, self._memory
 
     def _plan_of_floor(self, memory: Memory, before: Plan | None, events: list[str]) -> Plan:
-        """The first plan on a floor: a look around, unless the robot has been there before."""
+        """The first plan on a floor: a look around, unless the robot has been there before.
+
+        A search that would begin by leaving its floor looks at what is unseen there first.
+        """
+        if before is None and memory.under_way is not None and memory.on_stairs:
+            climbing = Climbing(memory.under_way.connector)  # where the last search has ended
+            return replace(Plan.at_start(self.components.paced, turns=0), climbing=climbing)
         then, climbing = None, None if before is None else before.climbing
         if climbing is not None:
             if memory.connectors[climbing.connector].other_floor == memory.number:
@@ -139,6 +148,8 @@ class SearchAgent:
             events.append("another floor reached")
         config, turns = self.components.paced, self.embodiment.motion.turns_of_a_circle
         looks = config.look_around_at_start and not memory.floor.trajectory
+        if before is None and self.components.gaze is not None and config.looks == "always":
+            looks = looks or leaves_for_recalled(self._running[0], memory, config)
         return Plan.at_start(config, turns=turns if looks else 0, then=then)
 
     def _asks_the_camera(self) -> bool:

@@ -28,6 +28,7 @@ from hypernav.core.components.protocols import (
 )
 from hypernav.core.components.registry import Choice
 from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.errors import ConfigError
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.ledger import Ledger
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
@@ -57,14 +58,20 @@ def build_agent(
         resume: Whether to answer recorded questions from that file.
 
     Raises:
-        ConfigError: Components do not exist or do not fit together, or native mode is combined
-            with the robot of common mode.
+        ConfigError: Components do not exist, do not fit together or would never be asked, or native
+            mode is combined with the robot of common mode.
         ContractError: A component of another package breaks its protocol.
         ModelError: A model's file cannot be used.
         RecordingError: A recording is missing or broken, or a file with its name exists.
         MissingExtraError: A component needs a package that is not installed.
     """
     chosen = choose_components(specs or ComponentSpecs(), presence=config.presence.enabled)
+    if chosen.similarity is not None and not config.search.recall:
+        raise ConfigError(
+            f"--similarity {chosen.similarity.spec} would never be asked: it ranks the images of a "
+            "memory, and with search.recall=false (as in --preset paper) no search goes to what is "
+            "remembered; set search.recall=true or drop --similarity"
+        )
     if chosen.native:
         check_native_robot(config)
     log, ledger, truth = ExchangeLog(), Ledger(), EpisodeTruth()

@@ -3,6 +3,7 @@
 import dataclasses
 import logging
 import sys
+from pathlib import Path
 
 from rich.markup import escape
 
@@ -22,17 +23,17 @@ def run(options: Options) -> int:
     """Run the command until it is interrupted.
 
     Raises:
-        MemoryFolderError: The memory is broken, or the folder holds something else.
+        MemoryFolderError: The memory is broken, can't be read now, or is that of a simulated
+            building; or the folder holds something else.
         ConfigError: An option, the address or the token cannot be used.
         MissingExtraError: The packages of a server, or of a component, are not installed.
         ModelError: A model's file cannot be used.
-        OutputError: The folder cannot be written.
+        OutputError: The folder of the searches, or that of the memory, cannot be written.
         RunFolderError: Another server uses it.
     """
     for module in _MODULES:
         require(module, extra="robot")
     from hypernav.build.presets import HyPerNavConfig
-    from hypernav.mapping.memory.reading import read_index
     from hypernav.robot.server.access import Access
     from hypernav.robot.server.agents import AgentPlan
     from hypernav.robot.server.limits import ServerLimits
@@ -56,8 +57,7 @@ def run(options: Options) -> int:
     check_option("--memory-mb", options.memory_mb, (1.0, 1e6), "maps alone take about 1 MB")
     check_folder(options.state)
     memory = None if options.memory is None else options.memory.absolute()
-    if memory is not None:
-        read_index(memory)  # refuses a broken one before a robot comes
+    damaged = () if memory is None else _check_memory(memory)
 
     def plan(request: OpenSearch) -> AgentPlan:
         who = dataclasses.replace(
@@ -80,6 +80,9 @@ def run(options: Options) -> int:
         stream=sys.stderr, level=logging.WARNING, format="%(levelname)s %(message)s"
     )
 
+    for line in damaged:
+        console.print(f"[yellow]{escape(f'{memory}: {line}')}[/]", soft_wrap=True)
+
     def say(url: str) -> None:
         console.print(
             f"serving at {escape(url)}, detector {escape(detector)}, searches in "
@@ -91,3 +94,25 @@ def run(options: Options) -> int:
     with warm_up_in_background(console.print):
         serve(access, options.port, options.state, plan, limits, memory=memory, on_start=say)
     return ExitStatus.SUCCESS
+
+
+def _check_memory(folder: Path) -> tuple[str, ...]:
+    """Refuse a memory that no search could begin with, or be saved to, before a robot comes.
+
+    Returns:
+        One line about each part that is damaged.
+
+    Raises:
+        MemoryFolderError: As `run`.
+        OutputError: The folder cannot be written.
+    """
+    from hypernav.mapping.memory.memory_folder import check_is_of_robot
+    from hypernav.mapping.memory.reading import read_index, read_memory
+
+    check_folder(folder)
+    index = read_index(folder)
+    if index is None:
+        return ()
+    check_is_of_robot(folder, index.place)
+    contents = read_memory(folder, index.mapping, index.robot, most_bytes=sys.maxsize)
+    return () if contents is None else contents.left_out

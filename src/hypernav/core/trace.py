@@ -200,8 +200,9 @@ class ExchangeLog:
         *,
         chosen: int | None = None,
         excluded: Iterable[int] = (),
+        seconds: float = 0.0,
     ) -> None:
-        """Add a question that a rule answered, not a model; see `Exchange` for the values."""
+        """Add a question that no chat model answered; see `Exchange` for the values."""
         self.record(
             Exchange(
                 kind=kind,
@@ -210,6 +211,7 @@ class ExchangeLog:
                 answer=answer,
                 chosen=chosen,
                 excluded=sorted(excluded),
+                seconds=seconds,
             )
         )
 

@@ -6,6 +6,7 @@ fit any image. Both are ours: VLFM takes the bare similarity, and DynaMem (Liu e
 code) goes to the place of the greatest one and has a detector look there.
 """
 
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from weakref import WeakKeyDictionary
@@ -84,7 +85,7 @@ class ImageRanking:
         """
         if not images:
             return []
-        words = goal.named_in(_WORDS)
+        words, began_s = goal.named_in(_WORDS), time.perf_counter()
         fits = self._fits(images, words)
         away = fits - np.median(fits)
         spread = max(_TO_DEVIATION * float(np.median(np.abs(away))), _LEAST_SPREAD)
@@ -92,7 +93,8 @@ class ImageRanking:
         order = sorted(range(len(images)), key=lambda k: (-fits[k], images[k].number))
         ranked = [RankedImage(images[k].number, round(float(above[k]), 3)) for k in order]
         told = ", ".join(f"image {one.number}: {one.above:+.1f}" for one in ranked[:_TOLD])
-        self.log.note("rank images", self.name, words, told)
+        took_s = time.perf_counter() - began_s
+        self.log.note("rank images", self.name, words, told, seconds=took_s)
         return ranked
 
     def _fits(self, images: Sequence[KeyImage], words: str) -> Float64[np.ndarray, " images"]:

@@ -29,6 +29,14 @@ def test_it_is_the_median_of_the_last_seconds_without_the_time_of_models():
     assert pace.median_s() == pytest.approx(0.095)
 
 
+def test_a_slow_ranking_of_remembered_images_is_no_slowness_of_the_server():
+    pace = Pace(lambda: 40.0)
+    ranked = Exchange(kind="rank images", asked="x", question="?", answer="1", seconds=30.0)
+    for _ in range(20):
+        pace.note(asked(0.0, 0.0).model_copy(update={"exchanges": [ranked]}), 9.9)
+    assert pace.median_s() == pytest.approx(0.1)
+
+
 def test_a_few_answers_say_nothing():
     now_s = [0.0]
     pace = Pace(lambda: now_s[0])

@@ -14,9 +14,12 @@ from typing import Any
 
 import pytest
 
+from hypernav.build.memories import open_memory
+from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.actions import Action
 from hypernav.core.errors import RunFolderError
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.goal import Goal
 from hypernav.mapping.memory.index import GoalRecord, Index
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.mapping.memory.reading import read_index
@@ -101,6 +104,39 @@ def test_a_restarted_server_adds_a_search_to_the_memory_once(tmp_path, plan):
     with robot_server(tmp_path / "state", plan) as link:
         drive(link, search, room, first=3)
     assert without_times(known(tmp_path / "home")) == whole
+
+
+def test_a_restarted_server_goes_on_with_no_other_memory(tmp_path, plan):
+    home, room = tmp_path / "home", BoxRoom()
+    with robot_server(tmp_path / "state", plan) as link:
+        drive(link, link.open(), BoxRoom())
+        search = link.open()
+        drive(link, search, room, most=3)
+    with open_memory(home, plan_config(plan)) as memory:
+        memory.save()
+    with robot_server(tmp_path / "state", plan) as link:
+        now = link.call("GET", search).json
+        assert now["ending"] == "failed"
+        assert "no longer the one that the search began with" in now["detail"]
+        link.open()  # the memory is free
+
+
+def test_a_memory_that_was_learned_in_simulation_is_refused_when_a_search_is_opened(tmp_path, plan):
+    with open_memory(tmp_path / "home", plan_config(plan)) as memory:
+        place = {"building": "house", "map_to_scene": Transform.identity()}
+        memory.begin(Goal("door"), BoxRoom().observe(), **place)
+        memory.end("found", steps=1)
+    with robot_server(tmp_path / "state", plan) as link:
+        request = {"goal": "door", "labels": True, "embodiment": BoxRoom().embodiment.model_dump()}
+        for _ in range(2):  # nothing keeps the memory
+            refused = link.call("POST", "/v1/searches", request)
+            assert refused.status == 422
+            assert "is simulated; name another folder for a robot" in refused.json["message"]
+
+
+def plan_config(plan: PlanAgent) -> HyPerNavConfig:
+    """The configuration of the searches of the box room."""
+    return plan(OpenSearch(goal="door", embodiment=BoxRoom().embodiment)).config
 
 
 def test_a_server_that_ends_waits_until_the_memory_is_saved(tmp_path, plan, monkeypatch):

@@ -3,10 +3,12 @@
 import math
 from typing import NamedTuple
 
+from hypernav.agents.config import SearchConfig
 from hypernav.agents.plan import Plan
 from hypernav.agents.step import Step
 from hypernav.agents.way_to_thing import way_to_thing, way_to_view
 from hypernav.core.exploring.exploration import Destination
+from hypernav.core.exploring.floors import WayOut
 from hypernav.core.goal import Goal
 from hypernav.mapping.memory.candidate import Candidate
 from hypernav.mapping.memory.floor import Floor
@@ -133,14 +135,33 @@ def stairs_to_recalled(step: Step, memory: Memory) -> Destination | None:
     Returns:
         None if there is none, or stairs that the robot has taken don't lead to it.
     """
-    if not (step.config.recall and step.config.use_stairs):
+    found = _recalled_elsewhere(step.goal, memory, step.config)
+    if found is None:
         return None
-    for one in known_floors(memory):
-        left = _left(memory.floors[one.number], step.goal, _WORTH_STAIRS)
+    way, label = found
+    reason = f"a {label} was seen on another floor: {way.words}"
+    return Destination(*way.xy, reason=reason, connector=way.connector, holds=True)
+
+
+def leaves_for_recalled(goal: Goal, memory: Memory, config: SearchConfig) -> bool:
+    """Whether a search would begin by taking stairs to what may be the goal, for want of it here.
+
+    One thing that is meant is gone to straight.
+    """
+    if any(floor.search.meant is not None for floor in memory.floors):
+        return False
+    is_elsewhere = _recalled_elsewhere(goal, memory, config) is not None
+    return is_elsewhere and not _left(memory.floor, goal, LIKELY)
+
+
+def _recalled_elsewhere(
+    goal: Goal, memory: Memory, config: SearchConfig
+) -> tuple[WayOut, str] | None:
+    """The stairs to the nearest floor where a remembered thing may be the goal, and its label."""
+    for one in known_floors(memory) if config.recall and config.use_stairs else ():
+        left = _left(memory.floors[one.number], goal, _WORTH_STAIRS)
         if left:
-            way, label = one.way[0], max(left, key=lambda pair: pair[1])[0].label
-            reason = f"a {label} was seen on another floor: {way.words}"
-            return Destination(*way.xy, reason=reason, connector=way.connector, holds=True)
+            return one.way[0], max(left, key=lambda pair: pair[1])[0].label
     return None
 
 

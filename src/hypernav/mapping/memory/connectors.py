@@ -40,6 +40,8 @@ _WHOLE_M = 1.0
 _SAME_AXIS = 0.35
 """Greatest difference between the directions of two sightings of one edge, radians."""
 _SPECK_CELLS = 10
+_STAYED_M = 1.0
+"""Greatest length of the last action of a search, up or down stairs, metres."""
 _SIGHTINGS = 2
 """Images that must show a connector before the robot relies on it."""
 
@@ -110,6 +112,23 @@ class Connector:
             and self.goes_up == other.goes_up
             and math.dist(self.end, other.end) <= same_m
         )
+
+
+@dataclass(frozen=True)
+class UnderWay:
+    """A robot on its way over a connector, where a search may end and the next one begin.
+
+    Attributes:
+        connector: Number of the connector.
+        position: Where it was before its latest action ``(x, y, z)``, ``map`` frame, metres.
+    """
+
+    connector: int
+    position: tuple[float, float, float]
+
+    def is_at(self, position: tuple[float, float, float]) -> bool:
+        """Whether a robot that begins a search there has stayed where the last one ended."""
+        return math.dist(self.position, position) <= _STAYED_M
 
 
 def reliable(

@@ -71,6 +71,11 @@ class Footing:
         """
         return Footing(z, floor_z, z if abs(z - floor_z) > _OFF_M else floor_z, robot, z)
 
+    @staticmethod
+    def on_stairs(robot: Pose2, z: float, floor_z: float) -> "Footing":
+        """The footing of a robot that is on stairs from its floor; see `on_level_ground`."""
+        return Footing(z, floor_z, floor_z, robot, z)
+
     def after(self, robot: Pose2, z: float, moved_m: float) -> "Footing":
         """The footing after a step, which may have led to another floor; see `on_floor`.
 

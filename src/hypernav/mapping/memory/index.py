@@ -10,7 +10,7 @@ from hypernav.core.exploring.sightings import SeenThing, Sightings
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.connectors import Connector, Passage
+from hypernav.mapping.memory.connectors import Connector, Passage, UnderWay
 from hypernav.mapping.memory.key_images import KeyImage
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import Things
@@ -220,6 +220,24 @@ class Place(_Record):
         return Pose2(*self.start).to_transform(self.start_z)
 
 
+class UnderWayRecord(_Record):
+    """An `UnderWay`, field by field."""
+
+    connector: int = Field(ge=0)
+    position: Xyz
+
+    @staticmethod
+    def of(last: UnderWay | None) -> "UnderWayRecord | None":
+        """The record of the way over a connector; None if there is none."""
+        if last is None:
+            return None
+        return UnderWayRecord(connector=last.connector, position=last.position)
+
+    def under_way(self) -> UnderWay:
+        """The way over the connector."""
+        return UnderWay(self.connector, self.position)
+
+
 class GoalRecord(_Record):
     """One search in the history of a memory.
 
@@ -261,6 +279,7 @@ class Index(_Record):
         image_count: Number of key images so far.
         history: The searches, the oldest first.
         connectors: The connectors between floors; files from before they were kept have none.
+        under_way: The connector that the robot was on its way over; None if it was on none.
     """
 
     format: Literal["hypernav-memory"] = FORMAT
@@ -276,6 +295,7 @@ class Index(_Record):
     image_count: int = Field(ge=0)
     history: tuple[GoalRecord, ...]
     connectors: tuple[ConnectorRecord, ...] = ()
+    under_way: UnderWayRecord | None = None
 
     @model_validator(mode="after")
     def _numbers_exist(self) -> "Index":
@@ -283,6 +303,8 @@ class Index(_Record):
         named += [one.other_floor for one in self.connectors if one.other_floor is not None]
         if max(named) >= len(self.floors):
             raise ValueError(f"floor {max(named)} is named, and there are {len(self.floors)}")
+        if self.under_way is not None and self.under_way.connector >= len(self.connectors):
+            raise ValueError(f"connector {self.under_way.connector} is named and does not exist")
         images = [one.number for one in self.images]
         if len(set(images)) < len(images) or max(images, default=-1) >= self.image_count:
             raise ValueError("the numbers of key images must differ and be below image_count")

@@ -20,6 +20,7 @@ from hypernav.mapping.ground import Ground
 from hypernav.mapping.memory.connectors import (
     Connector,
     Passage,
+    UnderWay,
     connectors_in,
     reliable,
     relied_on,
@@ -49,6 +50,8 @@ class Memory:
         elevation: Heights of the ground around the robot; None if it looks for no stairs.
         way: Positions ``(x, y)`` of the robot in the present search, stairs included, metres.
         footing: What the robot stands on.
+        under_way: The connector that the robot is on its way over, for a search that begins there;
+            None if it is on no way over one.
     """
 
     def __init__(
@@ -76,6 +79,7 @@ class Memory:
         self.elevation: ElevationMap | None = None
         self.way: list[tuple[float, float]] = []
         self.footing: Footing = Footing.on_level_ground(Pose2(0.0, 0.0, 0.0), 0.0, 0.0)
+        self.under_way: UnderWay | None = None
 
     @property
     def floor(self) -> Floor:
@@ -98,6 +102,9 @@ class Memory:
         self.way.clear()
         if not (sees_stairs and self.embodiment.body.climbs_stairs):
             self.elevation = None
+            if self.under_way is not None:
+                self.under_way = None
+                self.settle(self.footing.began)
         elif self.elevation is None:
             self.elevation = ElevationMap(self.embodiment, self.mapping.cell_size_m)
         for floor in self.floors:
@@ -121,6 +128,8 @@ class Memory:
     def follow(self, observation: Observation) -> Floor:
         """Note the robot's height, in every step; return the floor that the robot is on now."""
         z, here = self.height_of(observation), observation.robot.xy
+        if not (self.way or self._is_still_under_way((*here, z))):
+            self.under_way = None
         moved_m = math.dist(self.way[-1], here) if self.way else 0.0
         self.way.append(here)
         shows_steps = self.elevation is not None and self.elevation.integrate(observation)
@@ -138,11 +147,28 @@ class Memory:
         return self.floor
 
     def begin_at(self, observation: Observation) -> Floor:
-        """The floor that the first frame is taken on; a memory from disk begins there."""
-        z = self.height_of(observation)
-        self.number = self._known_or_new(z)
-        self.footing = Footing.on_level_ground(observation.robot, z, self.floor.z)
+        """The floor that the first frame is taken on; a memory from disk begins there.
+
+        A robot that has stayed where the last search ended on stairs is still on the floor that
+        they begin on.
+        """
+        z, robot = self.height_of(observation), observation.robot
+        if self.under_way is not None and self._is_still_under_way((*robot.xy, z)):
+            self.number = self.connectors[self.under_way.connector].floor
+            self.footing = Footing.on_stairs(robot, z, self.floor.z)
+        else:
+            self.number = self._known_or_new(z)
+            self.footing = Footing.on_level_ground(robot, z, self.floor.z)
         return self.floor
+
+    def _is_still_under_way(self, position: tuple[float, float, float]) -> bool:
+        """Whether a robot that begins a search there is where the last one ended on stairs."""
+        return self.under_way is not None and self.under_way.is_at(position)
+
+    def goes_over(self, number: int | None) -> None:
+        """Note the connector that the robot is on its way over, in every step; None for none."""
+        at = None if number is None else UnderWay(number, (*self.way[-1], self.footing.z))
+        self.under_way = at
 
     def settle(self, robot: Pose2) -> None:
         """Take what the robot stands on for its ground, where it has given up to climb.

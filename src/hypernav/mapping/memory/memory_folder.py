@@ -160,11 +160,8 @@ class MemoryFolder:
         if map_to_scene is not None:
             self.check_building(building)
             self.place = self.place or Place.of(building, map_to_scene)
-        elif self.place is not None:
-            raise MemoryFolderError(
-                f"{self.folder} is the memory of {self.place.building}, which is simulated; name "
-                "another folder for a robot"
-            )
+        else:
+            check_is_of_robot(self.folder, self.place)
         if not self._is_new:
             sure = map_to_scene is not None
             check_start(self.memory, observation, self.folder, trusts_height=sure)
@@ -227,6 +224,14 @@ class MemoryFolder:
         )
         self._saved_s = self._clock()
 
+    def check_is_of_robot(self) -> None:
+        """Refuse a robot the memory of a simulated building.
+
+        Raises:
+            MemoryFolderError: It is of a simulated one.
+        """
+        check_is_of_robot(self.folder, self.place)
+
     @property
     def index(self) -> Index | None:
         """The index as it was saved last; None before the first save."""
@@ -243,3 +248,20 @@ class MemoryFolder:
         states = [one.state.sha256 for one in index.floors]
         told = (index.saves, index.searches, [one.began for one in index.history], states)
         return hashlib.sha256(repr(told).encode()).hexdigest()
+
+
+def check_is_of_robot(folder: Path, place: Place | None) -> None:
+    """Refuse a robot the memory of a simulated building, whose frame is that of the simulation.
+
+    Args:
+        folder: The memory's folder, for the message.
+        place: Where the memory lies in a simulated building; None if it is a robot's.
+
+    Raises:
+        MemoryFolderError: It is of a simulated one.
+    """
+    if place is not None:
+        raise MemoryFolderError(
+            f"{folder} is the memory of {place.building}, which is simulated; name "
+            "another folder for a robot"
+        )

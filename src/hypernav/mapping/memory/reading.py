@@ -93,6 +93,8 @@ def read_memory(
     memory = Memory(mapping, embodiment, images=images)
     memory.searches = index.searches
     memory.connectors = tuple(one.connector() for one in index.connectors)
+    if (last := index.under_way) is not None:
+        memory.under_way = last.under_way()
     left_out, damaged, patches = list[str](), list[str](), dict[int, np.ndarray]()
     memory.floors = []
     for number, record in enumerate(index.floors):

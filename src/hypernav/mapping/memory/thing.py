@@ -41,7 +41,7 @@ APART_M = 1.0
 _GONE = 0.2
 """Chance below which a thing counts as gone."""
 
-_SAME_SIDE = math.cos(math.radians(30.0))
+SAME_SIDE = math.cos(math.radians(30.0))
 """Cosine of the angle between two directions from a thing that lie on the same side of it."""
 
 Corner = tuple[float, float, float]
@@ -146,7 +146,7 @@ class Thing:
         middle = np.array(self.position[:2])
         here, seen = positions - middle, np.array(self.views)[:, :2] - middle
         lengths = np.linalg.norm(here, axis=1)[:, None] * np.linalg.norm(seen, axis=1)
-        return (here @ seen.T >= _SAME_SIDE * lengths).any(axis=1)
+        return (here @ seen.T >= SAME_SIDE * lengths).any(axis=1)
 
     def fits(self, goal: Goal) -> float:
         """How well its label fits a goal: 1 as far as asked, 0.5 only its kind, 0 not at all."""

@@ -1,27 +1,25 @@
 """Things that a robot remembers of a floor, and what an image says about them.
 
-Detections of one label that overlap on the floor plan are one thing. An image that should show a
-thing and doesn't is a miss, and misses tell the more, the more reliably the thing was seen before.
+Detections of one label that overlap on the floor plan are one thing, unless a wall is between. An
+image that should show a thing and doesn't is a miss, and misses tell the more, the more reliably
+the thing was seen before.
 """
 
-import math
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from jaxtyping import Bool
 
 from hypernav.core.embodiment import CameraConfig
-from hypernav.core.geometry.boxes import Box, Detection
-from hypernav.core.geometry.depth import is_measured
+from hypernav.core.geometry.boxes import Detection
 from hypernav.core.goal import Goal
 from hypernav.core.labels import canonical
 from hypernav.core.observation import Observation
-from hypernav.mapping.memory.goal_area import points_under_mask
 from hypernav.mapping.memory.image_kernels import are_near
 from hypernav.mapping.memory.namesakes import chances_by_name
+from hypernav.mapping.memory.seen_thing import seen_thing
 from hypernav.mapping.memory.thing import (
     Thing,
     fit,
@@ -30,18 +28,12 @@ from hypernav.mapping.memory.thing import (
     overlap,
     stands_in_room,
 )
+from hypernav.mapping.memory.two_sides import is_wall_between
 from hypernav.mapping.memory.visibility import are_visible
+from hypernav.mapping.top_down.top_down_map import TopDownMap
 
 MOST_THINGS = 500
 """Number of things that a floor remembers; the least certain are forgotten first."""
-_MOST_POINTS = 250
-"""Number of pixels of a detection's box that are read, about."""
-_LARGEST_STRIDE = 24
-_LEAST_POINTS = 3
-_STRAYS = 0.05
-"""Share of a detection's points at each end of each axis that don't count to its extent."""
-_SAME_DEPTH_M = 0.5
-"""Distance in depth from a box's middle up to which its pixels are the thing's, without a mask."""
 _LOW_SHARE = 0.25
 _LEAST_PX = 20.0
 """Size in the image, pixels, below which it says nothing that a thing was not detected."""
@@ -155,6 +147,7 @@ class Things:
         only: Goal | None = None,
         tells_floors: bool = False,
         ground_m: float = 0.0,
+        floor_map: TopDownMap | None = None,
     ) -> "Things":
         """The things after one more image.
 
@@ -168,17 +161,19 @@ class Things:
             tells_floors: Whether what is seen below or above the room of the floor is none of its
                 things.
             ground_m: Height of the robot's ground above the floor, metres.
+            floor_map: Map of the floor, whose walls part what was seen on both sides of them; None
+                where none is known.
         """
-        seen = [_seen_thing(one, observation, camera, search) for one in detections]
+        seen = [seen_thing(one, observation, camera, search) for one in detections]
         here = [
             one
             for one in seen
             if one is not None and not (tells_floors and not stands_in_room(one, ground_m))
         ]
-        after = self._with_seen(here)
+        after = self._with_seen(here, floor_map)
         return after._with_missed(observation, only)._at_most(MOST_THINGS)
 
-    def _with_seen(self, seen: list[Thing]) -> "Things":
+    def _with_seen(self, seen: list[Thing], floor_map: TopDownMap | None) -> "Things":
         """The things after an image has shown some, each of which may be known."""
         if not seen:
             return replace(self, shown={}) if self.shown else self
@@ -189,7 +184,7 @@ class Things:
         count, shown = self.count, dict[int, float]()
         for new in seen:
             alike = named[canonical(new.label)]
-            same = [one for one in alike.values() if overlap(one, new)]
+            same = [one for one in alike.values() if _is_same(one, new, floor_map)]
             for one in same:
                 del known[one.number], alike[one.number]
             one = joined(same, new) if same else replace(new, number=count)
@@ -244,65 +239,17 @@ class Things:
         )
 
 
+def _is_same(known: Thing, new: Thing, floor_map: TopDownMap | None) -> bool:
+    """Whether a sighting is of a thing that is known by the same name."""
+    if not overlap(known, new):
+        return False
+    return floor_map is None or not is_wall_between(known, new, floor_map)
+
+
 @lru_cache(maxsize=256)
 def _fitting(labels: frozenset[str], goal: Goal, fits: tuple[float, ...]) -> frozenset[str]:
     """The labels that fit a goal so well."""
     return frozenset(label for label in labels if fit(label, goal) in fits)
-
-
-def _seen_thing(
-    detection: Detection, observation: Observation, camera: CameraConfig, search: int
-) -> Thing | None:
-    """A detection as a thing, without a number yet; None with too few pixels of depth."""
-    height, width = observation.depth.shape
-    box = detection.box.clipped(width, height)
-    points = points_under_mask(
-        _mask(box, observation, camera) if detection.mask is None else detection.mask,
-        observation,
-        min_depth_m=camera.min_depth_m,
-        max_depth_m=camera.max_depth_m,
-        stride=min(max(int(math.sqrt(box.area / _MOST_POINTS)), 1), _LARGEST_STRIDE),
-        window=box.pixels(),
-    )
-    if len(points) < _LEAST_POINTS:
-        return None
-    spread = np.sort(points, axis=0)  # much faster than percentiles
-    first = int(_STRAYS * len(points))
-    (x0, y0, z0), (x1, y1, z1) = spread[[first, -1 - first]].round(3).tolist()
-    score = round(float(detection.score), 4)
-    return Thing(
-        number=-1,
-        label=detection.label,
-        score=score,
-        low=(x0, y0, z0),
-        high=(x1, y1, z1),
-        views=((*observation.robot.xy, score),),
-        pixels=float(detection.box.area),
-        first_search=search,
-        last_search=search,
-    )
-
-
-def _mask(
-    box: Box, observation: Observation, camera: CameraConfig
-) -> Bool[np.ndarray, "height width"]:
-    """The pixels of a box that are about as far away as its middle, where it has no mask."""
-    mask = np.zeros(observation.depth.shape, dtype=bool)
-    x_min, y_min, x_max, y_max = box.pixels()
-    window = (slice(y_min, y_max), slice(x_min, x_max))
-    middle_m = _middle_depth(box, observation, camera)
-    mask[window] = np.abs(observation.depth[window] - middle_m) <= _SAME_DEPTH_M
-    return mask
-
-
-def _middle_depth(box: Box, observation: Observation, camera: CameraConfig) -> float:
-    """Median depth in the middle half of a box, metres; NaN where nothing is measured."""
-    dx, dy = (box.x_max - box.x_min) / 4.0, (box.y_max - box.y_min) / 4.0
-    rows = slice(round(box.y_min + dy), round(box.y_max - dy) + 1)
-    columns = slice(round(box.x_min + dx), round(box.x_max - dx) + 1)
-    depths = observation.depth[rows, columns]
-    depths = depths[is_measured(depths, camera.min_depth_m, camera.max_depth_m)]
-    return float(np.median(depths)) if depths.size else math.nan
 
 
 def _that_should_show(things: Iterable[Thing], observation: Observation) -> list[Thing]:

@@ -21,6 +21,7 @@ from hypernav.mapping.memory.index import (
     Place,
     SightingRecord,
     ThingRecord,
+    UnderWayRecord,
 )
 from hypernav.mapping.memory.key_images import KeyImage
 from hypernav.mapping.memory.memory import Memory
@@ -99,6 +100,7 @@ class Writer:
                 image_count=memory.images.count if memory.images else 0,
                 history=history,
                 connectors=tuple(map(ConnectorRecord.of, memory.connectors)),
+                under_way=UnderWayRecord.of(memory.under_way),
             )
             grids = [floor.map.grid.cropped() for floor in memory.floors]
             size = sum(one.state.size for one in floors) + sum(grid.cells.size for grid in grids)

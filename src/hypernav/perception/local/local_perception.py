@@ -179,6 +179,7 @@ class LocalPerception:
             only=only,
             tells_floors=self.tells_floors,
             ground_m=ground_m,
+            floor_map=floor.map,
         )
         if only is not None:
             search.note_others(things.others_in(from_floor, goal), things, goal)

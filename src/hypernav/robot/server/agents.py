@@ -86,7 +86,8 @@ class AgentPlan:
         """The memory, if there is one; waits a moment for the last search, which still saves to it.
 
         Raises:
-            MemoryFolderError: The folder holds no memory, a broken one, or that of another robot.
+            MemoryFolderError: The folder holds no memory, a broken one, or that of another robot or
+                of a simulated building.
             RunFolderError: It is in use, or can't be written.
         """
         if self.memory is None:
@@ -94,6 +95,10 @@ class AgentPlan:
         memory = open_memory(
             self.memory, self.config, most_megabytes=self.memory_mb, patience_s=_PATIENCE_S
         )
+        with ExitStack() as failed:
+            failed.callback(memory.leave)
+            memory.check_is_of_robot()
+            failed.pop_all()
         for line in memory.left_out:
             _LOG.warning("%s: %s", self.memory, line)
         return memory

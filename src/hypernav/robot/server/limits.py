@@ -17,6 +17,7 @@ from hypernav.core.trace import StepTrace
 
 _MOST_ADDRESSES = 1000
 _WINDOW_S = 10.0
+_RANKING = "rank images"
 _LEAST = 20
 """Number of answers in the window from which on it says something."""
 
@@ -28,8 +29,8 @@ class ServerLimits(RoomConfig):
         searches: Searches under way at once, each with a thread and a map.
         idle_s: Time without a message of its robot after which a search ends, seconds.
         answer_s: Median time of the answers above which no other search is opened, seconds; the
-            time of chat models isn't counted. By default that after which `RobotClient` stands
-            still and waits.
+            time of chat models, and that of ranking remembered images, isn't counted. By default
+            that after which `RobotClient` stands still and waits.
         kept: Searches in the state folder, finished ones included.
         pixels: Pixels of a camera image.
         requests_per_s: Requests and messages of one address a second, on average.
@@ -87,9 +88,10 @@ class Allowances:
 
 
 class Pace:
-    """The time that the answers of the last seconds took, that of chat models left out.
+    """The time that the answers of the last seconds took, that of models left out.
 
-    A model's server is somebody else's, and waiting for it takes none of this server's time.
+    A chat model's server is somebody else's, and waiting for it takes none of this server's time.
+    Remembered images are ranked once in a search, which says nothing of its next answers.
     Thread-safe.
     """
 
@@ -111,7 +113,7 @@ class Pace:
             offered_s: Time at which its observation had come, on the clock.
         """
         asked = [] if trace is None else trace.exchanges
-        models_s = sum(one.seconds for one in asked if one.by_model)
+        models_s = sum(one.seconds for one in asked if one.by_model or one.kind == _RANKING)
         now_s = self._now_s()
         with self._lock:
             self._answers.append((now_s, now_s - offered_s - models_s))

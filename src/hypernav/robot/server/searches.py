@@ -27,7 +27,7 @@ _PATIENCE_S = 2.0
 """Longest wait for pending decisions when the server ends."""
 _MEMORY_CHANGED = (
     "the server was started again, and the memory {} is no longer the one that the search began "
-    "with, so the frames may differ; open a new search"
+    "with, so what it decided can't be repeated; open a new search"
 )
 
 
@@ -176,7 +176,7 @@ class Searches:
                 memory=plan.memory,
                 memory_mb=plan.memory_mb,
                 relocalize=plan.relocalize and memory is not None and memory.index is not None,
-                memory_save=memory.save_name if plan.relocalize and memory is not None else None,
+                memory_save=None if memory is None else memory.save_name,
             )
             search = Search(Journal.create(folder, record), self._pace)
             failed.pop_all()

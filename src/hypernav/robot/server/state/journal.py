@@ -66,8 +66,8 @@ class SearchRecord(Message):
         memory_mb: Size of the memory, megabytes.
         relocalize: Whether the robot turns around at the start, to find out where it is in that
             memory: it doesn't know, and the memory is not a new one.
-        memory_save: Name of the save that the search began with, if its frame is found by the
-            server; a restarted one goes on with no other. None for a robot that knows its place.
+        memory_save: Name of the save that the search began with; a restarted server goes on with no
+            other. None without a memory, and where an older server opened the search.
     """
 
     id: SearchId
