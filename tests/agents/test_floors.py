@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from certainty import certain
 from hypernav.build.agents import build_search
 from hypernav.core.actions import Action
 from hypernav.core.episodes.episode import Episode
@@ -161,6 +162,20 @@ def test_a_search_without_stairs_forgets_that_an_earlier_one_looked_for_them():
     found = climber()
     found.begin_search(sees_stairs=False)
     assert found.elevation is None
+
+
+def test_heights_in_a_key_image_of_a_split_level_are_counted_from_the_floor():
+    found = climber()
+    images = certain(found.images)
+    taken = []
+    for x, z in ((1.0, 0.0), *UP[:4], *((0.75 + 0.25 * k, 0.525) for k in range(1, 9))):
+        found.follow(seen_at(x, z))
+        wall = replace(seen_at(x, z), depth=np.full_like(seen_at(x, z).depth, 2.0))
+        if (x, z) in ((1.0, 0.0), (2.75, 0.525)):
+            found.floor.search.has_new_view = True
+            found.keep_image(found.seen_from_ground(wall))
+            taken.append(wall.camera_to_map.translation[2])
+    assert [one.camera_to_map.translation[2] for one in images.kept] == pytest.approx(taken)
 
 
 def test_no_key_image_is_taken_on_stairs():

@@ -9,11 +9,13 @@ import pytest
 
 from box_scenes import room_boxes, scene_of
 from hypernav.build.agents import build_search
+from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, Mode
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.things import Things
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from
@@ -93,6 +95,14 @@ def test_what_is_hardly_likely_is_gone_to_when_nothing_is_left_to_explore(memory
     recalls = [k for k, one in enumerate(reasons) if "was seen there before" in one]
     assert "was seen there before" not in reasons[0]
     assert not recalls or "block" in " ".join(reasons[: recalls[0]])
+
+
+@pytest.mark.parametrize(
+    ("goal", "is_gone_to"), [("sofa", True), ("the sofa beside the bed", False)]
+)
+def test_what_is_hardly_likely_where_it_is_waits_as_well(memory, goal, is_gone_to):
+    steps, _, _ = searched(two_rooms(coloured=False), goal, IN_BEDROOM, memory)
+    assert (steps[0].reason == "a sofa was seen there before") is is_gone_to
 
 
 def test_the_present_search_recalls_nothing_of_its_own():
@@ -254,6 +264,37 @@ def test_a_robot_on_its_way_to_the_nearer_thing_passes_one_that_it_sees_farther_
     _, result, _ = searched(world, "sofa", looks_away, memory)
     assert result.metrics.success
     assert abs(world.pose.x - x) < 3.0
+
+
+class Unsure(GroundTruthDetector):
+    """Is half sure of a red sofa and quite sure of all else."""
+
+    def detect(self, observation, goal):
+        return list(map(half_sure, super().detect(observation, goal)))
+
+    def things_in(self, observation, detections):
+        return list(map(half_sure, super().things_in(observation, detections)))
+
+
+def half_sure(one: Detection) -> Detection:
+    return replace(one, score=0.5) if one.label == "red sofa" else one
+
+
+def test_of_many_alike_none_is_as_likely_as_one_alone_when_another_is_in_sight():
+    hall, left, right = room_boxes(9.0, 4.0), TWO_SOFAS[-2], ("red sofa", *TWO_SOFAS[-1][1:])
+    before = colourless_world(scene_of(*hall, left, name="hall"), CONFIG)
+    world = colourless_world(scene_of(*hall, left, right, name="hall"), CONFIG)
+    _, _, memory = searched(before, "piano", Pose2(4.5, 1.0, 1.5), None)
+    (sofa,) = memory.floor.things.known
+    far = [
+        replace(sofa, number=k, low=(k, 90.0, 0.0), high=(k + 0.9, 91.6, 0.7)) for k in range(1, 8)
+    ]
+    memory.floor.things = Things((sofa, *far), 8)
+    agent = build_search(CONFIG, Unsure(), ExchangeLog())
+    with in_frame_of_start(world):
+        episode = episode_from(Pose2(4.0, 2.0, 0.0), "red sofa")
+        step = next(iter(EpisodeRun(agent, world, episode, memory=memory))).trace
+    assert step.reason == "going to the red sofa"
 
 
 def test_being_sent_to_what_is_forgotten_or_gone_is_a_search_like_any(memory):

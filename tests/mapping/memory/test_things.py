@@ -79,7 +79,7 @@ def test_what_is_seen_of_another_floor_is_no_thing_of_this_one(ground_m: float):
 @pytest.mark.parametrize(("ground_m", "known"), [(0.9, 1), (0.0, 0)])
 def test_from_a_raised_level_what_stands_on_the_floor_is_a_thing_of_it(ground_m: float, known: int):
     image, detections = looks_at(Pose2(2.0, 3.0, 0.0))
-    seen = counted_from(1.0, image)
+    seen = counted_from(1.0 - ground_m, image)  # it stands 1 m below the robot's ground
     after_it = Things().after_image(
         seen, detections, SENSOR, search=1, tells_floors=True, ground_m=ground_m
     )

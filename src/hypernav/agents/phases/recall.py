@@ -166,7 +166,11 @@ def _recalled_elsewhere(
 
 
 def _left(floor: Floor, goal: Goal, least: float) -> list[tuple[Thing, float]]:
-    """What is remembered of a floor, may be the goal and was not gone to, with its chances."""
+    """What is remembered of a floor, may be the goal and was not gone to, with its chances.
+
+    Each has at least the least chance both by its name and by where it is: among many alike, the
+    place alone makes none likely.
+    """
     search, things = floor.search, floor.things
     left = [
         (thing, chance)
@@ -174,10 +178,11 @@ def _left(floor: Floor, goal: Goal, least: float) -> list[tuple[Thing, float]]:
         if chance >= least and thing.number in search.remembered
     ]
     weights = weights_of_place([thing for thing, _ in left], things.known, goal, floor.map)
-    return [
+    weighed = [
         (thing, min(chance * weight, thing.chance))
         for (thing, chance), weight in zip(left, weights, strict=True)
     ]
+    return [pair for pair in weighed if pair[1] >= least]
 
 
 def seen_in_image(step: Step, memory: Memory) -> Destination | None:
@@ -277,16 +282,16 @@ def is_nearer(step: Step, memory: Memory, plan: Plan, target: Candidate) -> bool
         return False
     if destination is None and step.number == 0:
         best = _best(step, memory, LIKELY)
-        thing, left_m = (None, 0.0) if best is None else (best.thing, best.way_m)
+        number, left_m = (None, 0.0) if best is None else (best.thing.number, best.way_m)
     elif destination is not None and destination.thing is not None:
-        thing = memory.floor.things.find(destination.thing)
-        left_m = plan.exploring.route.left_m(step.robot)
+        number, left_m = destination.thing, plan.exploring.route.left_m(step.robot)
     else:
         return False
     there = memory.floor.things.at(*target.area.centre, step.goal)
-    if thing is None or thing in there or thing.is_gone or thing.number in memory.search.gone_to:
+    chances = {one.number: chance for one, chance in _left(memory.floor, step.goal, 0.0)}
+    if number not in chances or any(one.number == number for one in there):
         return False
-    worth_m = left_m * target.chance / (thing.chance * thing.fits(step.goal))
+    worth_m = left_m * target.chance / chances[number]
     if worth_m < target.distance_to(*step.robot.xy):
         return True
     with step.clock("plan"):

@@ -197,7 +197,8 @@ class Memory:
         """Keep a frame as key image if it tells enough, and if key images are kept.
 
         Of a view that is not new, only things that are asked for can tell enough. On stairs none is
-        kept: they belong to no floor from which heights could be counted.
+        kept: they belong to no floor from which heights could be counted. From another level of a
+        floor they are counted from the floor, too.
 
         Args:
             observation: The latest frame, with heights counted from the ground.
@@ -209,7 +210,7 @@ class Memory:
         if not (shows_new_thing or floor.search.has_new_view):
             return
         image = self.images.take(
-            observation,
+            counted_from(-self.ground_m, observation),
             self.embodiment.camera,
             floor=self.number,
             search=self.searches,

@@ -29,7 +29,7 @@ def seen_thing(
 
     Args:
         detection: The detection.
-        observation: The image, with heights counted from the ground of the robot.
+        observation: The image, with heights counted from the floor.
         camera: Camera, whose range of depth counts.
         search: Number of the present search.
     """

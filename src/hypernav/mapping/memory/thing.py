@@ -169,11 +169,11 @@ def stands_in_room(thing: Thing, ground_m: float) -> bool:
     """Whether a thing is of the floor from which it was seen, however high it reaches.
 
     Args:
-        thing: The thing, with heights counted from the ground from which it was seen.
-        ground_m: Height of that ground above the floor, metres.
+        thing: The thing.
+        ground_m: Height above the floor of the ground from which it was seen, metres.
     """
-    middle_m = thing.position[2]
-    return is_in_room(min(middle_m, max(0.0, thing.low[2] + _TALL_M / 2.0)), ground_m)
+    middle_m, bottom_m = thing.position[2] - ground_m, thing.low[2] - ground_m
+    return is_in_room(min(middle_m, max(0.0, bottom_m + _TALL_M / 2.0)), ground_m)
 
 
 @lru_cache(maxsize=4096)

@@ -120,7 +120,8 @@ class Things:
         What lies where something was detected may be that, by another name.
 
         Args:
-            observation: The latest image, in which the goal alone was looked for.
+            observation: The latest image, in which the goal alone was looked for, with heights
+                counted from the floor.
             goal: Goal, of which more than its kind was said.
         """
         shown = [one for one in self.known if one.number in self.shown]
@@ -151,7 +152,7 @@ class Things:
         """The things after one more image.
 
         Args:
-            observation: The image, with heights counted from the ground of the robot.
+            observation: The image, with heights counted from the floor.
             detections: All that was detected in it.
             camera: Camera, whose range of depth counts.
             search: Number of the present search.

@@ -14,7 +14,7 @@ from hypernav.core.geometry.boxes import Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord
-from hypernav.mapping.memory.floor import Floor
+from hypernav.mapping.memory.floor import Floor, counted_from
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.memory.thing import is_in_room
 from hypernav.mapping.memory.things import Things
@@ -170,8 +170,9 @@ class LocalPerception:
             detections = [one for one in detections if one.is_goal]
         elif isinstance(self.detector, SeesAllThings):
             detections, only = self.detector.things_in(observation, detections), None
+        from_floor = counted_from(-ground_m, observation)
         things = floor.things.after_image(
-            observation,
+            from_floor,
             [one for one in detections if one.score >= _STRONG],
             self.camera,
             search=search.number,
@@ -181,7 +182,7 @@ class LocalPerception:
             floor_map=floor.map,
         )
         if only is not None:
-            search.note_others(things.others_in(observation, goal), things, goal)
+            search.note_others(things.others_in(from_floor, goal), things, goal)
         return things.refuted_at(refuted, goal, search.number) if refuted else things
 
     def _mask(
