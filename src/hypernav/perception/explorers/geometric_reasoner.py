@@ -40,7 +40,7 @@ _TURN_COST_M = 0.8
 A tour counts metres only; else every turn on the spot could change it.
 """
 _SHOWN_M2 = 2.0
-"""Unknown floor that each metre of exploring shows, m²: 2.2 in 14 searches in training buildings."""
+"""Unknown floor that a metre of exploring shows, m²: 2.2 in 14 searches of training buildings."""
 
 
 class GeometricConfig(RoomConfig):
