@@ -119,7 +119,7 @@ def test_what_is_damaged_of_a_memory_is_said_at_the_start(tmp_path, home, monkey
     state.write_bytes(b"no archive")
     monkeypatch.setattr("hypernav.robot.server.serving.serve", lambda *args, **options: None)
     served(tmp_path, home)
-    assert "the map of floor 0 is damaged" in " ".join(capsys.readouterr().err.split())
+    assert "the map of floor 1 is damaged" in " ".join(capsys.readouterr().err.split())
 
 
 def test_a_missing_extra_is_named(monkeypatch, tmp_path):

@@ -107,9 +107,14 @@ def _check_memory(folder: Path) -> tuple[str, ...]:
         OutputError: The folder cannot be written.
     """
     from hypernav.mapping.memory.memory_folder import check_is_of_robot
-    from hypernav.mapping.memory.reading import read_index, read_memory
+    from hypernav.mapping.memory.reading import (
+        check_not_inside_another,
+        read_index,
+        read_memory,
+    )
 
     check_folder(folder)
+    check_not_inside_another(folder)
     index = read_index(folder)
     if index is None:
         return ()

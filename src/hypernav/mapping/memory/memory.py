@@ -128,7 +128,7 @@ class Memory:
     def follow(self, observation: Observation) -> Floor:
         """Note the robot's height, in every step; return the floor that the robot is on now."""
         z, here = self.height_of(observation), observation.robot.xy
-        if not (self.way or self._is_still_under_way((*here, z))):
+        if not (self.way or self.is_still_under_way(observation)):
             self.under_way = None
         moved_m = math.dist(self.way[-1], here) if self.way else 0.0
         self.way.append(here)
@@ -153,7 +153,7 @@ class Memory:
         they begin on.
         """
         z, robot = self.height_of(observation), observation.robot
-        if self.under_way is not None and self._is_still_under_way((*robot.xy, z)):
+        if self.under_way is not None and self.is_still_under_way(observation):
             self.number = self.connectors[self.under_way.connector].floor
             self.footing = Footing.on_stairs(robot, z, self.floor.z)
         else:
@@ -161,8 +161,9 @@ class Memory:
             self.footing = Footing.on_level_ground(robot, z, self.floor.z)
         return self.floor
 
-    def _is_still_under_way(self, position: tuple[float, float, float]) -> bool:
-        """Whether a robot that begins a search there is where the last one ended on stairs."""
+    def is_still_under_way(self, observation: Observation) -> bool:
+        """Whether a search begins with this frame where the last one has ended on stairs."""
+        position = (*observation.robot.xy, self.height_of(observation))
         return self.under_way is not None and self.under_way.is_at(position)
 
     def goes_over(self, number: int | None) -> None:

@@ -164,8 +164,9 @@ class MemoryFolder:
         else:
             check_is_of_robot(self.folder, self.place)
         if not self._is_new:
-            sure = map_to_scene is not None
-            check_start(self.memory, observation, self.folder, trusts_height=sure)
+            if not self.memory.is_still_under_way(observation):
+                sure = map_to_scene is not None
+                check_start(self.memory, observation, self.folder, trusts_height=sure)
             self.memory.begin_at(observation)
         self._is_new, self._is_searching = False, True
         self.history.append(
