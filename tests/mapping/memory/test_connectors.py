@@ -20,6 +20,7 @@ from hypernav.mapping.memory.connectors import (
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.ways import (
     drops_to_look_at,
+    known_floors,
     ways_out,
     ways_to_new_floors,
     ways_to_unseen,
@@ -185,6 +186,11 @@ def test_new_stairs_towards_the_floor_that_the_robot_came_from_lead_to_no_new_on
     memory.connectors = (down, up, used)
     assert [one.connector for one in ways_to_new_floors(memory)] == [0 if goes_up else 1]
     assert [one.connector for one in ways_to_unseen(memory)] == [0 if goes_up else 1, 2]
+    memory.number = 1
+    memory.connectors = (*memory.connectors, replace(used, floor=1, other_floor=0))
+    (left,) = known_floors(memory)
+    assert [one.connector for one in left.stairs] == [0 if goes_up else 1, 2]
+    memory.number = 0
     memory.give_up(2)
     assert [one.connector for one in ways_to_new_floors(memory)] == [0, 1]
 

@@ -211,17 +211,20 @@ def whole_views(blocks):
     return Prospects(areas, np.eye(len(blocks), dtype=bool), np.zeros((len(blocks), 2)))
 
 
-def between_floors(here, there, seen_m2=60.0, excluded=(), **config):
+def between_floors(
+    here, there, seen_m2=60.0, excluded=(), visited=(), was_explored=False, **config
+):
     """What is chosen, where another floor of 100 m² is known."""
     cells = np.full((100, 100), Cell.FREE, dtype=np.uint8)
     grid = OccupancyGrid(cells, 0.1, (0.0, 0.0))
-    other = KnownFloor(1, 3.0, grid, (), (), (), (), (), (0.0, 0.0))
+    other = KnownFloor(1, 3.0, grid, (), (), (), (), (), (0.0, 0.0), was_explored=was_explored)
+    floor = FloorBlocks(other, tuple(there), whole_views, visited=frozenset(visited))
     overview = Overview(
         lambda *_: np.zeros((8, 8, 3), np.uint8),
         tuple(here),
         Pose2(0.0, 0.0, 0.0),
         prospects=whole_views,
-        find_elsewhere=lambda: [FloorBlocks(other, tuple(there), whole_views)],
+        find_elsewhere=lambda: [floor],
         seen_m2=seen_m2,
     )
     reasoner = GeometricReasoner(ExchangeLog(), GeometricConfig(**config))
@@ -258,3 +261,23 @@ def test_nothing_that_is_excluded_or_out_of_reach_leads_to_another_floor():
 
 def test_where_boundaries_count_the_robot_stays_on_its_floor():
     assert between_floors(FAR_CORNER, MUCH_ELSEWHERE, gain="boundary").number == 1
+
+
+def test_what_was_visited_there_is_nothing_that_is_left():
+    assert between_floors(FAR_CORNER, MUCH_ELSEWHERE, visited=(3,)).number == 2
+    assert between_floors(FAR_CORNER, MUCH_ELSEWHERE, visited=(2, 3, 4)).number == 1
+
+
+def test_only_stairs_lead_to_a_floor_that_was_explored():
+    stairs = replace(block(5, 20, 15.5), connector=0, words="stairs up")
+    assert between_floors(FAR_CORNER, MUCH_ELSEWHERE, was_explored=True).number == 1
+    near = [block(k, 10, 0.5) for k in (6, 7, 8)]
+    choice = between_floors([block(1, 10, 40.0)], [*near, stairs], was_explored=True)
+    assert choice.number == 5
+
+
+def test_stairs_of_another_floor_count_as_far_as_they_lead():
+    here, there = [block(1, 10, 8.0)], [block(2, 10, 12.0), block(3, 10, 12.0)]
+    assert between_floors(here, there).number == 2
+    stairs = [replace(one, connector=one.number, words="stairs up") for one in there]
+    assert between_floors(here, stairs).number == 1

@@ -31,11 +31,12 @@ class ExplorationView:
         notes: Explorers' own notes on this floor for this goal, each under a key of its own; the
             only part of the view that they may change. The memory keeps them, so they hold plain
             values, arrays or generators that can be copied, and no component.
-        ways_out: Stairs that the robot has not taken yet. Those to floors that it left before all
-            was seen are taken where the explorer has nothing left to offer.
+        ways_out: Stairs that the robot has not taken yet, up or down where it knows no way to the
+            next floor. Others, and those to floors that it left before all was seen, are taken
+            where the explorer has nothing left to offer.
         elsewhere: Other floors that the robot knows, those with the fewest stairs on the way first.
         drops: Positions ``(x, y)`` where the floor ends, seen from afar, metres: stairs down may
-            begin there.
+            begin there. None where the robot knows a way to the next floor down.
         may_be_here: Whether a component has just said that the goal is where the robot is.
     """
 

@@ -45,10 +45,12 @@ class KnownFloor:
         trajectory: Positions ``(x, y)`` of the robot on it, ``map`` frame, metres.
         visits: Destinations on it that were reached or given up, as in `ExplorationView`.
         things: Things that were seen on it, other than the goal.
-        stairs: Stairs on it that the robot may take.
+        stairs: Stairs on it that the robot may take; as in `ExplorationView.ways_out`, new ones
+            only towards floors that it knows no way to.
         way: Stairs that lead to it, in the order in which the robot takes them, one a floor.
         arrival: Position ``(x, y)`` on it where the way ends, ``map`` frame, metres.
         notes: What explorers keep from choice to choice there, as in `ExplorationView`.
+        was_explored: Whether a search, this one or an earlier one, left nothing to explore on it.
     """
 
     number: int
@@ -61,6 +63,7 @@ class KnownFloor:
     way: tuple[WayOut, ...]
     arrival: tuple[float, float]
     notes: dict[str, Any] = field(default_factory=dict)
+    was_explored: bool = False
 
     @property
     def words(self) -> str:

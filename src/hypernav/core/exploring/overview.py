@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -94,11 +94,13 @@ class FloorBlocks:
         known: The floor.
         blocks: Its blocks; their paths begin at the robot, and stairs on the way are in them.
         prospects: Function that computes what given blocks of it would show.
+        visited: Numbers of those that count as visited, which no choice may name.
     """
 
     known: KnownFloor
     blocks: tuple[Block, ...]
     prospects: Callable[[Sequence[Block]], Prospects]
+    visited: frozenset[int] = field(default=frozenset(), kw_only=True)
 
 
 def _nowhere() -> Sequence[FloorBlocks]:

@@ -243,10 +243,15 @@ def _known_floor(memory: Memory, number: int, route: tuple[int, ...]) -> KnownFl
         floor.trajectory,
         floor.search.visits,
         floor.sightings.things,
-        stairs=[_way_over(memory, k) for k in _open_from(memory, number)],
+        stairs=[
+            _way_over(memory, k)
+            for k in _open_from(memory, number)
+            if not memory.connectors[k].is_new or _leads_to_new_floor(memory, memory.connectors[k])
+        ],
         way=tuple(_way_over(memory, k) for k in route),
         arrival=min(back, key=lambda one: math.dist(one, last.beyond), default=last.beyond),
         notes=floor.search.notes,
+        was_explored=floor.was_explored or floor.search.is_explored,
     )
 
 

@@ -147,7 +147,7 @@ class BlockExplorer:
             offered = blocks
             range_m = self.embodiment.camera.max_depth_m
             elsewhere = partial(
-                other_floors, view, reach, self.mapping, clearance_m, range_m, len(blocks) + 1
+                self._other_floors, view, reach, clearance_m, range_m, len(blocks) + 1
             )
             draw = partial(_drawn, view, blocks, self.config, reach, elsewhere)
             legend = self.config.style.legend
@@ -168,6 +168,23 @@ class BlockExplorer:
             if destination is not None:
                 return destination
         return None
+
+    def _other_floors(
+        self,
+        view: ExplorationView,
+        here: ReachableArea,
+        clearance_m: float,
+        range_m: float,
+        first: int,
+    ) -> list[OtherFloor]:
+        """The other floors, each with what counts as visited on it."""
+        found = other_floors(view, here, self.mapping, clearance_m, range_m, first)
+        return [replace(floor, visited=self._visited_on(floor)) for floor in found]
+
+    def _visited_on(self, floor: OtherFloor) -> frozenset[int]:
+        """Numbers of the blocks of another floor that count as visited."""
+        visited = (one.number for one in floor.blocks if self._was_visited(one, floor.known))
+        return frozenset(visited)
 
     def _last_frontier(self, view: ExplorationView) -> Destination | None:
         """The nearest unvisited frontier, whatever blocks it lies in."""

@@ -71,7 +71,8 @@ class GeometricReasoner:
     A tour shows the gains of its blocks as soon as possible: it is the shortest one if every metre
     is weighted by what is unseen then (the travelling deliveryman problem, posed for search by
     Kulich, Přeučil and Miranda Bront, "On Multi-Robot Search for a Stationary Object", 2017).
-    What two blocks would show both counts once, and less where both show little.
+    What two blocks would show both counts once, and less where both show little. A block of another
+    floor comes before all where exploring that floor shows more for each metre of the way.
 
     Attributes:
         log: Log of all choices, for the trace.
@@ -134,14 +135,16 @@ class GeometricReasoner:
             return None
         most, choice = _shown_a_metre(here, shown), None
         for floor in overview.elsewhere:
-            there = self._open(floor.blocks, excluded)
+            there = self._open(floor.blocks, excluded | floor.visited)
+            if floor.known.was_explored:
+                there = [block for block in there if block.connector is not None]
             if not there:
                 continue
             its = floor.prospects(there)
             a_metre = _shown_a_metre(there, its)
             if a_metre > most:
-                costs_m = [block.travel_m for block in there]
-                best = there[int(np.argmax(_values(_discounted(its), costs_m)))]
+                values = _values(_discounted(its), [_way_m(block) for block in there])
+                best = there[int(np.argmax(values))]
                 more = f"more is left for the way on {floor.known.words}"
                 reason = f"block {best.number}: {more}, {best.travel_m:.1f} m away"
                 most, choice = a_metre, BlockChoice(best.number, reason)
@@ -172,10 +175,9 @@ class GeometricReasoner:
         )
 
     def _cost_m(self, block: Block, robot: Pose2) -> float:
-        travel_m = block.travel_m + (0.0 if block.connector is None else CLIMB_M)
         if self.config.order == "tour":
-            return travel_m
-        return travel_m + _TURN_COST_M * abs(robot.bearing_to(*block.destination))
+            return _way_m(block)
+        return _way_m(block) + _TURN_COST_M * abs(robot.bearing_to(*block.destination))
 
     def _reason(self, block: Block, gain: float) -> str:
         if block.connector is not None:
@@ -191,6 +193,11 @@ class GeometricReasoner:
         return f"block {block.number}: {worth}, {block.travel_m:.1f} m away"
 
 
+def _way_m(block: Block) -> float:
+    """Length of the way to a block, and over the stairs that begin there, metres."""
+    return block.travel_m + (0.0 if block.connector is None else CLIMB_M)
+
+
 def _values(prospects: Prospects, costs_m: Sequence[float]) -> list[float]:
     """What each block is worth: what it would show, and less the farther away it is."""
     return [
@@ -202,7 +209,7 @@ def _values(prospects: Prospects, costs_m: Sequence[float]) -> list[float]:
 def _shown_a_metre(blocks: list[Block], shown: Prospects) -> float:
     """What some blocks would show for each metre of path, the way to the nearest included, m²."""
     left_m2 = float(_discounted(shown).areas_m2.sum())
-    path_m = blocks[0].travel_m + left_m2 / _SHOWN_M2
+    path_m = min(_way_m(block) for block in blocks) + left_m2 / _SHOWN_M2
     return left_m2 / path_m if path_m > 0.0 else 0.0
 
 
