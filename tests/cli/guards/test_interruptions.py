@@ -3,6 +3,8 @@ import pty
 import signal
 import subprocess
 import sys
+import time
+import weakref
 from contextlib import contextmanager, nullcontext
 
 import pytest
@@ -31,6 +33,27 @@ def sighup_as_in_a_terminal():
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     yield
     signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_one_that_comes_where_nothing_can_be_raised_ends_the_block_all_the_same(number, capsys):
+    """Python reports what a callback of a weak reference raises, and goes on."""
+
+    class Lock:
+        pass
+
+    before = sys.unraisablehook
+    locks = [Lock()]
+    _reference = weakref.ref(locks[0], lambda _: signal.raise_signal(number))
+
+    def lose_the_lock():
+        locks.clear()
+        time.sleep(10.0)
+
+    with pytest.raises(KeyboardInterrupt), sigterm_as_interruption():
+        lose_the_lock()
+    assert sys.unraisablehook is before
+    assert "Traceback" not in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])

@@ -3,6 +3,7 @@
 import math
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -20,6 +21,8 @@ _INSISTING_S = 5.0
 """Time within which a second interruption ends the process, whoever caught the first."""
 _SAME_S = 0.3
 """Time within which a second one is the same: ``timeout`` signals a process and then its group."""
+_AGAIN_S = 0.05
+"""Time after which an interruption that could not be raised is sent again."""
 _last_s = [-math.inf]
 """When an interruption was raised that nobody has answered by `interruptions_put_off` yet."""
 
@@ -36,7 +39,7 @@ def sigterm_as_interruption() -> Iterator[None]:
     the process, unless `interruptions_put_off` has begun: results are being written then.
     """
     _last_s[0] = -math.inf
-    with _handled((signal.SIGINT, *_ENDINGS), _raise_or_end):
+    with _raised_again(), _handled((signal.SIGINT, *_ENDINGS), _raise_or_end):
         yield
 
 
@@ -93,7 +96,11 @@ class UninterruptedEnd(AbstractContextManager[_EnteredT, bool | None]):
 
 def interrupt() -> None:
     """End the command as Ctrl-C does, from any thread."""
-    signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+    _send(signal.SIGINT)
+
+
+def _send(number: signal.Signals) -> None:
+    signal.pthread_kill(threading.main_thread().ident or 0, number)
 
 
 @contextmanager
@@ -114,6 +121,31 @@ def _handled(
     finally:
         for number, earlier in before.items():
             signal.signal(number, earlier)
+
+
+@contextmanager
+def _raised_again() -> Iterator[None]:
+    """Send an interruption once more that came where Python only reports what is raised.
+
+    It does so in callbacks of weak references, such as those of imports, and the block would go on.
+    """
+    report = sys.unraisablehook
+
+    def send_or_report(raised: "sys.UnraisableHookArgs") -> None:
+        if not isinstance(raised.exc_value, KeyboardInterrupt):
+            report(raised)
+            return
+        _last_s[0] = -math.inf  # nobody has heard it
+        number = signal.SIGTERM if isinstance(raised.exc_value, Terminated) else signal.SIGINT
+        again = threading.Timer(_AGAIN_S, _send, (number,))
+        again.daemon = True
+        again.start()
+
+    sys.unraisablehook = send_or_report
+    try:
+        yield
+    finally:
+        sys.unraisablehook = report
 
 
 def _raise_or_end(number: int, _frame: FrameType | None) -> None:
