@@ -104,9 +104,16 @@ class GeometricReasoner:
         if not here:
             return BlockChoice(None, "no block has unexplored boundary that can be reached")
         if self.config.gain == "boundary":
-            return self._best(here, prospects_of_boundaries(here), overview)
-        shown = overview.prospects(here)
-        return self._elsewhere(here, shown, overview, excluded) or self._best(here, shown, overview)
+            shown = counted = prospects_of_boundaries(here)
+        else:
+            shown = overview.prospects(here)
+            counted = _discounted(shown)
+            elsewhere = self._elsewhere(here, counted, overview, excluded)
+            if elsewhere is not None:
+                return elsewhere
+        best = self._best(here, counted, overview)
+        reason = self._reason(here[best], float(shown.gains_m2[best]))
+        return BlockChoice(here[best].number, reason)
 
     def _open(self, blocks: Sequence[Block], excluded: frozenset[int]) -> list[Block]:
         """The blocks with unexplored boundary that can be reached, the nearest first."""
@@ -140,10 +147,10 @@ class GeometricReasoner:
                 there = [block for block in there if block.connector is not None]
             if not there:
                 continue
-            its = floor.prospects(there)
+            its = _discounted(floor.prospects(there))
             a_metre = _shown_a_metre(there, its)
             if a_metre > most:
-                values = _values(_discounted(its), [_way_m(block) for block in there])
+                values = _values(its, [_way_m(block) for block in there])
                 best = there[int(np.argmax(values))]
                 more = f"more is left for the way on {floor.known.words}"
                 reason = f"block {best.number}: {more}, {best.travel_m:.1f} m away"
@@ -157,22 +164,19 @@ class GeometricReasoner:
             return f"Which block has the most {gain} for the way there?"
         return f"Which block comes first where the most {gain} is to come soon?"
 
-    def _best(self, blocks: list[Block], shown: Prospects, overview: Overview) -> BlockChoice:
-        by_view = self.config.gain == "view"
-        prospects = _discounted(shown) if by_view else shown
+    def _best(self, blocks: list[Block], shown: Prospects, overview: Overview) -> int:
+        """Index of the block that comes next."""
         costs = [self._cost_m(block, overview.robot) for block in blocks]
-        values = _values(prospects, costs)
+        values = _values(shown, costs)
         best_first = sorted(range(len(blocks)), key=lambda k: -values[k])  # the nearer of equals
-        best = best_first[0]
-        if self.config.order == "tour":
-            stairs_first = sorted(best_first, key=lambda k: blocks[k].connector is None)
-            stops = stairs_first[:_TOUR_STOPS]
-            legs_m = (overview.legs_m if by_view else straight_legs_m)([blocks[k] for k in stops])
-            unseen = unseen_after(prospects.areas_m2, prospects.shows[stops]) + _NEVER_SEEN_M2
-            best = stops[soonest_tour(np.array([costs[k] for k in stops]), legs_m, unseen)[0]]
-        return BlockChoice(
-            blocks[best].number, self._reason(blocks[best], float(shown.gains_m2[best]))
-        )
+        if self.config.order == "greedy":
+            return best_first[0]
+        stairs_first = sorted(best_first, key=lambda k: blocks[k].connector is None)
+        stops = stairs_first[:_TOUR_STOPS]
+        legs_of = overview.legs_m if self.config.gain == "view" else straight_legs_m
+        unseen = unseen_after(shown.areas_m2, shown.shows[stops]) + _NEVER_SEEN_M2
+        costs_m = np.array([costs[k] for k in stops])
+        return stops[soonest_tour(costs_m, legs_of([blocks[k] for k in stops]), unseen)[0]]
 
     def _cost_m(self, block: Block, robot: Pose2) -> float:
         if self.config.order == "tour":
@@ -208,7 +212,7 @@ def _values(prospects: Prospects, costs_m: Sequence[float]) -> list[float]:
 
 def _shown_a_metre(blocks: list[Block], shown: Prospects) -> float:
     """What some blocks would show for each metre of path, the way to the nearest included, m²."""
-    left_m2 = float(_discounted(shown).areas_m2.sum())
+    left_m2 = float(shown.areas_m2.sum())
     path_m = min(_way_m(block) for block in blocks) + left_m2 / _SHOWN_M2
     return left_m2 / path_m if path_m > 0.0 else 0.0
 
