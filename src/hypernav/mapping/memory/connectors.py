@@ -230,9 +230,8 @@ def with_crossing(
     back = Connector(floor, not there.goes_up, end, axis, sightings=_SIGHTINGS)
     same = next((k for k, one in enumerate(connectors) if one.is_same(back)), len(connectors))
     seen = connectors[same] if same < len(connectors) else back
-    connectors[same:] = [
-        replace(seen, passage=Passage.USED, other_floor=there.floor, sightings=_SIGHTINGS),
-        *connectors[same + 1 :],
+    connectors[same : same + 1] = [
+        replace(seen, passage=Passage.USED, other_floor=there.floor, sightings=_SIGHTINGS)
     ]
     return tuple(connectors)
 
@@ -272,10 +271,11 @@ def _connector(
     """The connector of a part of the ground; empty if it does not begin on the floor."""
     level = ground.between(floor_z - LEVEL_M, floor_z + LEVEL_M) & ~ground.presumed
     edge = level & _grown(_first_step(ground, part, floor_z) if goes_up else part)
-    high = part & (ground.heights >= floor_z + _HIGH_M)
-    if not edge.any() and goes_up and ground.area_m2(high) >= _LEAST_M2:
-        part = _with_unseen_steps(ground, part, floor_z)
-        edge = level & _grown(_first_step(ground, part, floor_z))
+    if goes_up and not edge.any():
+        high = part & (ground.heights >= floor_z + _HIGH_M)
+        if ground.area_m2(high) >= _LEAST_M2:
+            part = _with_unseen_steps(ground, part, floor_z)
+            edge = level & _grown(_first_step(ground, part, floor_z))
     if not edge.any():
         return []
     points, steps = ground.positions(edge), ground.positions(part)

@@ -80,4 +80,6 @@ def _lines(walls: bytes, side_m: float) -> Float64[np.ndarray, "sides=2 180"]:
     line += 2 * farthest * np.arange(180)
     cells = np.bincount(line[is_beside], minlength=180 * 2 * farthest).reshape(180, 2 * farthest)
     right, left = cells[:, : farthest - nearest], cells[:, farthest + nearest :]
-    return np.stack([left.max(axis=1), right.max(axis=1)]) * side_m
+    lines = np.stack([left.max(axis=1), right.max(axis=1)]) * side_m
+    lines.flags.writeable = False  # the kept ones
+    return lines

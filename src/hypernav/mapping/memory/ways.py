@@ -35,11 +35,8 @@ def ways_to_new_floors(memory: Memory) -> list[WayOut]:
     Others most likely lead to the next floor up or down that it does know a way to: a second
     flight in the well of the stairs that it came by, say.
     """
-    return [
-        _way_over(memory, number)
-        for number in _new_from_here(memory)
-        if _leads_to_new_floor(memory, memory.connectors[number])
-    ]
+    leading_on = _leading_on_from(memory, memory.number)
+    return [_way_over(memory, number) for number in leading_on if memory.connectors[number].is_new]
 
 
 def drops_to_look_at(memory: Memory) -> list[tuple[float, float]]:
@@ -243,11 +240,7 @@ def _known_floor(memory: Memory, number: int, route: tuple[int, ...]) -> KnownFl
         floor.trajectory,
         floor.search.visits,
         floor.sightings.things,
-        stairs=[
-            _way_over(memory, k)
-            for k in _open_from(memory, number)
-            if not memory.connectors[k].is_new or _leads_to_new_floor(memory, memory.connectors[k])
-        ],
+        stairs=[_way_over(memory, k) for k in _leading_on_from(memory, number)],
         way=tuple(_way_over(memory, k) for k in route),
         arrival=min(back, key=lambda one: math.dist(one, last.beyond), default=last.beyond),
         notes=floor.search.notes,
@@ -271,9 +264,14 @@ def _new_from_here(memory: Memory) -> list[int]:
     return [number for number in here if memory.connectors[number].is_new]
 
 
-def _leads_to_new_floor(memory: Memory, stairs: Connector) -> bool:
-    """Whether stairs that nobody has taken lead to a floor that the robot knows no way to."""
-    return not _knows_next_floor(memory, memory.floors[stairs.floor], goes_up=stairs.goes_up)
+def _leading_on_from(memory: Memory, floor: int) -> list[int]:
+    """Those that the robot may take, without new ones that most likely lead to a known floor."""
+    return [
+        number
+        for number in _open_from(memory, floor)
+        if not (one := memory.connectors[number]).is_new
+        or not _knows_next_floor(memory, memory.floors[floor], goes_up=one.goes_up)
+    ]
 
 
 def _knows_next_floor(memory: Memory, floor: Floor, *, goes_up: bool) -> bool:
@@ -292,7 +290,7 @@ def _ways_to(memory: Memory, is_wanted: Callable[[Floor], bool]) -> list[WayOut]
     """The stairs here on the way over the fewest stairs to new stairs, or to a floor like that."""
     counts = {
         number: _stairs_to(memory, number, is_wanted)
-        for number in _open_from(memory, memory.number)
+        for number in _leading_on_from(memory, memory.number)
     }
     fewest = min(counts.values(), default=math.inf)
     return [
@@ -305,13 +303,10 @@ def _stairs_to(memory: Memory, first: int, is_wanted: Callable[[Floor], bool]) -
     known = {memory.number}
     queue = [(first, 1)]
     for number, count in queue:
-        one = memory.connectors[number]
-        if one.is_new and _leads_to_new_floor(memory, one):
+        other = memory.connectors[number].other_floor
+        if other is None or (other not in known and is_wanted(memory.floors[other])):
             return count
-        if one.other_floor is None or one.other_floor in known:
-            continue
-        if is_wanted(memory.floors[one.other_floor]):
-            return count
-        known.add(one.other_floor)
-        queue += [(further, count + 1) for further in _open_from(memory, one.other_floor)]
+        if other not in known:
+            known.add(other)
+            queue += [(further, count + 1) for further in _leading_on_from(memory, other)]
     return math.inf
