@@ -1,6 +1,5 @@
 """The command `hypernav find`: search for an object and leave a page about the search."""
 
-import math
 import re
 from contextlib import ExitStack, closing
 from dataclasses import asdict
@@ -22,6 +21,7 @@ from hypernav.cli.guards.outputs import check_apart, check_file, check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.find import Options
+from hypernav.cli.screen.search_lines import found_start_line, live_line, print_result
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.views import (
     Views,
@@ -42,25 +42,15 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.datasets.benchmarks import robot_in
-from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
 from hypernav.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
 from hypernav.mapping.memory.memory_folder import MemoryFolder
-from hypernav.mapping.memory.unknown_start import FoundStart
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.warmup.background import warm_up_in_background
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
 _FARTHEST = 10_000.0
-OUTCOME_WORDS = {
-    Outcome.FOUND: "[green]found[/] the {goal}",
-    Outcome.WRONG_PLACE: "[red]stopped where no {goal} is[/]",
-    Outcome.NOT_FOUND: "[yellow]did not find[/] the {goal}",
-    Outcome.UNREACHABLE: "[yellow]no path leads[/] to the {goal} from this start",
-    Outcome.MODEL_UNAVAILABLE: "[red]the model was unavailable[/]; the search is not counted",
-    Outcome.INTERRUPTED: "[yellow]interrupted[/] while looking for the {goal}",
-}
-"""How a search ended, for people."""
 
 
 def run(options: Options) -> int:
@@ -175,11 +165,13 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
                 stopped_by = stopped_by or unwritten
                 status.stop()
                 if not isinstance(stopped_by, ModelSetupError):
-                    _say(console, goal, outcome)
+                    print_result(console, goal, outcome)
                     if (recorder.folder / "index.html").exists():
                         page = escape(str(folder / "index.html"))
                         console.print(f"  open {page}", soft_wrap=True)
-                    _warn(console, outcome, recorder)
+                    unusable = recorder.unusable_answers
+                    if line := unusable_answers_line(outcome.model_calls, unusable):
+                        console.print(line, soft_wrap=True)
             if not isinstance(stopped_by, Terminated | ModelSetupError):
                 views.stay(console)
     if stopped_by is not None:
@@ -195,20 +187,6 @@ def opened_memory(options: Options, config: HyPerNavConfig, console: Console) ->
     for line in memory.left_out:
         console.print(f"[yellow]{escape(line)}[/]", soft_wrap=True)
     return memory
-
-
-def found_start_line(found: FoundStart, memory: Path | None) -> str:
-    """Where the robot is in the memory, in a line for the terminal."""
-    if found.doubt or found.place is None:
-        return (
-            f"[yellow]where the robot is in {escape(str(memory))} isn't clear: {found.doubt}; the "
-            "search begins anew, and that memory stays as it is[/]"
-        )
-    x, y = found.place.own.xy
-    return (
-        f"the robot is at ({x:.1f}, {y:.1f}) on floor {found.place.floor + 1} of "
-        f"{escape(str(memory))}, by one turn"
-    )
 
 
 def check_start(start: tuple[float, ...] | None) -> None:
@@ -247,7 +225,7 @@ def _search(
             for step in search:
                 with interruptions_put_off():  # an incomplete frame would break the video
                     views.add(step.trace, step.grid, step.observation)
-                status.update(escape(_live_line(step, goal)))
+                status.update(escape(live_line(step, goal)))
                 views.keep_pace()
     except (KeyboardInterrupt, ModelSetupError, OutputError) as stop:
         return stop
@@ -262,35 +240,6 @@ def _finish(views: Views, result: dict[str, Any], console: Console) -> OutputErr
         console.print(f"[red]{escape(str(error))}[/]", soft_wrap=True)
         return error
     return None
-
-
-def _warn(console: Console, result: EpisodeResult, recorder: EpisodeRecorder) -> None:
-    """Print a warning if no answer of the model could be used."""
-    if line := unusable_answers_line(result.model_calls, recorder.unusable_answers):
-        console.print(line, soft_wrap=True)
-
-
-def _say(console: Console, goal: Goal, result: EpisodeResult) -> None:
-    metrics = result.metrics
-    console.print(OUTCOME_WORDS[result.outcome].format(goal=escape(goal.thing)))
-    if result.detail:
-        console.print(f"  {escape(result.detail)}", soft_wrap=True)
-    lengths = [f"{metrics.path_length_m:.1f} m driven"]
-    if math.isfinite(metrics.shortest_path_m):
-        lengths.append(f"shortest {metrics.shortest_path_m:.1f} m")
-    if math.isfinite(metrics.distance_to_goal_m):
-        lengths.append(f"{metrics.distance_to_goal_m:.2f} m from the goal")
-    console.print(
-        f"  {result.steps} steps, {', '.join(lengths)}, SPL {metrics.spl:.2f}, "
-        f"{result.seconds['total']:.0f} s",
-        soft_wrap=True,
-    )
-
-
-def _live_line(step: EpisodeStep, goal: str) -> str:
-    trace = step.trace
-    seen = f"{goal} in sight" if trace.goal_area else f"{goal} not seen yet"
-    return f"step {trace.step + 1} · {trace.mode} · {seen} · {trace.reason}"
 
 
 def _numbers(result: EpisodeResult) -> dict[str, Any]:

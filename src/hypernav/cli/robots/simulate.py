@@ -16,7 +16,7 @@ from rich.status import Status
 
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.cli.find import OUTCOME_WORDS, check_start, start_pose
+from hypernav.cli.find import check_start, start_pose
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
@@ -28,6 +28,7 @@ from hypernav.cli.robots.recording import (
     recording,
     steps_of,
 )
+from hypernav.cli.screen.search_lines import OUTCOME_WORDS
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.views import Views, check_views
 from hypernav.core.config import check_option, layered
