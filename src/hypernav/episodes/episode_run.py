@@ -2,9 +2,7 @@
 
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,8 +23,9 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, ModuleClock, StepTrace
-from hypernav.core.world import KeepsMapFrame, World
+from hypernav.core.world import World
 from hypernav.episodes.goal_sight import GoalSight, PathParts
+from hypernav.episodes.memory_frame import building_of, map_frame_of
 from hypernav.episodes.trial import Trial
 from hypernav.episodes.true_paths import true_paths
 from hypernav.episodes.unknown_start import find_start
@@ -148,7 +147,7 @@ class EpisodeRun:
         self.found_start: FoundStart | None = None
         self._found_frame: Transform | None = None
         if relocalize and self._folder is not None and self._folder.place is not None:
-            self._folder.check_building(_building(episode))
+            self._folder.check_building(building_of(episode))
             known = self._folder.memory
             self.found_start, self._found_frame = find_start(known, world, episode, rng)
             if self.found_start.doubt:
@@ -160,7 +159,7 @@ class EpisodeRun:
                 memory = self._folder.begin(
                     episode.goal,
                     self.trial.observation,
-                    building="" if truth is None else _building(episode),
+                    building="" if truth is None else building_of(episode),
                     map_to_scene=None if truth is None else truth.map_to_scene,
                 )
             except MemoryStartError:
@@ -187,7 +186,7 @@ class EpisodeRun:
     def _placed(
         self, world: World, episode: Episode, rng: np.random.Generator | None, *, goes_on: bool
     ) -> Trial:
-        with self._clock("world"), _map_frame_of(self._folder, world, episode, self._found_frame):
+        with self._clock("world"), map_frame_of(self._folder, world, episode, self._found_frame):
             return Trial(world, episode, rng, goes_on=goes_on)
 
     def __iter__(self) -> Iterator[EpisodeStep]:
@@ -285,33 +284,6 @@ class EpisodeRun:
         if self.trial.holds_goal and not np.isfinite(metrics.shortest_path_m):
             return Outcome.UNREACHABLE
         return Outcome.NOT_FOUND
-
-
-def _building(episode: Episode) -> str:
-    """Name of an episode's building in a memory: of a file its name and that of its folder."""
-    path = Path(episode.scene_id)
-    return "/".join(path.resolve().parts[-2:]) if path.is_file() else episode.scene_id
-
-
-@contextmanager
-def _map_frame_of(
-    folder: MemoryFolder | None, world: World, episode: Episode, found: Transform | None
-) -> Iterator[None]:
-    """Let a world that is reset in the block begin in a memory's ``map`` frame, as far as known."""
-    if folder is None or folder.place is None:
-        yield
-        return
-    folder.check_building(_building(episode))
-    if not isinstance(world, KeepsMapFrame):
-        raise ConfigError(
-            f"{type(world).__name__} begins a map frame at every start; a memory needs a world "
-            "with keep_map_frame, such as SimulatedWorld"
-        )
-    world.keep_map_frame(folder.place.map_to_scene if found is None else found)
-    try:
-        yield
-    finally:
-        world.keep_map_frame(None)
 
 
 def _check_robot(agent: Agent, world: World) -> None:
