@@ -48,7 +48,7 @@ def decide(step: Step, memory: Memory, plan: Plan) -> tuple[Decision, Plan]:
 
 def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
     """The phase that gets the step first: the approach if there is a candidate to go to now."""
-    config, approaching = step.config, plan.approaching
+    config = step.config
     if plan.climbing is not None:
         return Phase.CLIMB, plan
     if plan.frees:
@@ -61,13 +61,12 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
         memory.search.evidence = evidence or memory.search.evidence
         if config.open_the_way:
             plan = plan.approach(as_near_as_possible=True, steps_run_out=True)
-            approaching = plan.approaching
     target = memory.search.evidence.target
     if target is not None and (
         _is_another(step, memory, target) or is_nearer(step, memory, plan, target)
     ):
         target = None
-    if target is None or target.number != approaching.candidate:
+    if target is None or target.number != plan.approaching.candidate:
         number = None if target is None else target.number
         plan = plan.approach(
             candidate=number,
@@ -77,9 +76,9 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
             blocked_steps=0,
             sure_step=None,
         ).with_new_patience(config)
-        approaching = plan.approaching
     if target is None:
         return Phase.EXPLORE, plan
+    approaching = plan.approaching
     if approaching.rest_steps > 0 and not approaching.as_near_as_possible:
         return Phase.EXPLORE, plan.approach(rest_steps=approaching.rest_steps - 1)
     if approaching.second_look is not None:

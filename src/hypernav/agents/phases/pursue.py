@@ -17,7 +17,7 @@ from hypernav.mapping.memory.ways import (
 
 def pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
     """The plan that heads for a goal that was seen too far away, or on another floor."""
-    if not step.config.pursue_far_sightings:
+    if not step.config.pursue_far_sightings or errand(step, memory) is not None:
         return plan
     far, below_or_above = memory.search.evidence.far_position, seen_from_elsewhere(memory)
     if far is not None:
@@ -34,8 +34,6 @@ def _towards(
 ) -> Plan:
     """The plan that heads for a position of a sighting, unless it was pursued in vain before."""
     config = step.config
-    if errand(step, memory) is not None:
-        return plan
     near_m = 2.0 * config.arrival_distance_m
     if any(math.dist(position, other) <= near_m for other in plan.exploring.pursued):
         forget_sighting(memory, position)
@@ -49,7 +47,7 @@ def _towards(
 def _over_stairs(step: Step, memory: Memory, plan: Plan) -> Plan:
     """The plan that takes the nearest stairs towards a floor on which the goal was seen."""
     ways = ways_to_sighting(memory)
-    if not ways or errand(step, memory) is not None:
+    if not ways:
         return plan
     destination = plan.destination
     if destination is not None and destination.connector in [one.connector for one in ways]:

@@ -103,10 +103,6 @@ class FloorBlocks:
     visited: frozenset[int] = field(default=frozenset(), kw_only=True)
 
 
-def _nowhere() -> Sequence[FloorBlocks]:
-    return ()
-
-
 @dataclass(frozen=True, eq=False)
 class Overview:
     """Everything that a reasoner may know when it chooses a block.
@@ -136,7 +132,7 @@ class Overview:
     camera_image: UInt8[np.ndarray, "height width 3"] | None = None
     prospects: Callable[[Sequence[Block]], Prospects] = prospects_of_boundaries
     legs_m: Callable[[Sequence[Block]], Float64[np.ndarray, "blocks blocks"]] = straight_legs_m
-    find_elsewhere: Callable[[], Sequence[FloorBlocks]] = _nowhere
+    find_elsewhere: Callable[[], Sequence[FloorBlocks]] = tuple
     seen_m2: float = math.inf
 
     @cached_property

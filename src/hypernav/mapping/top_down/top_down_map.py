@@ -77,8 +77,7 @@ class TopDownMap:
         self.config = config
         self.embodiment = embodiment
         self._band = config.height_band(embodiment.body)
-        self._first_row = 0
-        self._first_column = 0
+        self._first_row, self._first_column = 0, 0
         self._arrays = empty_arrays(CHUNK_CELLS, CHUNK_CELLS, self._band)
         self._sizes = (config.cell_size_m, config.voxel_height_m, self._band.bottom_m)
         self._weights = (
@@ -99,12 +98,8 @@ class TopDownMap:
         to_camera = math.ceil(above_bottom_m / config.voxel_height_m)
         layers = np.arange(max(self._band.layers, to_camera)) + 0.5
         self._eye_layer = min(max(to_camera - 1, 0), self._band.layers - 1)
-        self._heights = np.concatenate(
-            [
-                [self._band.bottom_m / 2.0],
-                self._band.bottom_m + layers * config.voxel_height_m,
-            ]
-        )
+        voxels_m = self._band.bottom_m + layers * config.voxel_height_m
+        self._heights = np.array([self._band.bottom_m / 2.0, *voxels_m])
         self._counts = np.zeros(0, dtype=np.uint16)
         self._touched = np.zeros(0, dtype=np.int32)
 
@@ -152,8 +147,7 @@ class TopDownMap:
             MapError: A pose is not finite, or so far away that the map would become wider than
                 `MAX_SIDE_M` or take too much memory.
         """
-        pose = observation.camera_to_map
-        robot = observation.robot
+        pose, robot = observation.camera_to_map, observation.robot
         if not (np.isfinite(pose.matrix).all() and math.isfinite(robot.x + robot.y + robot.yaw)):
             raise MapError(
                 f"the poses of an observation must be finite, got robot {robot} "
@@ -163,10 +157,7 @@ class TopDownMap:
         radius_m = self.embodiment.body.radius_m
         low, high = camera.reach(pose, sensor.max_depth_m)
         here = np.array(robot.xy)
-        self._grow(
-            np.minimum(low, here - radius_m),
-            np.maximum(high, here + radius_m),
-        )
+        self._grow(np.minimum(low, here - radius_m), np.maximum(high, here + radius_m))
         window = self._window(low, high)
         self._reserve(window, observation.depth.size)
         size, corner = config.cell_size_m, self._corner_of(window)
@@ -318,10 +309,7 @@ class TopDownMap:
     def _corner_of(self, window: _Window) -> tuple[float, float]:
         """Lower left corner ``(x, y)`` of a window, metres."""
         size = self.config.cell_size_m
-        return (
-            (self._first_column + window.column) * size,
-            (self._first_row + window.row) * size,
-        )
+        return (self._first_column + window.column) * size, (self._first_row + window.row) * size
 
     def _reserve(self, window: _Window, pixels: int) -> None:
         """Allocate scratch memory for a frame."""

@@ -83,9 +83,9 @@ class Sighting:
         return self.score_weight + _SHAPE_SHARE * min(self.shape, 0.0)
 
 
-def weight_of(detection: Detection, config: LocalConfig) -> float:
+def weight_of(score: float, config: LocalConfig) -> float:
     """Shift of the log-odds by the score of a detection, 0 to 1."""
-    return along(config.score_weights or _YOLOX, float(detection.score))
+    return along(config.score_weights or _YOLOX, float(score))
 
 
 def is_convincing(evidence: GoalEvidence, config: LocalConfig) -> bool:
@@ -275,7 +275,7 @@ def with_earlier_looks(
         if one.number >= before.count:
             for thing in things.at(*one.area.centre, goal):
                 for x, y, score in thing.views if not thing.refuted_in else ():
-                    one = one.with_look((x, y), along(config.score_weights or _YOLOX, score))
+                    one = one.with_look((x, y), weight_of(score, config))
             evidence = evidence.with_candidate(one)
     return evidence
 
@@ -289,23 +289,21 @@ def _measured(one: Candidate, measure: Measure, kind: KindShape) -> Candidate:
 
 def _number_of(area: GoalArea, known: Iterable[Candidate], chosen: int | None) -> int | None:
     """The number of the candidate that an area belongs to, the target first; None if to none."""
-    same = [one for one in known if _is_same(area, one.area)]
+    same = [
+        one
+        for one in known  # areas of neighbours hardly overlap
+        if max(area.covers(one.area), one.area.covers(area)) >= _SAME_OBJECT
+    ]
     if not same:
         return None
     return max(same, key=lambda one: (one.number == chosen, one.area.covers(area))).number
 
 
-def _is_same(a: GoalArea, b: GoalArea) -> bool:
-    """Whether two areas belong to one object: those of neighbours hardly overlap."""
-    return max(a.covers(b), b.covers(a)) >= _SAME_OBJECT
-
-
 def _is_missed(one: Candidate, observation: Observation) -> bool:
     """Whether an image without a sighting of a candidate should show it."""
     area = one.area
-    if observation.robot.distance_to(*area.centre) > _NEAR_M:
-        return False
-    return should_be_visible(area.seen_points, area.height_m, observation)
+    is_near = observation.robot.distance_to(*area.centre) <= _NEAR_M
+    return is_near and should_be_visible(area.seen_points, area.height_m, observation)
 
 
 def _rivalry(
@@ -313,8 +311,8 @@ def _rivalry(
 ) -> float:
     """Log-odds that the surest detection of another thing in the same pixels takes away."""
     seen = one.area.seen_points
-    weights = [weight_of(o, config) for o in others if seems_to_hold(o.box, seen, observation)]
-    return _RIVAL_SHARE * max([0.0, *weights])
+    scores = [o.score for o in others if seems_to_hold(o.box, seen, observation)]
+    return _RIVAL_SHARE * max([0.0, *(weight_of(score, config) for score in scores)])
 
 
 def _best(evidence: GoalEvidence, robot: Pose2) -> int | None:

@@ -204,7 +204,7 @@ class LocalPerception:
         goal: Goal,
     ) -> Sighting:
         """A sighting, whose form counts if it is uncertain and the kind's forms are known."""
-        seen = Sighting(detection, area, weight_of(detection, self.config))
+        seen = Sighting(detection, area, weight_of(detection.score, self.config))
         if self.config.target == "latest" or detection.score >= _CERTAIN:
             return seen
         kind = kind_shape(goal.thing)
