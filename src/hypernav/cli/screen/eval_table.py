@@ -9,6 +9,7 @@ from rich.table import Table
 
 from hypernav.cli.screen.warnings_shown import unusable_answers_line
 from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.report.report_text import percent
 from hypernav.evaluation.runner import RunProgress
 from hypernav.evaluation.statistics import Estimate
 from hypernav.evaluation.summary import counted, failure_counts, summarise
@@ -82,7 +83,7 @@ def outcome_lines(progress: RunProgress, folder: Path) -> Iterator[str]:
 def _numbers(progress: RunProgress) -> Iterator[tuple[str, str, str]]:
     if counted(progress.records):
         summary = summarise(progress.records, draws=_LIVE_DRAWS)
-        yield "SR", _percent(summary.success), _interval(summary.success)
+        yield "SR", percent(summary.success), _interval(summary.success)
         yield "SPL", f"{summary.spl.mean:.3f}", _interval(summary.spl, percent=False)
         yield "steps", f"{summary.steps.mean:.0f}", "a mean episode"
     calls = _calls(progress)
@@ -108,10 +109,6 @@ def duration(seconds: float) -> str:
     if seconds >= 3600:
         return f"{int(seconds // 3600)} h {int(seconds % 3600 // 60):02d} min"
     return f"{int(seconds // 60)} min" if seconds >= 60 else f"{seconds:.0f} s"
-
-
-def _percent(estimate: Estimate) -> str:
-    return f"{100 * estimate.mean:.1f} %"
 
 
 def _interval(estimate: Estimate, *, percent: bool = True) -> str:
