@@ -21,6 +21,7 @@ from hypernav.core.errors import (
     MissingExtraError,
     ModelError,
     OutputError,
+    RunFolderError,
 )
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.goal import Goal
@@ -120,6 +121,21 @@ def test_what_is_damaged_of_a_memory_is_said_at_the_start(tmp_path, home, monkey
     monkeypatch.setattr("hypernav.robot.server.serving.serve", lambda *args, **options: None)
     served(tmp_path, home)
     assert "the map of floor 1 is damaged" in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_memory_that_another_program_uses_is_not_read_at_the_start(tmp_path, home, monkeypatch):
+    """It may be saving to it: what is half replaced would be taken for damaged."""
+    monkeypatch.setattr("hypernav.cli.serve._PATIENCE_S", 0.0)
+    with open_memory(home), pytest.raises(RunFolderError, match="in use .* another --memory"):
+        served(tmp_path, home)
+
+
+def test_a_memory_is_free_again_once_the_server_has_read_it(tmp_path, home, monkeypatch):
+    def serve(*args, **options):
+        open_memory(home).close()
+
+    monkeypatch.setattr("hypernav.robot.server.serving.serve", serve)
+    served(tmp_path, home)
 
 
 def test_a_missing_extra_is_named(monkeypatch, tmp_path):

@@ -17,6 +17,8 @@ from hypernav.core.errors import ConfigError
 from hypernav.warmup.background import warm_up_in_background
 
 _MODULES = ("fastapi", "uvicorn", "websockets")
+_PATIENCE_S = 2.0
+"""Longest wait for a last search or server that still saves to the memory, seconds."""
 
 
 def run(options: Options) -> int:
@@ -29,7 +31,7 @@ def run(options: Options) -> int:
         MissingExtraError: The packages of a server, or of a component, are not installed.
         ModelError: A model's file cannot be used.
         OutputError: The folder of the searches, or that of the memory, cannot be written.
-        RunFolderError: Another server uses it.
+        RunFolderError: Another server uses it, or another program the memory.
     """
     for module in _MODULES:
         require(module, extra="robot")
@@ -105,7 +107,9 @@ def _check_memory(folder: Path) -> tuple[str, ...]:
     Raises:
         MemoryFolderError: As `run`.
         OutputError: The folder cannot be written.
+        RunFolderError: Another program uses it, and may be saving to it.
     """
+    from hypernav.core.files.folder_lock import folder_lock
     from hypernav.mapping.memory.memory_folder import check_is_of_robot
     from hypernav.mapping.memory.reading import (
         check_not_inside_another,
@@ -115,9 +119,10 @@ def _check_memory(folder: Path) -> tuple[str, ...]:
 
     check_folder(folder)
     check_not_inside_another(folder)
-    index = read_index(folder)
-    if index is None:
-        return ()
-    check_is_of_robot(folder, index.place)
-    contents = read_memory(folder, index.mapping, index.robot, most_bytes=sys.maxsize)
+    with folder_lock(folder, option="--memory", patience_s=_PATIENCE_S):
+        index = read_index(folder)
+        if index is None:
+            return ()
+        check_is_of_robot(folder, index.place)
+        contents = read_memory(folder, index.mapping, index.robot, most_bytes=sys.maxsize)
     return () if contents is None else contents.left_out
