@@ -8,8 +8,10 @@ import pytest
 
 from box_scenes import room_glb
 from hypernav.cli.main import main
+from hypernav.core.errors import OutputError
 from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.geometry.transforms import Pose2
+from memory_folders import files_of
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
 
@@ -133,6 +135,19 @@ def test_a_folder_of_results_in_use_leaves_the_memory_as_it_is(searched, home, t
     assert status == 2
     assert "is in use by another run" in " ".join(capsys.readouterr().err.split())
     assert (home / "memory.json").read_bytes() == before
+
+
+def test_a_recorder_that_fails_leaves_the_memory_as_it_is(searched, home, tmp_path, monkeypatch):
+    """No step was taken, so the memory has no search more."""
+
+    def full(*args, **options):
+        raise OutputError("the disk is full")
+
+    before = files_of(home)
+    monkeypatch.setattr("hypernav.cli.find.EpisodeRecorder", full)
+    out, scene = tmp_path / "out", searched / "room.glb"
+    assert hypernav("find", "bed", "--scene", scene, "--out", out, "--memory", home, *SMALL) == 2
+    assert files_of(home) == before
 
 
 def test_relocalizing_needs_a_memory(searched, tmp_path, capsys):

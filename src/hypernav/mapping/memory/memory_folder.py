@@ -106,17 +106,26 @@ class MemoryFolder:
         self.close()
 
     def close(self) -> None:
-        """Save what is under way, and let other processes use the folder."""
+        """Save what is under way, and let other processes use the folder.
+
+        A search that has not taken in a frame has taught nothing, and is not kept.
+        """
         try:
-            if self._is_searching:
-                self.end("interrupted", steps=0)
+            if self._is_searching and self._frames > 0:
+                self.end("interrupted", steps=self._frames)
         finally:
-            self._open.close()
+            self.leave()
 
     def leave(self) -> None:
         """Let other processes use the folder, without what the search under way has learned."""
         self._is_searching = False
         self._open.close()
+
+    @property
+    def _frames(self) -> int:
+        """Number of frames that the search under way has taken in."""
+        is_begun = self.memory.searches == self.history[-1].search
+        return len(self.memory.way) if is_begun else 0
 
     def check_building(self, building: str) -> None:
         """Refuse a simulated building that the memory isn't of.
