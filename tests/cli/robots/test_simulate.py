@@ -33,12 +33,16 @@ def test_a_second_robot_finds_its_start_in_the_memory_of_the_first(tmp_path, cap
 
     room_glb(tmp_path / "room.glb")
     with robot_server(tmp_path / "state", plan) as link:
-        assert "found_start" not in searched(tmp_path, link.port, 1.0, 2.0, 0.0)
+        first = searched(tmp_path, link.port, 1.0, 2.0, 0.0)
+        assert "found_start" not in first
+        assert first["memory"] == {"earlier_searches": 0}
         result = searched(tmp_path, link.port, 2.5, 2.5, 200.0)
     found = result["found_start"]
     assert (found["sure"], found["floor"], found["turns"]) == (True, 1, 11)
     page = (tmp_path / "out-2.5" / "index.html").read_text()
     assert "found on floor 1 by one turn" in page
+    assert result["memory"] == {"earlier_searches": 1}
+    assert "a building where it had been in 1 earlier search" in page
     assert "start found on floor 1 of the memory by one turn" in capsys.readouterr().err
     lines = (tmp_path / "out-2.5" / "trace.jsonl").read_text().splitlines()
     first, last = json.loads(lines[0]), json.loads(lines[-1])

@@ -66,6 +66,24 @@ def test_the_next_search_goes_to_what_the_last_one_saw(tmp_path, plan):
     assert outcomes(tmp_path / "home") == [("door", "found"), ("door", "found")]
 
 
+def test_a_robot_is_told_in_how_many_earlier_searches_the_memory_was_there(tmp_path, plan):
+    request = {"goal": "door", "labels": True, "embodiment": BoxRoom().embodiment.model_dump()}
+    with robot_server(tmp_path / "state", plan) as link:
+        first = link.call("POST", "/v1/searches", request | {"key": "a" * 32}).json
+        drive(link, f"/v1/searches/{first['id']}", BoxRoom())
+        second = link.call("POST", "/v1/searches", request | {"key": "b" * 32}).json
+    with robot_server(tmp_path / "state", plan) as link:
+        again = link.call("POST", "/v1/searches", request | {"key": "b" * 32}).json
+    assert [one["earlier_searches"] for one in (first, second, again)] == [0, 1, 1]
+
+
+def test_without_a_memory_older_robots_are_told_nothing_that_they_do_not_know(tmp_path):
+    request = {"goal": "door", "labels": True, "embodiment": BoxRoom().embodiment.model_dump()}
+    with robot_server(tmp_path / "state", real_plan) as link:
+        opened = link.call("POST", "/v1/searches", request).json
+    assert opened.keys() == {"id", "next_sequence", "version", "words"}
+
+
 def test_one_search_at_a_time_has_the_memory(tmp_path, plan):
     with robot_server(tmp_path / "state", plan) as link:
         search = link.open()

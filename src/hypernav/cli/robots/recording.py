@@ -63,6 +63,18 @@ def steps_of(answers: int, start: StartInMemory | None) -> int:
     return answers if start is None else answers - start.turns
 
 
+def memory_values(opened: SearchOpened, start: StartInMemory | None) -> dict[str, Any]:
+    """The memory that the search began with, for ``result.json``; empty if it began with none.
+
+    Args:
+        opened: What the server said when it opened the search.
+        start: Where the robot took itself to be in the memory; None if it knew.
+    """
+    if opened.earlier_searches is None or (start is not None and not start.sure):
+        return {}
+    return {"memory": {"earlier_searches": opened.earlier_searches}}
+
+
 def found_start_values(start: StartInMemory | None) -> dict[str, Any]:
     """The same for ``result.json``, which has the values of `hypernav find`."""
     frame = {"robot_frame", "robot_frame_z"}

@@ -18,6 +18,7 @@ from hypernav.cli.robots.own_server import server_at
 from hypernav.cli.robots.recording import (
     found_start_of,
     found_start_values,
+    memory_values,
     recording,
     steps_of,
 )
@@ -149,6 +150,7 @@ def _searched(
                 "detector": detector,
                 "reasoner": reasoner,
                 **found_start_values(found),
+                **memory_values(opened, found),
                 "outcome": _OUTCOMES.get(ending, Outcome.INTERRUPTED),
                 "steps": steps_of(client.steps, found),
                 "path_length_m": length_m,

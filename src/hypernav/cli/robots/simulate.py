@@ -25,6 +25,7 @@ from hypernav.cli.robots.own_server import server_at
 from hypernav.cli.robots.recording import (
     found_start_of,
     found_start_values,
+    memory_values,
     recording,
     steps_of,
 )
@@ -133,6 +134,7 @@ def run(options: Simulate) -> int:
                     "seed": options.seed,
                     "start": [start.x, start.y, float(np.degrees(start.yaw))],
                     **found_start_values(found),
+                    **memory_values(opened, found),
                     "outcome": _outcome(ending, metrics),
                     "steps": steps_of(client.steps, found),
                     **asdict(metrics),

@@ -110,7 +110,8 @@ def _document_observations(app: FastAPI) -> None:
 def _routes(searches: Searches, waiting: WaitingRobots, allowances: Allowances) -> APIRouter:
     routes = APIRouter()
 
-    @routes.post(SEARCHES, status_code=201)
+    # Robots refuse what they don't know: without a memory older ones get what they always got.
+    @routes.post(SEARCHES, status_code=201, response_model_exclude_none=True)
     async def open_search(request: OpenSearch) -> SearchOpened:
         """Begin a search, or return that of the same key."""
         thing = waiting.meant(request.key) or request.thing
@@ -129,6 +130,7 @@ def _routes(searches: Searches, waiting: WaitingRobots, allowances: Allowances) 
             next_sequence=status.next_sequence,
             version=version("hypernav"),
             words=status.words,
+            earlier_searches=search.record.earlier_searches,
         )
 
     @routes.post(f"{SEARCHES}/{{name}}/observations", openapi_extra=_OBSERVATION_BODY)

@@ -177,6 +177,7 @@ class Searches:
                 memory_mb=plan.memory_mb,
                 relocalize=plan.relocalize and memory is not None and memory.index is not None,
                 memory_save=None if memory is None else memory.save_name,
+                earlier_searches=None if memory is None else memory.memory.searches,
             )
             search = Search(Journal.create(folder, record), self._pace)
             failed.pop_all()

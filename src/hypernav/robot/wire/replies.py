@@ -17,12 +17,16 @@ class SearchOpened(Message):
         next_sequence: Number of the observation that is expected next: 0 for a new search.
         version: Version of hypernav on the server.
         words: Detector and reasoner in use, for people.
+        earlier_searches: Number of searches that the server's memory knows, before this one; left
+            out, so that older robots understand the answer, where the server has no memory or is
+            older.
     """
 
     id: SearchId
     next_sequence: int
     version: str
     words: str
+    earlier_searches: int | None = None
 
     @property
     def detector_and_reasoner(self) -> tuple[str, str]:

@@ -68,6 +68,7 @@ class SearchRecord(Message):
             memory: it doesn't know, and the memory is not a new one.
         memory_save: Name of the save that the search began with; a restarted server goes on with no
             other. None without a memory, and where an older server opened the search.
+        earlier_searches: Number of searches that the memory knew before; None likewise.
     """
 
     id: SearchId
@@ -81,6 +82,7 @@ class SearchRecord(Message):
     memory_mb: float = MOST_MEGABYTES
     relocalize: bool = False
     memory_save: str | None = None
+    earlier_searches: int | None = None
 
 
 class StepRecord(Message):
