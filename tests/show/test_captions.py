@@ -43,6 +43,18 @@ def test_every_ending_has_a_headline(result: dict[str, object], text: str, tone:
     assert headline.tone == tone
 
 
+def test_a_search_that_found_nothing_says_how_it_ended() -> None:
+    ended = {"goal": "bed", "outcome": "not_found", "steps": 500}
+    assert "not where the robot looked" in captions.headline(ended).detail
+    out_of_steps = captions.headline({**ended, "max_steps": 500, "distance_to_goal_m": 3.21})
+    assert out_of_steps.detail == (
+        "It was still looking when all 500 steps were used. "
+        f"It ended {captions.number(3.21, 1, 'm')} of path from the nearest one."
+    )
+    far = captions.headline({**ended, "max_steps": 600, "distance_to_goal_m": math.inf})
+    assert far.detail == captions.headline(ended).detail
+
+
 def test_ground_truth_is_called_by_its_name_however_it_is_spelt() -> None:
     for name in ("ground truth", "ground-truth", "Ground_Truth"):
         assert captions.is_ground_truth(name)

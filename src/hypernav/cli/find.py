@@ -154,6 +154,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
                     "scene": world.scene.name,
                     **options.who.describe(parts),
                     "seed": options.seed,
+                    "max_steps": steps,
                     "start": [start.x, start.y, float(np.degrees(start.yaw))],
                     **_found_start(search),
                     **_memory_entry(options, search, earlier_searches),

@@ -194,10 +194,24 @@ def headline(result: Mapping[str, Any]) -> Headline:
     if outcome == "found":
         outcome = "wrong_place"
     text, detail = _ENDINGS.get(outcome, (f"Ended: {outcome.replace('_', ' ') or 'unknown'}", ""))
+    if outcome == "not_found" and _is_out_of_steps(result):
+        detail = f"It was still looking when all {result['steps']} steps were used."
+    if outcome == "not_found" and _is_finite(result.get("distance_to_goal_m")):
+        away = number(result["distance_to_goal_m"], 1, "m")
+        detail += f" It ended {away} of path from the nearest one."
     if result.get("detail"):
         detail = f"{detail} {result['detail']}"
     tone: Tone = "neutral" if outcome in _NEUTRAL else "bad"
     return Headline(text.replace("{goal}", goal), tone, detail)
+
+
+def _is_out_of_steps(result: Mapping[str, Any]) -> bool:
+    steps, most_steps = result.get("steps"), result.get("max_steps")
+    return isinstance(steps, int) and isinstance(most_steps, int) and steps >= most_steps
+
+
+def _is_finite(value: object) -> bool:
+    return isinstance(value, int | float) and math.isfinite(value)
 
 
 def duration(seconds: float) -> str:

@@ -263,6 +263,7 @@ class EpisodeWorker:
                 "why": verdict.why if verdict is not None else "",
                 **_decisive_step(verdict, recorder.steps),
                 "steps": result.steps,
+                "max_steps": episode.max_steps,
                 "model_calls": result.model_calls,
                 **result.measures(),
                 "seconds": {module: round(s, 3) for module, s in result.seconds.items()},
