@@ -148,7 +148,10 @@ class Wavers:
     """An explorer that names one destination after the other."""
 
     def __init__(self, *positions, answers_at_once=True):
-        self._left = [Destination(*position, reason="there") for position in positions]
+        self._left = [
+            Destination(*position, reason=f"answer {number}")
+            for number, position in enumerate(positions, 1)
+        ]
         self.answers_at_once = answers_at_once
 
     def next_destination(self, view):
@@ -188,6 +191,16 @@ def test_a_destination_beside_the_present_one_is_no_other():
     found, events, _ = destinations(Wavers(LEFT_END, beside), 5, reconsider_steps=3)
     assert found == [LEFT_END] * 5
     assert events == []
+
+
+def test_the_reason_for_a_destination_is_that_of_the_latest_answer():
+    phase = Exploration(Wavers(LEFT_END, LEFT_END), drop_explored=False, reconsider_steps=2)
+    reasons = []
+    for _ in range(4):
+        decision = phase.act(Pose2(4.0, 1.5, math.pi / 2), corridor())
+        assert isinstance(decision, Decision)
+        reasons.append(decision.reason)
+    assert reasons == ["answer 1"] * 2 + ["answer 2"] * 2
 
 
 @pytest.mark.parametrize(

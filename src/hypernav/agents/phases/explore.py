@@ -206,6 +206,9 @@ def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
     plan = plan.explore(offered=other.blocks, insight=other.insight or plan.exploring.insight)
     near_m = 2.0 * config.arrival_distance_m
     known = (destination.xy, *plan.exploring.left)
+    if math.dist(other.xy, destination.xy) <= near_m and other.connector == destination.connector:
+        # Blocks are numbered anew, so the reason of before would name another one.
+        return plan.explore(destination=replace(destination, reason=other.reason))
     if any(math.dist(other.xy, one) <= near_m for one in known):
         return plan
     step.events.append("destination changed")
