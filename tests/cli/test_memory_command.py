@@ -8,6 +8,7 @@ import pytest
 
 from box_scenes import room_glb
 from hypernav.cli.main import main
+from hypernav.cli.screen.memory_page import ways
 from hypernav.core.errors import OutputError
 from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.geometry.transforms import Pose2
@@ -250,3 +251,10 @@ def test_another_building_and_an_impossible_size_are_one_line(home, tmp_path, ca
     assert "most_megabytes" in capsys.readouterr().err
     assert hypernav(*command) == 2
     assert "is the memory of searched0/room.glb, and this is builtin" in capsys.readouterr().err
+
+
+def test_a_plan_joins_no_positions_between_which_the_robot_did_not_drive():
+    driven = [(0.0, 0.0), (0.5, 0.0), (0.5, 0.5)]
+    another = [(3.0, 0.5), (3.2, 0.5)]
+    assert ways([*driven, *another]) == [driven, another]
+    assert ways([]) == []

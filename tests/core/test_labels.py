@@ -9,6 +9,7 @@ from hypernav.core.labels import (
     ObjectLabel,
     asked_place,
     canonical,
+    names_of,
     normalise,
     same_name,
 )
@@ -161,3 +162,11 @@ def test_of_names_no_room_unless_an_article_follows():
     dresser = ObjectLabel("dresser", attributes=("wooden",), room="bedroom")
     assert dresser.satisfies(Goal("wooden chest of drawers"))
     assert dresser.satisfies(Goal("wooden chest of drawers in the bedroom"))
+
+
+def test_all_names_of_a_thing_are_known_the_given_one_first():
+    names = names_of("couch")
+    assert names[0] == "couch"
+    assert {"sofa", "settee"} <= set(names)
+    assert all(same_name(one, "couch") for one in names)
+    assert names_of("zebra") == ["zebra"]

@@ -70,6 +70,13 @@ def canonical(name: str) -> str:
     return name
 
 
+def names_of(name: str) -> list[str]:
+    """All names that mean the same, the given one first."""
+    canon = canonical(name)
+    group = next((group for group in _SYNONYMS if group[0] == canon), (canon,))
+    return list(dict.fromkeys((name, *group)))
+
+
 def same_name(a: str, b: str) -> bool:
     """Whether two names mean the same kind of object."""
     return canonical(a) == canonical(b)

@@ -1,19 +1,26 @@
 """The page about a memory: a plan of every floor with its things, key images and the history."""
 
+import math
+from collections.abc import Sequence
 from typing import Any
 
 import cv2
 import numpy as np
 
+from hypernav.core.labels import names_of
+from hypernav.mapping.memory.connectors import Connector
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.key_images import KeyImage
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.mapping.memory.thing import Thing
-from hypernav.show.drawing.map_images import draw_map
+from hypernav.show.climbs import StairsMark
+from hypernav.show.drawing.map_painter import MapPainter
 from hypernav.show.drawing.map_view import MapView
 from hypernav.show.pages.templating import data_uri, image_uri, page_environment
 
 _PLAN_PX = 900
+_DRIVEN_M = 1.0
+"""Distance between two positions, metres, beyond which another search began, or on stairs."""
 _THUMBNAIL_PX = 240
 _OUTCOMES = {
     "found": "found",
@@ -38,19 +45,17 @@ def memory_page(home: MemoryFolder) -> str:
         name=home.folder.resolve().name,
         building="" if home.place is None else home.place.building,
         left_out=home.left_out,
-        floors=[_floor(number, floor, images) for number, floor in enumerate(memory.floors)],
+        floors=[
+            _floor(number, floor, _stairs(memory.connectors, number), images)
+            for number, floor in enumerate(memory.floors)
+        ],
         images=[
             {
                 "uri": images[one.number],
                 "floor": one.floor + 1,
                 "search": one.search,
-                "shows": sorted(
-                    {
-                        thing.label
-                        for thing in memory.floors[one.floor].things.known
-                        if thing.image == one.number
-                    }
-                ),
+                "shows": (shows := _shown(memory.floors[one.floor], one.number)),
+                "words": " ".join(name for label in shows for name in names_of(label)),
             }
             for one in kept
             if one.floor < len(memory.floors)
@@ -69,15 +74,35 @@ def memory_page(home: MemoryFolder) -> str:
     )
 
 
-def _floor(number: int, floor: Floor, images: dict[int, str]) -> dict[str, Any]:
+def _shown(floor: Floor, image: int) -> list[str]:
+    """The names of the things that a key image shows best."""
+    return sorted({thing.label for thing in floor.things.known if thing.image == image})
+
+
+def _stairs(connectors: Sequence[Connector], floor: int) -> list[StairsMark]:
+    """The stairs on a floor on which the robot may rely, and where they lead."""
+    return [
+        StairsMark(one.end, one.words if to is None else f"{one.words} to floor {to + 1}")
+        for one in connectors
+        if one.floor == floor and one.is_usable and (to := one.other_floor) != floor
+    ]
+
+
+def _floor(
+    number: int, floor: Floor, stairs: Sequence[StairsMark], images: dict[int, str]
+) -> dict[str, Any]:
     grid = floor.map.grid.cropped()
     view = MapView.fit(grid, _PLAN_PX)
-    plan = draw_map(grid, view=view, trajectory=floor.trajectory)
+    painter = MapPainter(grid, view=view)
+    for way in ways(floor.trajectory):
+        painter.trajectory(way)
+    painter.stairs(stairs)
+    painter.scale_bar()
     return {
         "number": number + 1,
         "z": floor.z,
         "area_m2": float(grid.free.sum()) * grid.resolution_m**2,
-        "plan": image_uri(plan),
+        "plan": image_uri(painter.image),
         "size": _PLAN_PX,
         "things": [
             _thing(one, view, images)
@@ -86,11 +111,22 @@ def _floor(number: int, floor: Floor, images: dict[int, str]) -> dict[str, Any]:
     }
 
 
+def ways(trajectory: Sequence[tuple[float, float]]) -> list[list[tuple[float, float]]]:
+    """The parts of a trajectory between which the robot did not drive."""
+    ways = list[list[tuple[float, float]]]()
+    for position in trajectory:
+        if not ways or math.dist(ways[-1][-1], position) > _DRIVEN_M:
+            ways.append([])
+        ways[-1].append(position)
+    return ways
+
+
 def _thing(thing: Thing, view: MapView, images: dict[int, str]) -> dict[str, Any]:
     (left, bottom), (right, top) = (view.pixel_of(*one[:2]) for one in (thing.low, thing.high))
     x, y, z = thing.position
     return {
         "label": thing.label,
+        "words": " ".join(names_of(thing.label)),
         "box": (left, top, max(right - left, 4.0), max(bottom - top, 4.0)),
         "position": f"{x:.1f}, {y:.1f}, {z:.1f}",
         "size": " × ".join(f"{side:.1f}" for side in thing.size),
