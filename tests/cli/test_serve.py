@@ -126,7 +126,7 @@ def test_what_is_damaged_of_a_memory_is_said_at_the_start(tmp_path, home, monkey
 def test_a_memory_that_another_program_uses_is_not_read_at_the_start(tmp_path, home, monkeypatch):
     """It may be saving to it: what is half replaced would be taken for damaged."""
     monkeypatch.setattr("hypernav.cli.serve._PATIENCE_S", 0.0)
-    with open_memory(home), pytest.raises(RunFolderError, match="in use .* another --memory"):
+    with open_memory(home), pytest.raises(RunFolderError, match=r"in use .* another --memory"):
         served(tmp_path, home)
 
 
