@@ -222,3 +222,9 @@ def test_it_loads_nothing_of_the_simulator(ended):
     simulator = {name for name in ended.modules if name.startswith("hypernav.worlds.")}
     assert simulator == {"hypernav.worlds.config"}  # settings, which each configuration has
     assert not any(name.startswith("hypernav.houses") for name in ended.modules)
+
+
+def test_a_new_memory_is_not_begun_before_the_first_search(tmp_path, monkeypatch):
+    monkeypatch.setattr("hypernav.robot.server.serving.serve", lambda *args, **options: None)
+    served(tmp_path, tmp_path / "new")
+    assert not (tmp_path / "new").exists()

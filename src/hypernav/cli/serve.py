@@ -119,6 +119,8 @@ def _check_memory(folder: Path) -> tuple[str, ...]:
 
     check_folder(folder)
     check_not_inside_another(folder)
+    if not folder.exists():  # it begins with the first search
+        return ()
     with folder_lock(folder, option="--memory", patience_s=_PATIENCE_S):
         index = read_index(folder)
         if index is None:
