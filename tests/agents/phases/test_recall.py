@@ -75,7 +75,7 @@ def memory(explored) -> Memory:
 
 def test_a_remembered_thing_is_gone_to_at_once(memory):
     steps, result, _ = searched(two_rooms(coloured=False), "sofa", IN_BEDROOM, memory)
-    assert steps[0].reason == "a sofa was seen there before"
+    assert steps[0].reason == "on the way to a sofa seen before"
     assert result.metrics.success
     assert result.metrics.spl > 0.8
     assert not any(step.mode is Mode.LOOK_AROUND for step in steps)
@@ -83,7 +83,7 @@ def test_a_remembered_thing_is_gone_to_at_once(memory):
 
 def test_without_recall_the_map_is_known_and_the_thing_is_not_gone_to(memory):
     steps, _, _ = searched(two_rooms(coloured=False), "sofa", IN_BEDROOM, memory, recall=False)
-    assert not any("was seen there before" in step.reason for step in steps)
+    assert not any(" seen before" in step.reason for step in steps)
 
 
 def test_what_is_hardly_likely_is_gone_to_when_nothing_is_left_to_explore(memory):
@@ -92,8 +92,8 @@ def test_what_is_hardly_likely_is_gone_to_when_nothing_is_left_to_explore(memory
     floor.things = replace(floor.things, known=doubted)
     steps, _, _ = searched(two_rooms(coloured=False), "sofa", IN_BEDROOM, memory)
     reasons = [step.reason for step in steps]
-    recalls = [k for k, one in enumerate(reasons) if "was seen there before" in one]
-    assert "was seen there before" not in reasons[0]
+    recalls = [k for k, one in enumerate(reasons) if " seen before" in one]
+    assert " seen before" not in reasons[0]
     assert not recalls or "block" in " ".join(reasons[: recalls[0]])
 
 
@@ -102,20 +102,20 @@ def test_what_is_hardly_likely_is_gone_to_when_nothing_is_left_to_explore(memory
 )
 def test_what_is_hardly_likely_where_it_is_waits_as_well(memory, goal, is_gone_to):
     steps, _, _ = searched(two_rooms(coloured=False), goal, IN_BEDROOM, memory)
-    assert (steps[0].reason == "a sofa was seen there before") is is_gone_to
+    assert (steps[0].reason == "on the way to a sofa seen before") is is_gone_to
 
 
 def test_the_present_search_recalls_nothing_of_its_own():
     steps, _, memory = searched(two_rooms(coloured=False), "piano", START, None)
     assert memory.search.remembered == frozenset()
-    assert not any("was seen there before" in step.reason for step in steps)
+    assert not any(" seen before" in step.reason for step in steps)
 
 
 def test_what_was_moved_is_missed_then_looked_for_and_found_and_remembered_where_it_is():
     before, after = rooms((7.5, 0.3)), rooms((7.5, 3.0))
     _, _, memory = searched(before, "piano", START, None)
     steps, result, memory = searched(after, "bed", START, memory)
-    assert steps[0].reason == "a bed was seen there before"
+    assert steps[0].reason == "on the way to a bed seen before"
     assert result.metrics.success
     beds = [one for one in memory.floor.things.known if one.label == "bed"]
     assert sum(not one.is_gone for one in beds) >= 1
@@ -158,7 +158,7 @@ def test_a_thing_that_was_never_seen_is_looked_for_again_where_all_is_known(memo
 def test_another_of_the_goal_s_kind_does_not_make_the_robot_look_at_all_again(memory):
     steps, _, known = searched(two_rooms(coloured=False), "red sofa", IN_BEDROOM, memory)
     events = [event for step in steps for event in step.events]
-    assert steps[0].reason == "a sofa was seen there before"
+    assert steps[0].reason == "on the way to a sofa seen before"
     assert "remembered thing is gone" not in events
     assert events.index("remembered thing is another") < events.index("all is known, looking again")
     assert not any(one.missed for one in known.floor.things.known)
@@ -307,7 +307,7 @@ def test_being_sent_to_what_is_forgotten_or_gone_is_a_search_like_any(memory):
             memory.go_first_to(floor, number)
         assert memory.search.meant is None
         reasons = [step.trace.reason for step in run]
-    assert reasons[0] == "a sofa was seen there before"
+    assert reasons[0] == "on the way to a sofa seen before"
     assert run.result().metrics.success
 
 
@@ -324,7 +324,7 @@ def test_a_robot_is_sent_to_one_thing_though_another_has_the_goal_s_own_name(mem
         run = EpisodeRun(agent, world, episode_from(IN_BEDROOM, "red sofa"), memory=memory)
         memory.go_first_to(0, sofa.number)
         step = next(iter(run)).trace
-    assert step.reason == "a sofa was seen there before"
+    assert step.reason == "on the way to a sofa seen before"
 
 
 def sent_to_the_sofa(memory, change) -> EpisodeResult:

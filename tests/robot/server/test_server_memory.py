@@ -61,7 +61,7 @@ def test_the_next_search_goes_to_what_the_last_one_saw(tmp_path, plan):
         drive(link, link.open(), BoxRoom())
         search = link.open()
         replies = drive(link, search, BoxRoom(FACING_AWAY))
-        assert first_reason(link, search) == "a door was seen there before"
+        assert first_reason(link, search) == "on the way to a door seen before"
         assert replies[-1]["ending"] == "found"
     assert outcomes(tmp_path / "home") == [("door", "found"), ("door", "found")]
 
@@ -244,7 +244,7 @@ def test_an_operator_sends_a_robot_to_one_of_the_remembered_things(tmp_path, pla
         given = link.call("POST", "/v1/robots/anna/goal", asked).json
         search = link.open(key=given["key"])
         drive(link, search, BoxRoom(FACING_AWAY))
-        assert first_reason(link, search) == "a door was seen there before"
+        assert first_reason(link, search) == "on the way to a door seen before"
     with closing(Journal(tmp_path / "state" / "searches" / search.rpartition("/")[2])) as journal:
         record = journal.record
     assert record.request.thing is not None

@@ -208,7 +208,7 @@ def test_the_memory_is_used_and_extended_in_its_own_frame(tmp_path, plan, home, 
         assert low[1] < y < high[1]
     assert [one["goal"] for one in history(home)] == ["piano", "sofa"]
     assert history(home)[-1]["steps"] == len(decided) == len(replies) - TURNS
-    assert decided[0]["reason"] == "a sofa was seen there before"
+    assert decided[0]["reason"] == "on the way to a sofa seen before"
 
 
 def test_the_robot_is_answered_in_its_own_frame_and_people_in_the_memorys(

@@ -52,6 +52,8 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
             destination = _next_destination(step, memory)
             if destination is None:
                 return Phase.END, plan
+            if destination.is_remembered:
+                step.events.append(destination.reason)
             plan = replace(plan, exploring=plan.exploring.towards(destination, config))
         if _is_at_stairs(destination, step):
             return _onto_stairs(destination, plan)
@@ -191,7 +193,6 @@ def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
         or destination is None
         or destination.is_sighting
         or destination.is_remembered
-        or (destination.holds and destination.connector is not None)
         or not answers_at_once(explorer)
     ):
         return plan

@@ -51,7 +51,7 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
     x, y, _ = best.thing.position
     return Destination(
         *best.position,
-        reason=f"a {best.thing.label} was seen there before",
+        reason=f"on the way to a {best.thing.label} seen before",
         holds=True,
         face=math.atan2(y - best.position[1], x - best.position[0]),
         thing=best.thing.number,

@@ -99,8 +99,9 @@ class Destination:
 
     @property
     def is_remembered(self) -> bool:
-        """Whether a memory of earlier searches leads there; then no explorer chose it."""
-        return self.thing is not None or self.image is not None
+        """Whether it leads to what was seen before, over stairs too; then no explorer chose it."""
+        over_stairs = self.holds and self.connector is not None
+        return self.thing is not None or self.image is not None or over_stairs
 
     @property
     def xy(self) -> tuple[float, float]:

@@ -159,10 +159,10 @@ class GeometricReasoner:
 
     @property
     def _question(self) -> str:
-        gain = "unexplored boundary" if self.config.gain == "boundary" else "unknown in view"
+        gain = "unexplored boundary" if self.config.gain == "boundary" else "unknown floor"
         if self.config.order == "greedy":
-            return f"Which block has the most {gain} for the way there?"
-        return f"Which block comes first where the most {gain} is to come soon?"
+            return f"Which block shows the most {gain} for the way there?"
+        return f"Which block comes first, so that the most {gain} is seen soon?"
 
     def _best(self, blocks: list[Block], shown: Prospects, overview: Overview) -> int:
         """Index of the block that comes next."""
@@ -185,9 +185,9 @@ class GeometricReasoner:
 
     def _reason(self, block: Block, gain: float) -> str:
         if block.connector is not None:
-            return (
-                f"block {block.number}: {block.words}, another floor, {block.travel_m:.1f} m away"
-            )
+            by_view = self.config.gain == "view"
+            worth = f"about {gain:.0f} m² of another floor" if by_view else "another floor"
+            return f"block {block.number}: {block.words}, {worth}, {block.travel_m:.1f} m away"
         if block.words:
             away = f"{block.travel_m:.1f} m away"
             return f"block {block.number}: {block.words} there, stairs down may begin, {away}"
