@@ -21,6 +21,7 @@ from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.mapping.memory.reading import read_index
 from hypernav.mapping.ros_map import load_ros_map
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from small_episodes import episode_from
@@ -165,6 +166,15 @@ def test_an_index_that_is_cut_off_is_refused_in_words(home, size):
     path.write_bytes(content[: int(size * len(content)) if size < 1 else size])
     with pytest.raises(MemoryFolderError, match=r"memory\.json is broken .*move .* away"):
         open_memory(home, CONFIG)
+
+
+def test_a_first_save_that_ends_while_one_reads_is_no_foreign_file(home, monkeypatch):
+    def not_there_yet(path):
+        raise FileNotFoundError(path)
+
+    monkeypatch.setattr("hypernav.mapping.memory.reading.read_file", not_there_yet)
+    assert (home / "memory.json").exists()
+    assert read_index(home) is None
 
 
 @pytest.mark.parametrize(

@@ -180,7 +180,8 @@ def check_not_inside_another(folder: Path) -> None:
 def _check_empty(folder: Path) -> None:
     """Refuse a folder in which something lies already."""
     try:
-        others = foreign_files(folder)
+        # A first save may have ended since the index was found missing.
+        others = [name for name in foreign_files(folder) if name != INDEX_NAME]
     except OSError as error:
         raise _unreadable(folder, error) from error
     if others:
