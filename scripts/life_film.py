@@ -24,7 +24,7 @@ _EVERY = {False: 5, True: 2}
 """Steps between two images, where the robot explores and where it goes to what it remembers."""
 _FRAME_MS, _FOUND_MS, _END_MS = 350, 1600, 4000
 _COLOURS = {False: "#5b6472", True: "#0b6b4f"}
-_SEEN_BEFORE = "was seen there before"
+_SEEN_BEFORE = " seen before"
 
 
 @dataclass(frozen=True)
