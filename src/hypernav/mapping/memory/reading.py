@@ -180,8 +180,9 @@ def check_not_inside_another(folder: Path) -> None:
 def _check_empty(folder: Path) -> None:
     """Refuse a folder in which something lies already."""
     try:
-        # A first save may have ended since the index was found missing.
-        others = [name for name in foreign_files(folder) if name != INDEX_NAME]
+        others = set(foreign_files(folder))
+        if (folder / INDEX_NAME).exists():  # a first save has ended since it was found missing
+            others.discard(INDEX_NAME)
     except OSError as error:
         raise _unreadable(folder, error) from error
     if others:
