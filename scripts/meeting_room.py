@@ -2,7 +2,7 @@
 
 Run: python scripts/meeting_room.py ROOM.glb [--board-m 0.76] [--aisle-m 0.46]
 
-Then the two searches of the image in docs/results.md, and the image:
+Then the two searches of the image in docs/results/exploring.md, and the image:
 
     hypernav find tv --scene ROOM.glb --start 10.5 1 180 --out before \
         --set search.open_the_way=false

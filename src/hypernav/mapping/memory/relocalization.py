@@ -46,7 +46,7 @@ _APART_M, _APART_RAD = 0.5, math.radians(15.0)
 """Distance and turn between two poses from which they are different places."""
 _LEAST_EVIDENCE = 0.5
 _MOST_RIVAL = 0.7
-"""Limits of a sure place, set in six training houses (docs/results.md)."""
+"""Limits of a sure place, set in six training houses (docs/results/memory.md)."""
 
 _Points = Float64[np.ndarray, "_ 2"]
 _Field = Float32[np.ndarray, "_ _"]

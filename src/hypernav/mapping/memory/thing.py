@@ -29,8 +29,8 @@ _AT_NOTHING = -9.3
 """Log-odds that a thing is what it was taken for: `_AT_NOTHING`, and the others times its highest
 score and times the share of the images, of those that should show it, in which it was detected.
 Fitted to YOLOX-nano in eight training houses; in eight others 33 % of 440 remembered things were
-right, 11 % of those with scores below 0.4 and 88 % from 0.9 on (docs/results.md). A detector errs
-the same way from every side, so that many images of a low score are no better than one."""
+right, 11 % of those with scores below 0.4 and 88 % from 0.9 on (docs/results/memory.md). A detector
+errs the same way from every side, so that many images of a low score are no better than one."""
 _RECALL = (0.3, 0.95)
 """Limits of how often a detector is believed to see a thing that is there."""
 _REFUTED = 0.4

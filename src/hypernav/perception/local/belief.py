@@ -29,7 +29,7 @@ _YOLOX = (
 )
 """Shifts of the log-odds by one image, by score: logarithms of how often YOLOX-nano gives the score
 to the goal, divided by how often to what it mistakes for it, in further views of both in training
-buildings (docs/results.md). Only a score near 1 counts more than was measured."""
+buildings (docs/results/models.md). Only a score near 1 counts more than was measured."""
 _MISSED = -0.8  # shift by an image that should show a candidate, but gave no sighting of it
 _RIVAL_SHARE = 0.5  # share of the shift that counts for a detection of another thing there
 _SHAPE_SHARE = 0.5  # share of the shift that counts for the form in one image
