@@ -17,6 +17,30 @@ def stairs_up(*, storey_m: float = STEPS * RISE_M) -> list[SolidBox]:
     return [*steps, ((head, -10.0, 0.0), (head + 8.0, 10.0, storey_m))]
 
 
+def stairwell(*, beyond_m: float = 1.1) -> list[SolidBox]:
+    """A floor with a hole without railings, in which stairs lead down towards -x from x = 5.
+
+    Args:
+        beyond_m: Width of the hole, between y = 2 and the floor that goes on beyond it, metres.
+    """
+    far = 2.0 + beyond_m
+    steps: list[SolidBox] = [
+        (
+            (5.0 - (k + 1) * TREAD_M, 2.0, -3.0),
+            (5.0 - k * TREAD_M, far, -(k + 1) * RISE_M),
+        )
+        for k in range(14)
+    ]
+    return [
+        ((-8.0, -8.0, -0.1), (12.0, 2.0, 0.0)),
+        ((-8.0, far, -0.1), (12.0, 8.0, 0.0)),
+        ((-8.0, 2.0, -0.1), (1.0, far, 0.0)),
+        ((5.0, 2.0, -0.1), (12.0, far, 0.0)),
+        ((-8.0, -8.0, -3.0), (12.0, 8.0, -2.8)),
+        *steps,
+    ]
+
+
 def stairs_down() -> list[SolidBox]:
     """A floor that ends at x = 4, from where steps lead down between walls to one 1.8 m lower."""
     low, high = SIDES_Y

@@ -1,4 +1,4 @@
-"""`hm3d:` on a scan with two storeys: a robot that climbs, one that doesn't, and known levels."""
+"""`hm3d:` on scans of several storeys: a robot that climbs, one that doesn't, and known levels."""
 
 from contextlib import closing
 from dataclasses import replace
@@ -28,6 +28,15 @@ def from_below(benchmark_data) -> Episode:
     """The search for the couch, which is above, from the start of the one for the chair, below."""
     chair, _, _, couch = load_episodes(f"hm3d:{benchmark_data}#v1/val")
     return replace(couch, episode_id="4", start=chair.start, start_z=chair.start_z)
+
+
+@pytest.fixture(scope="module")
+def in_a_tower(tmp_path_factory) -> list[Episode]:
+    """Searches of a scan with three storeys and no railings: two floors up, one up, one down."""
+    from scan_writers.data_folder import write_tower  # After the hook of conftest.
+
+    folder = write_tower(tmp_path_factory.mktemp("tower") / "data")
+    return load_episodes(f"hm3d:{folder}#v1/val")
 
 
 def levels_of(heights: np.ndarray) -> list[float]:
@@ -65,3 +74,12 @@ def test_a_robot_that_does_not_climb_stays_on_its_floor(from_below):
     assert outcome is not Outcome.FOUND
     assert len(levels) == 2
     assert known == pytest.approx(levels[:1], abs=_LEVEL_M)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("number", "seen"), [(0, [0, 1, 2]), (1, [1, 2]), (2, [1, 2])])
+def test_it_goes_up_and_down_in_open_stairwells(in_a_tower, number, seen):
+    outcome, known, levels = search(in_a_tower[number], STAIR_CLIMB_M)
+    assert outcome is Outcome.FOUND
+    assert len(levels) == 3
+    assert known == pytest.approx([levels[k] for k in seen], abs=_LEVEL_M)

@@ -2,13 +2,13 @@
 
 from pathlib import Path
 
-from scan_writers.buildings import STOREY_M, two_storeys
+from scan_writers.buildings import STOREY_M, three_storeys, two_storeys
 from scan_writers.episodes import HASH, SCENE, episode, write_split
 from scan_writers.goat import goat_life, objects_of, write_goat
 from scan_writers.matterport import write_annotation
 from scan_writers.scans import write_scan, write_visual
 
-BELOW, ABOVE = (3.0, 3.0, 0.0), (5.0, 3.0, STOREY_M)
+BELOW, ABOVE, TOP = (3.0, 3.0, 0.0), (5.0, 3.0, STOREY_M), (5.0, 3.0, 2 * STOREY_M)
 
 
 def write_data(folder: Path) -> Path:
@@ -46,4 +46,18 @@ def write_data(folder: Path) -> Path:
     lives = [goat_life(0, scene_id, BELOW, rows)]
     for split in ("val_seen", "val_seen_synonyms", "val_unseen"):
         write_goat(tasks / "goat_bench" / "hm3d" / "v1" / split, lives, objects)
+    return folder
+
+
+def write_tower(folder: Path) -> Path:
+    """HM3D's v1 over a house of three storeys: up two floors, up one, and down one."""
+    house = three_storeys()
+    write_scan(house, folder / "scene_datasets" / "hm3d" / "val" / SCENE)
+    scene_id = f"hm3d/val/{SCENE}/{HASH}.basis.glb"
+    found = [
+        episode(0, scene_id, "bed", BELOW, 0.5),
+        episode(1, scene_id, "bed", ABOVE),
+        episode(2, scene_id, "tv_monitor", TOP),
+    ]
+    write_split(folder / "datasets" / "objectnav" / "hm3d" / "v1" / "val", house, found)
     return folder

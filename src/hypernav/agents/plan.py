@@ -222,6 +222,8 @@ class Climbing:
             where each heading shows another way; None if it has not.
         came_by: Where its steps began ``(x, y, z)``, metres.
         touching: Whether the robot has bumped into something and has not got away from it yet.
+        from_front: Whether it goes onto the stairs from the front alone, since it has bumped into
+            something before them.
         flight: The flight of stairs that it is on or goes to; None if it knows of none.
         looked: Where it turned all around on landings and saw no stairs ``(x, y)``, metres.
         then: Where the robot goes on the floor that it leads to; None leaves it to the explorer.
@@ -234,6 +236,7 @@ class Climbing:
     turning: Action | None = None
     came_by: tuple[tuple[float, float, float], ...] = ()
     touching: bool = False
+    from_front: bool = False
     flight: Connector | None = None
     looked: tuple[Position, ...] = ()
     then: Destination | None = None

@@ -8,13 +8,15 @@ import pytest
 
 from box_views import FLOOR, SolidBox, room, view_of
 from hypernav.core.embodiment import BodyConfig, Embodiment
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.connectors import (
     Connector,
     Passage,
     reliable,
     relied_on,
+    with_headroom,
     with_sightings,
 )
 from hypernav.mapping.memory.memory import Memory
@@ -25,7 +27,7 @@ from hypernav.mapping.memory.ways import (
     ways_to_new_floors,
     ways_to_unseen,
 )
-from stair_views import FIRST_X, SIDES_Y, stairs_down, stairs_up
+from stair_views import FIRST_X, SIDES_Y, stairs_down, stairs_up, stairwell
 
 CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
 CAMERA = CLIMBER.camera.intrinsics
@@ -67,6 +69,35 @@ def test_stairs_up_are_seen_where_their_first_step_is_out_of_sight(distance_m: f
     assert found.goes_up
     assert math.dist(found.end, (FIRST_X, MIDDLE_Y)) < 0.7
     assert abs(found.axis) < math.radians(15.0)
+
+
+def test_the_long_side_of_a_stairwell_is_no_head_of_stairs():
+    beside = [Pose2(3.0, y, yaw) for y in (0.0, 0.3, 0.6) for yaw in (1.2, math.pi / 2.0, 1.9)]
+    assert not usable(memory_after(stairwell(), *beside))
+    across = usable(memory_after(stairwell(beyond_m=4.0), *beside))
+    assert any(one.end[1] == pytest.approx(2.0, abs=0.2) for one in across)
+
+
+def test_the_head_of_stairs_in_an_open_well_is_seen_from_before_it():
+    before = [Pose2(x, 2.55, math.pi) for x in (7.2, 7.0, 6.8)]
+    (found,) = usable(memory_after(stairwell(), *before))
+    assert math.dist(found.end, (5.0, 2.55)) < 0.4
+    assert abs(wrap_angle(found.axis - math.pi)) < math.radians(20.0)
+
+
+def test_what_turns_out_to_be_the_side_of_a_stairwell_counts_no_longer():
+    memory = memory_after(stairwell(beyond_m=4.0), *(Pose2(3.0, y, 1.57) for y in (0.0, 0.3)))
+    (side,) = usable(memory)
+    ground = memory.ground_around((3.0, 0.3), down=True)
+    walled = memory.floor.map.grid
+    along = np.stack([np.arange(1.0, 5.0, 0.05), np.full(80, side.end[1] + 1.0)], axis=1)
+    grid = OccupancyGrid(np.full((200, 200), Cell.UNKNOWN, np.uint8), 0.05, (-2.0, -2.0))
+    assert with_headroom([side], 0, ground, 0.0, walled) == (side,)
+    grid.cells[grid.mask_of(along)] = Cell.OCCUPIED
+    (now,) = with_headroom([side], 0, ground, 0.0, grid)
+    assert not now.is_usable
+    taken = replace(side, passage=Passage.USED)
+    assert with_headroom([taken], 0, ground, 0.0, grid) == (taken,)
 
 
 def test_one_image_is_not_enough_to_rely_on_stairs():

@@ -17,6 +17,7 @@ from hypernav.mapping.memory.flights import (
     flight_down,
     flight_from,
     flight_underfoot,
+    from_front,
     landing_z,
     on_flight,
     stairs_ahead,
@@ -252,6 +253,35 @@ def test_the_first_flight_leads_where_most_of_it_was_seen(quarters: int):
     ground = memory.ground_around(HEAD.xy, down=True)
     askew = replace(FLIGHT, axis=quarters * math.pi / 2.0)
     assert first_flight(ground, askew, 0.0).axis == pytest.approx(0.0)
+
+
+@pytest.mark.parametrize("off_m", [-0.45, 0.0, 0.45])
+@pytest.mark.parametrize("goes_up", [True, False])
+def test_the_first_flight_begins_in_the_middle_of_the_edge_before_it(off_m: float, goes_up: bool):
+    boxes = [FLOOR, *stairs_up()] if goes_up else stairs_down()
+    memory = seen_from(boxes, *before_the_edge()[:3])
+    ground = memory.ground_around(HEAD.xy, down=not goes_up)
+    first = Connector(0, goes_up, (FIRST_X - 0.05, MIDDLE_Y + off_m), 0.0)
+    assert first_flight(ground, first, 0.0).end[1] == pytest.approx(MIDDLE_Y, abs=0.11)
+
+
+def test_on_a_platform_without_sides_it_begins_where_it_was_seen():
+    platform: SolidBox = ((-10.0, -10.0, -3.0), (FIRST_X, 10.0, 0.0))
+    below: SolidBox = ((FIRST_X, -10.0, -3.0), (30.0, 10.0, -1.8))
+    memory = seen_from([platform, below], *before_the_edge()[:3])
+    ground = memory.ground_around(HEAD.xy, down=True)
+    first = replace(FLIGHT, end=(FIRST_X - 0.05, MIDDLE_Y + 0.3))
+    assert first_flight(ground, first, 0.0).end == first.end
+
+
+def test_from_the_front_a_robot_does_not_go_over_the_side_of_the_first_steps():
+    memory = seen_from([FLOOR, *stairs_up()], *before_the_edge()[:3])
+    ground = memory.ground_around(HEAD.xy, down=False)
+    flight = Connector(0, True, (FIRST_X, MIDDLE_Y), 0.0)
+    way = from_front(ground, HEAD, flight)
+    x, y = way.positions(way.reached).T
+    assert x.max() > FIRST_X + 0.5
+    assert np.abs(y[x > FIRST_X - 0.15] - MIDDLE_Y).max() < 0.3
 
 
 def test_a_flight_is_none_where_the_landing_was_seen_to_go_on():

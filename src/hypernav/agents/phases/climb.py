@@ -19,6 +19,7 @@ from hypernav.mapping.memory.flights import (
     flight_down,
     flight_from,
     flight_underfoot,
+    from_front,
     landing_z,
     on_flight,
     stairs_ahead,
@@ -32,6 +33,8 @@ _OFF_STAIRS_M = 0.8
 """Length of the way on from the head or foot of stairs, metres, before it is clear of them."""
 _PATIENCES = 2
 """Patience with one connector, in patiences with a destination (`SearchConfig.endurance_steps`)."""
+_PATIENCES_BEFORE = 0.5
+"""The same for the way onto it: that takes up to ten steps where the robot touches nothing."""
 _SAME_HEIGHT_M = 0.3
 """Difference in height up to which two places on stairs may be one, metres."""
 _SAME_SHARE = 0.5
@@ -69,8 +72,13 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     if climbing is None:
         return Phase.EXPLORE, plan
     connector = _connector(memory, climbing)
-    climbing = replace(climbing, steps=climbing.steps + 1, touching=_touches(step, plan, climbing))
-    if climbing.steps > _PATIENCES * step.config.endurance_steps:
+    touching = _touches(step, plan, climbing)
+    is_in_front = climbing.from_front or (touching and not footing.is_off_floor)
+    climbing = replace(
+        climbing, steps=climbing.steps + 1, touching=touching, from_front=is_in_front
+    )
+    patience = _PATIENCES if footing.is_off_floor else _PATIENCES_BEFORE
+    if climbing.steps > patience * step.config.endurance_steps:
         return _given_up(step, memory, plan, climbing)
     has_turned = climbing.turned >= step.motion.turns_of_a_circle
     if (climbing.is_back or has_turned) and not footing.is_off_floor:
@@ -132,7 +140,8 @@ def _flight(
     ground, robot = stairs.ground, step.robot
     first, known = flight_from(connector, goes_up=stairs.goes_up), climbing.flight
     if not memory.footing.is_off_floor:  # stairs that it came by have the axis of its last step
-        is_known = connector.passage is Passage.UNTRIED and not _was_here(step, memory, climbing)
+        is_lost = not climbing.from_front and _was_here(step, memory, climbing)
+        is_known = connector.passage is Passage.UNTRIED and not is_lost
         return first_flight(ground, first, memory.floor.z) if is_known else None
     if stairs.goes_up:
         return known
@@ -188,6 +197,8 @@ def _level_beyond(
     """
     robot, circle = step.robot, step.motion.turns_of_a_circle
     ground = on_flight(stairs.ground, robot, stairs.z, flight, goes_up=stairs.goes_up)
+    if flight is not None and climbing.from_front and not memory.footing.is_off_floor:
+        ground = from_front(ground, robot, flight)
     looked = _looked(step, climbing)
     beyond = memory.footing.way_on(ground, stairs.level_z, _OFF_STAIRS_M, looked)
     ahead = ahead_of if 0 < climbing.turned < circle else first_ahead

@@ -22,7 +22,7 @@ from hypernav.mapping.memory.ways import ways_out, ways_to_unseen
 _CHOICES_PER_STEP = 4
 _AROUND_M = 0.75
 """Radius, metres, within which all must be explored for a destination to count as explored."""
-_AT_STAIRS_M = 0.35
+_AT_STAIRS_M = 0.2
 """Distance from the position before stairs, metres, at which the robot turns to them."""
 _WORTH_A_TURN_M = 0.3
 """Length of a boundary to the unknown, metres, below which it is noise and worth no turn."""

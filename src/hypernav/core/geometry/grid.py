@@ -95,6 +95,16 @@ class OccupancyGrid:
         mask[rows, columns] = True
         return mask
 
+    def picked(
+        self, values: Shaped[np.ndarray, "rows columns"], points: Float[np.ndarray, "n 2"]
+    ) -> Shaped[np.ndarray, " n"]:
+        """The values that the cells have at every ``(x, y)``; zero, or False, outside the grid."""
+        cells = self.cells_of(points)
+        inside = self.contains(cells)
+        picked = np.zeros(len(cells), dtype=values.dtype)
+        picked[inside] = values[tuple(cells[inside].T)]
+        return picked
+
     def state_at(self, x: float, y: float) -> Cell:
         """State of the cell that holds a point; unknown outside the grid."""
         row, column = self.cell_of(x, y)

@@ -15,6 +15,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool
 
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.mapping.config import STAIRS_M
 from hypernav.mapping.ground import Ground
@@ -39,6 +40,12 @@ _WHOLE_M = 1.0
 """Distance from which the edge of a floor is seen whole, metres."""
 _SAME_AXIS = 0.35
 """Greatest difference between the directions of two sightings of one edge, radians."""
+_HEADROOM_M = np.arange(0.5, 1.5, 0.05)
+"""Distances beyond the head of stairs down, metres, at which nothing is above them."""
+_ACROSS_M = np.arange(-0.3, 0.3, 0.05)
+"""Distances to the left of their axis, metres, that are looked at there."""
+_MOST_CLOSED = 0.35
+"""Share of these that may be floor or wall: the end may be in a corner."""
 _SPECK_CELLS = 10
 _STAYED_M = 1.0
 """Greatest length of the last action of a search, up or down stairs, metres."""
@@ -161,6 +168,50 @@ def reliable(
             for other in known
         )
     ]
+
+
+def with_headroom(
+    known: Sequence[Connector], floor: int, ground: Ground, floor_z: float, grid: OccupancyGrid
+) -> tuple[Connector, ...]:
+    """The known connectors, where no image counts that showed stairs down without headroom.
+
+    The floor above a flight is open until people can walk below it. The long side of a stairwell is
+    an edge, too, but soon beyond it there is floor again, or a wall.
+
+    Args:
+        known: The connectors.
+        floor: Number of the robot's floor.
+        ground: Ground around the robot.
+        floor_z: Height of its floor, metres.
+        grid: Map of that floor.
+    """
+    return tuple(
+        replace(one, sightings=0)
+        if one.floor == floor
+        and one.passage is Passage.UNTRIED
+        and not one.goes_up
+        and not _has_headroom(one, ground, floor_z, grid)
+        else one
+        for one in known
+    )
+
+
+def _has_headroom(down: Connector, ground: Ground, floor_z: float, grid: OccupancyGrid) -> bool:
+    """Whether neither floor nor wall lies across the way, right beyond the end of stairs down.
+
+    Directions of edges that are seen from one side may be wrong by right angles: one suffices.
+    """
+    axes = down.axis + np.array([0.0, 0.5 * math.pi, -0.5 * math.pi])[:, None, None]
+    ahead_m, left_m = _HEADROOM_M[:, None], _ACROSS_M[None, :]
+    x = down.end[0] + ahead_m * np.cos(axes) - left_m * np.sin(axes)
+    y = down.end[1] + ahead_m * np.sin(axes) + left_m * np.cos(axes)
+    points = np.stack([x.ravel(), y.ravel()], axis=1)
+    with np.errstate(invalid="ignore"):
+        is_level = np.abs(ground.grid.picked(ground.measured, points) - floor_z) <= LEVEL_M
+    is_closed = ground.grid.picked(ground.seen, points) & is_level
+    is_closed |= grid.picked(grid.cells, points) == Cell.OCCUPIED
+    most = is_closed.reshape(x.shape).mean(axis=2).max(axis=1)
+    return bool((most <= _MOST_CLOSED).any())
 
 
 def _shows_steps(ground: Ground, down: Connector, floor_z: float) -> bool:

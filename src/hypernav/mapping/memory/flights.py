@@ -29,6 +29,14 @@ _BESIDE_AXIS_M = 0.15
 """Distance from the axis within which the robot's aim on stairs that it does not see lies."""
 _HALF_WIDTH_M = 0.42
 """Distance from the axis of a flight down, metres, beyond which nothing counts as ground."""
+_BESIDE_M = np.arange(-1.5, 1.55, 0.05)
+"""Distances to the left of the end of stairs, metres, at which the edge before them may lie."""
+_BEFORE_EDGE_M, _BEYOND_EDGE_M = 0.15, 0.3
+"""Distances before and beyond it at which there is floor, and none."""
+_FRONT_M = 0.2
+"""Distance before a flight, metres, from which a robot that comes from the front is on its axis."""
+_FRONT_HALF_M = 0.3
+"""Distance from the axis, metres, beyond which it does not come onto the flight then."""
 _BACK_M = 0.3
 """Height above the robot, metres, of ground that is not on the way down, or below it on that up."""
 _LEAST_M2 = 0.1
@@ -83,7 +91,27 @@ def first_flight(ground: Ground, first: Connector, floor_z: float) -> Connector:
         return int((steps & (ahead_m > 0.0) & (ahead_m < _NEXT_M) & (beside_m < 0.3)).sum())
 
     axes = [wrap_angle(first.axis + turn * math.pi / 2.0) for turn in (0.0, 1.0, -1.0)]
-    return replace(first, axis=max(axes, key=seen))
+    return _in_the_middle(ground, replace(first, axis=max(axes, key=seen)), floor_z)
+
+
+def _in_the_middle(ground: Ground, first: Connector, floor_z: float) -> Connector:
+    """The first flight, with its end in the middle of the edge between floor and steps.
+
+    Where that edge goes on to one side, as on a platform, it stays where it is.
+    """
+    with np.errstate(invalid="ignore"):
+        level = ground.seen & (np.abs(ground.measured - floor_z) <= LEVEL_M)
+    ahead = np.array([math.cos(first.axis), math.sin(first.axis)])
+    left = np.array([-ahead[1], ahead[0]])
+    edge = np.array(first.end) + _BESIDE_M[:, None] * left
+    is_edge = ground.grid.picked(ground.reached, edge - _BEFORE_EDGE_M * ahead)
+    is_edge &= ground.grid.picked(ground.grid.free & ~level, edge + _BEYOND_EDGE_M * ahead)
+    beyond = np.flatnonzero(~is_edge)  # the edge lies between the last of these and the next one
+    after = int(np.searchsorted(beyond, len(is_edge) // 2))
+    if not is_edge[len(is_edge) // 2] or after in (0, len(beyond)):
+        return first
+    middle = edge[[beyond[after - 1], beyond[after]]].mean(axis=0)
+    return replace(first, end=(float(middle[0]), float(middle[1])))
 
 
 def landing_z(ground: Ground, robot: Pose2, robot_z: float) -> float:
@@ -219,6 +247,12 @@ def on_flight(
         ahead_m, beside_m = ground.along(flight.end, flight.axis)
         closed |= (ahead_m > 0.0) & (beside_m > _HALF_WIDTH_M) & ~ground.seen
     return ground.without(closed, robot.xy)
+
+
+def from_front(ground: Ground, robot: Pose2, flight: Connector) -> Ground:
+    """The ground without the sides of a flight's first steps, where it has no railing."""
+    ahead_m, beside_m = ground.along(flight.end, flight.axis)
+    return ground.without((ahead_m > -_FRONT_M) & (beside_m > _FRONT_HALF_M), robot.xy)
 
 
 def stairs_ahead(

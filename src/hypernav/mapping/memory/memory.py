@@ -25,6 +25,7 @@ from hypernav.mapping.memory.connectors import (
     reliable,
     relied_on,
     with_crossing,
+    with_headroom,
     with_sightings,
 )
 from hypernav.mapping.memory.floor import Floor, SearchMemory, counted_from
@@ -143,7 +144,13 @@ class Memory:
             ground = self.ground_around(here, down=True)
             seen = connectors_in(ground, self.number, self.footing.ground_z)
             seen = reliable(seen, self.connectors, here, ground, self.footing.ground_z)
-            self.connectors = with_sightings(self.connectors, seen)
+            self.connectors = with_headroom(
+                with_sightings(self.connectors, seen),
+                self.number,
+                ground,
+                self.footing.ground_z,
+                self.floor.map.grid,
+            )
         return self.floor
 
     def begin_at(self, observation: Observation) -> Floor:
