@@ -1,5 +1,6 @@
 import math
 from collections.abc import Callable
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -13,13 +14,14 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import BlockRecord, StepTrace
 from hypernav.show.climbs import StairsMark
-from hypernav.show.drawing import palette
+from hypernav.show.drawing import map_painter, palette
 from hypernav.show.drawing.map_images import draw_map, draw_result, write_map_png
 from hypernav.show.drawing.map_painter import MapPainter
 from hypernav.show.drawing.map_raster import rasterize_map
 from hypernav.show.drawing.map_view import MapView
 from hypernav.show.drawing.number_placement import Disc, Square, number_position
 from hypernav.show.drawing.question_map import draw_question_map
+from hypernav.show.drawing.text import text_width
 
 
 def pixels_near(image: np.ndarray, color: palette.Rgb, tolerance: int = 40) -> np.ndarray:
@@ -250,3 +252,21 @@ def test_stairs_are_marked_where_they_begin(room: OccupancyGrid) -> None:
     distances = np.linalg.norm(near - view.pixel_of(1.0, -0.5), axis=1)
     assert distances.min() < 5.0
     assert len(pixels_near(draw_map(room, view=view), palette.STAIRS, tolerance=5)) == 0
+
+
+def test_the_words_of_two_flights_at_one_landing_are_apart(
+    room: OccupancyGrid, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written = dict[str, tuple[float, float]]()
+
+    def note(image: object, text: str, at: tuple[float, float], *_: object, **__: object) -> None:
+        written[text] = at
+
+    monkeypatch.setattr(map_painter, "draw_text", note)
+    places = {"to floor 1": (1.0, -0.5), "to floor 3": (1.1, -0.5), "to floor 4": (1.0, -0.4)}
+    marks = [StairsMark(position, words) for words, position in places.items()]
+    draw_map(room, size=500, stairs=marks)
+    size, width = round(20 * 500 / 768), text_width("to floor 1", 13, bold=True)
+    for one, other in combinations(places, 2):
+        (u, v), (u_other, v_other) = written[one], written[other]
+        assert abs(u - u_other) >= width or abs(v - v_other) >= size

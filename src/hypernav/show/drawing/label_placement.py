@@ -1,7 +1,7 @@
 """Positions of the names of things, so that all are readable."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 _ROWS = (0.0, -1.0, 1.0, -2.0, 2.0)
@@ -38,11 +38,20 @@ def placed_labels(labels: Sequence[Label], height: float) -> list[Label]:
     for label in labels:
         if any(_says_the_same(label, other, height) for other in placed):
             continue
-        moved = (label._replace(v=label.v + row * height) for row in _ROWS)
-        at = next((one for one in moved if not _covers_any(one, placed, height)), None)
+        at = first_free(moved_by_rows(label, height), placed, height)
         if at is not None:
             placed.append(at)
     return placed
+
+
+def moved_by_rows(label: Label, height: float) -> list[Label]:
+    """A label where it is, and moved by one or two rows."""
+    return [label._replace(v=label.v + row * height) for row in _ROWS]
+
+
+def first_free(labels: Iterable[Label], placed: Sequence[Label], height: float) -> Label | None:
+    """The first label that covers none of those placed; None if each does."""
+    return next((one for one in labels if not _covers_any(one, placed, height)), None)
 
 
 def _says_the_same(label: Label, other: Label, height: float) -> bool:

@@ -13,7 +13,7 @@ from hypernav.core.trace import BlockRecord
 from hypernav.show.climbs import StairsMark
 from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.hidden_weight import HiddenWeight
-from hypernav.show.drawing.label_placement import Label, placed_labels
+from hypernav.show.drawing.label_placement import Label, first_free, moved_by_rows, placed_labels
 from hypernav.show.drawing.map_raster import CellColors, rasterize_map
 from hypernav.show.drawing.map_view import MapView
 from hypernav.show.drawing.number_placement import (
@@ -212,20 +212,28 @@ class MapPainter:
     def stairs(self, marks: Sequence[StairsMark]) -> None:
         """Mark the ends of stairs, each with where they lead beside it."""
         size, half = max(round(20 * self._unit), 12), max(12.0 * self._unit, 8.0)
+        row, gap = 1.2 * size, half + 5.0
+        taken = [Label("", *self.view.pixel_of(*mark.position), 2.0 * half) for mark in marks]
         for mark in marks:
             u, v = self.view.pixel_of(*mark.position)
             for tread in range(3):
                 low = (u - half + 0.67 * half * tread, v + half * (0.33 - 0.67 * tread))
                 shapes.rectangle(self.image, low, (u + half, low[1] + 0.67 * half), palette.STAIRS)
             width = text_width(mark.words, size, bold=True)
-            left = u + half + 5.0 if u + half + 5.0 + width <= self.view.size else u - half - 5.0
+            beside = [Label(mark.words, u + gap + width / 2.0, v, width)]
+            beside.append(beside[0]._replace(u=u - gap - width / 2.0))
+            fits = beside[0].u + width / 2.0 <= self.view.size
+            rows = [moved_by_rows(one, row) for one in (beside if fits else beside[1:])]
+            options = [one for at_row in zip(*rows, strict=True) for one in at_row]
+            label = first_free(options, taken, row) or options[0]
+            taken.append(label)
             draw_text(
                 self.image,
-                mark.words,
-                (left, v),
+                label.text,
+                (label.u, label.v),
                 size,
                 bold=True,
-                align=0.0 if left > u else 1.0,
+                align=0.5,
                 color=palette.STAIRS,
                 halo=palette.FREE,
                 halo_px=max(round(3 * self._unit), 2),
