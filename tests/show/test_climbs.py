@@ -13,6 +13,8 @@ from hypernav.show.climbs import (
     floor_words,
     stairs_by_step,
     stairs_on,
+    typical_steps,
+    whereabouts,
 )
 
 MakeStep = Callable[..., StepTrace]
@@ -30,7 +32,7 @@ def walk(make_step: MakeStep, *stretches: tuple[Mode, int | None, int]) -> list[
 def test_stairs_lead_from_where_the_climb_began_to_where_it_ended(make_step: MakeStep) -> None:
     steps = walk(make_step, (Mode.EXPLORE, None, 3), (Mode.CLIMB, None, 4), (Mode.EXPLORE, 2, 2))
     made = climbs(steps)
-    assert made == [Climb(3, 1, 2, in_vain=False, ends=((3.0, 0.0), (6.0, 0.0)))]
+    assert made == [Climb(3, 6, 1, 2, in_vain=False, ends=((3.0, 0.0), (6.0, 0.0)))]
     assert stairs_on(1, made) == [StairsMark((3.0, 0.0), "to floor 2")]
     assert stairs_on(2, made) == [StairsMark((6.0, 0.0), "to floor 1")]
     assert stairs_on(3, made) == []
@@ -42,7 +44,7 @@ def test_stairs_that_were_given_up_are_no_way(make_step: MakeStep) -> None:
     made = climbs([*steps[:3], given_up])
     assert [one.in_vain for one in made] == [True]
     assert stairs_on(2, made) == [StairsMark((0.0, 0.0), "no way")]
-    assert climb_words(made[0], {}).startswith("Stairs tried in vain")
+    assert climb_words(made[0], 1, {}).startswith("Stairs tried in vain")
 
 
 def test_after_each_step_there_are_the_stairs_that_its_trace_tells_of(make_step: MakeStep) -> None:
@@ -65,35 +67,72 @@ def test_stairs_on_which_the_robot_is_are_not_given_up(make_step: MakeStep) -> N
 
 
 def test_stairs_that_were_taken_once_lead_there() -> None:
-    begun = Climb(3, 1, None, in_vain=True, ends=((0.0, 0.0), (1.0, 0.0)))
-    taken = Climb(9, 1, 2, in_vain=False, ends=((0.5, 0.0), (3.0, 0.0)))
+    begun = Climb(3, 4, 1, None, in_vain=True, ends=((0.0, 0.0), (1.0, 0.0)))
+    taken = Climb(9, 12, 1, 2, in_vain=False, ends=((0.5, 0.0), (3.0, 0.0)))
     mark = StairsMark((0.5, 0.0), "to floor 2")
     assert stairs_on(1, [begun, taken]) == [mark] == stairs_on(1, [taken, begun])
+
+
+def test_of_two_flights_that_begin_at_one_landing_both_are_marked() -> None:
+    down = Climb(0, 2, 1, 2, in_vain=False, ends=((5.0, 0.0), (0.0, 0.0)))
+    up = Climb(5, 9, 2, 3, in_vain=False, ends=((0.5, 0.0), (5.0, 0.0)))
+    marks = [StairsMark((0.0, 0.0), "to floor 1"), StairsMark((0.5, 0.0), "to floor 3")]
+    assert stairs_on(2, [down, up]) == marks
+    again = Climb(12, 14, 2, 3, in_vain=False, ends=((0.4, 0.0), (5.0, 0.0)))
+    assert stairs_on(2, [down, up, again]) == [marks[0], StairsMark((0.4, 0.0), "to floor 3")]
+
+
+def test_each_step_is_on_a_floor_or_on_stairs_between_two(make_step: MakeStep) -> None:
+    stretches = [(Mode.EXPLORE, None, 1), (Mode.CLIMB, None, 2), (Mode.EXPLORE, 2, 1)]
+    steps = walk(make_step, *stretches, (Mode.CLIMB, 2, 1))
+    assert whereabouts(steps) == [
+        "on floor 1",
+        *["on the stairs from floor 1 to floor 2"] * 2,
+        "on floor 2",
+        "on the stairs from floor 2",
+    ]
+
+
+def test_a_search_that_knows_one_floor_names_none(make_step: MakeStep) -> None:
+    assert whereabouts(walk(make_step, (Mode.EXPLORE, None, 3))) == ["", "", ""]
+
+
+def test_a_floor_is_as_high_as_the_robot_in_the_middle_of_its_stay_there(
+    make_step: MakeStep,
+) -> None:
+    stretches = [(Mode.EXPLORE, None, 4), (Mode.CLIMB, None, 2), (Mode.EXPLORE, 2, 3)]
+    assert typical_steps(walk(make_step, *stretches)) == {1: 2, 2: 7}
+    assert typical_steps([]) == {}
 
 
 @pytest.mark.parametrize(
     ("heights_m", "words"),
     [
         ({}, "Floor 2"),
-        ({1: 0.9, 2: 3.9}, "Floor 2, 3.0 m above floor 1"),
-        ({1: 0.9, 2: -1.7}, "Floor 2, 2.6 m below floor 1"),
+        ({1: 0.9, 2: 3.9}, "Floor 2 (3.0 m above the start)"),
+        ({1: 0.9, 2: -1.7}, "Floor 2 (2.6 m below the start)"),
         ({1: 0.9, 2: 1.0}, "Floor 2"),
         ({2: 3.9}, "Floor 2"),
     ],
 )
-def test_a_floor_is_above_or_below_the_first(heights_m: dict[int, float], words: str) -> None:
+def test_a_floor_is_above_or_below_the_start(heights_m: dict[int, float], words: str) -> None:
     assert floor_words(2, 1, heights_m) == words
 
 
 def test_a_search_may_begin_on_any_floor_that_is_remembered() -> None:
     heights_m = {1: 0.0, 2: 3.0}
-    assert floor_words(2, 2, heights_m) == "Floor 2, where the search began"
-    assert floor_words(1, 2, heights_m) == "Floor 1, 3.0 m below floor 2"
+    assert floor_words(2, 2, heights_m) == "Floor 2 (start)"
+    assert floor_words(1, 2, heights_m) == "Floor 1 (3.0 m below the start)"
 
 
 @pytest.mark.parametrize(
-    ("heights_m", "way"), [({1: 0.0, 2: 3.0}, " up"), ({1: 3.0, 2: 0.0}, " down"), ({}, "")]
+    ("heights_m", "words"),
+    [
+        ({1: 0.0, 2: 3.0}, "Up the stairs from floor 1 to floor 2 (3.0 m above the start)"),
+        ({1: 3.0, 2: 0.0}, "Down the stairs from floor 1 to floor 2 (3.0 m below the start)"),
+        ({}, "Over the stairs from floor 1 to floor 2"),
+    ],
 )
-def test_a_climb_goes_up_or_down(heights_m: dict[int, float], way: str) -> None:
-    climb = Climb(0, 1, 2, in_vain=False, ends=((0.0, 0.0), (1.0, 0.0)))
-    assert climb_words(climb, heights_m) == f"Over stairs{way} to floor 2"
+def test_a_climb_goes_up_or_down(heights_m: dict[int, float], words: str) -> None:
+    climb = Climb(0, 3, 1, 2, in_vain=False, ends=((0.0, 0.0), (1.0, 0.0)))
+    assert climb_words(climb, 1, heights_m) == words

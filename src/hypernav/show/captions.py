@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from hypernav.core.trace import DetectionRecord, Exchange, Mode, StepTrace
+from hypernav.core.trace import DetectionRecord, Exchange, Mode, StepTrace, floor_of
 
 Tone = Literal["good", "bad", "neutral"]
 
@@ -69,7 +69,9 @@ _PARTS_WITHOUT_MODEL: dict[str, str] = {
 
 
 def floor_prefix(step: StepTrace) -> str:
-    """The floor of a step, before other words; empty as long as the robot knows of one only."""
+    """The floor or stairs of a step, before other words; empty while only one floor is known."""
+    if step.mode is Mode.CLIMB:
+        return f"stairs from floor {floor_of(step)} · "
     return "" if step.floor is None else f"floor {step.floor} · "
 
 

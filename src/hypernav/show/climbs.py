@@ -1,7 +1,7 @@
 """The floors of a search and the stairs between them, told from its trace."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from hypernav.core.trace import Mode, StepTrace, floor_of
@@ -12,6 +12,7 @@ _SAME_HEIGHT_M = 0.5
 """Difference between the heights of two floors, metres, below which none is the upper one."""
 _IN_VAIN = "stairs given up"
 """Event of a step at which the robot gave up stairs."""
+_LEADS_TO = "to floor"
 
 
 @dataclass(frozen=True)
@@ -20,6 +21,7 @@ class Climb:
 
     Attributes:
         first: Index in the trace of its first step.
+        last: Index of its last step so far.
         floor: Number of the floor that the robot came from.
         other_floor: Number of the floor that it came to; None if it did not get to one.
         in_vain: Whether it gave the stairs up.
@@ -27,6 +29,7 @@ class Climb:
     """
 
     first: int
+    last: int
     floor: int
     other_floor: int | None
     in_vain: bool
@@ -66,12 +69,14 @@ def _climbs_by_step(steps: Iterable[StepTrace]) -> Iterator[list[Climb]]:
             goes_on = climbs_now and other is None
             made[-1] = replace(
                 last,
+                last=number if goes_on else last.last,
                 other_floor=other,
                 in_vain=other is None and (last.in_vain or gives_up),
                 ends=(last.ends[0], step.pose[:2]) if goes_on else last.ends,
             )
         if climbs_now and not goes_on:
-            made.append(Climb(number, floor, None, gives_up, (step.pose[:2], step.pose[:2])))
+            ends = (step.pose[:2], step.pose[:2])
+            made.append(Climb(number, number, floor, None, gives_up, ends))
         climbed = climbs_now
         yield made
 
@@ -79,22 +84,28 @@ def _climbs_by_step(steps: Iterable[StepTrace]) -> Iterator[list[Climb]]:
 def stairs_on(floor: int, made: Iterable[Climb]) -> list[StairsMark]:
     """The ends of the stairs on a floor that were taken or tried.
 
-    Stairs that were taken once lead there, whatever became of later attempts.
+    Stairs that were taken once lead there, whatever became of later attempts. Two flights may begin
+    at one landing.
     """
     marks = list[StairsMark]()
     for one in sorted(made, key=lambda climb: climb.other_floor is not None):
         if one.floor == floor:
             words = "no way" if one.in_vain else "stairs"
             if one.other_floor is not None:
-                words = f"to floor {one.other_floor}"
+                words = f"{_LEADS_TO} {one.other_floor}"
             mark = StairsMark(one.ends[0], words)
         elif one.other_floor == floor:
-            mark = StairsMark(one.ends[1], f"to floor {one.floor}")
+            mark = StairsMark(one.ends[1], f"{_LEADS_TO} {one.floor}")
         else:
             continue
-        apart = [m for m in marks if math.dist(m.position, mark.position) > _SAME_STAIRS_M]
-        marks = [*apart, mark]
+        marks = [*(other for other in marks if not _is_replaced(other, mark)), mark]
     return marks
+
+
+def _is_replaced(mark: StairsMark, by: StairsMark) -> bool:
+    """Whether a later mark tells of the same stairs; one that tells of another floor doesn't."""
+    is_near = math.dist(mark.position, by.position) <= _SAME_STAIRS_M
+    return is_near and (mark.words == by.words or not mark.words.startswith(_LEADS_TO))
 
 
 def stairs_by_step(steps: Iterable[StepTrace]) -> dict[int, dict[int, list[StairsMark]]]:
@@ -117,6 +128,42 @@ def stairs_by_step(steps: Iterable[StepTrace]) -> dict[int, dict[int, list[Stair
     return changes
 
 
+def names_floors(steps: Iterable[StepTrace]) -> bool:
+    """Whether a search knew of more than one floor, or was on stairs."""
+    return any(step.floor is not None or step.mode is Mode.CLIMB for step in steps)
+
+
+def whereabouts(steps: Sequence[StepTrace]) -> list[str]:
+    """Where the robot was in each step, for people: on a floor, or on stairs between two.
+
+    Empty texts for a search that knew of one floor only and was on no stairs.
+
+    Args:
+        steps: The steps of a search; those on the way to a floor name it if it was reached.
+    """
+    if not names_floors(steps):
+        return [""] * len(steps)
+    told = [f"on floor {floor_of(step)}" for step in steps]
+    for climb in climbs(steps):
+        words = f"on the stairs from floor {climb.floor}"
+        if climb.other_floor is not None:
+            words += f" to floor {climb.other_floor}"
+        told[climb.first : climb.last + 1] = [words] * (climb.last + 1 - climb.first)
+    return told
+
+
+def typical_steps(steps: Iterable[StepTrace]) -> dict[int, int]:
+    """For every floor the number of a step on it, the middle one of those off the stairs.
+
+    The robot's height in it is that of the floor.
+    """
+    numbers = dict[int, list[int]]()
+    for step in steps:
+        if step.mode is not Mode.CLIMB:
+            numbers.setdefault(floor_of(step), []).append(step.step)
+    return {floor: on_it[len(on_it) // 2] for floor, on_it in numbers.items()}
+
+
 def floor_words(floor: int, start: int, heights_m: Mapping[int, float]) -> str:
     """A floor for people, with its height beside that of the floor where the search began.
 
@@ -127,28 +174,30 @@ def floor_words(floor: int, start: int, heights_m: Mapping[int, float]) -> str:
     """
     name = f"Floor {floor}"
     if floor == start:
-        return f"{name}, where the search began"
+        return f"{name} (start)"
     if not {start, floor} <= heights_m.keys():
         return name
     above = heights_m[floor] - heights_m[start]
     if abs(above) < _SAME_HEIGHT_M:
         return name
-    return f"{name}, {abs(above):.1f} m {'above' if above > 0.0 else 'below'} floor {start}"
+    return f"{name} ({abs(above):.1f} m {'above' if above > 0.0 else 'below'} the start)"
 
 
-def climb_words(climb: Climb, heights_m: Mapping[int, float]) -> str:
+def climb_words(climb: Climb, start: int, heights_m: Mapping[int, float]) -> str:
     """A climb for people.
 
     Args:
         climb: The climb.
+        start: Number of the floor where the search began.
         heights_m: Heights of the floors, metres; some or all may be missing.
     """
     if climb.in_vain:
         return "Stairs tried in vain: no way to another floor was found there"
     if climb.other_floor is None:
-        return "Onto stairs"
-    way = ""
+        return f"Onto stairs from floor {climb.floor}"
+    way = "Over"
     if {climb.floor, climb.other_floor} <= heights_m.keys():
         rise = heights_m[climb.other_floor] - heights_m[climb.floor]
-        way = "" if abs(rise) < _SAME_HEIGHT_M else " up" if rise > 0.0 else " down"
-    return f"Over stairs{way} to floor {climb.other_floor}"
+        way = "Over" if abs(rise) < _SAME_HEIGHT_M else "Up" if rise > 0.0 else "Down"
+    to = floor_words(climb.other_floor, start, heights_m)
+    return f"{way} the stairs from floor {climb.floor} to f{to[1:]}"

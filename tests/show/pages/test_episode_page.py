@@ -172,12 +172,25 @@ def test_every_floor_has_its_map_and_the_robot_is_on_one_of_them(
     data = player(page)
     assert data["floors"] == [1, 1, 1, 1, 2, 2]
     assert all(robot is not None for robot in data["robots"])
-    assert data["reasons"][-1].startswith("Floor 2")
+    assert data["modes"] == [
+        *["Exploring on floor 1"] * 2,
+        *["On the stairs from floor 1 to floor 2"] * 2,
+        *["Exploring on floor 2"] * 2,
+    ]
     assert len([image for image in page.with_tag("img") if "of floor" in image["alt"]]) == 2
-    assert "Floor 1, where the search began" in page.visible
-    assert "Floor 2, 3.0 m above floor 1; the search ended here" in page.visible
-    assert "Over stairs up to floor 2" in page.visible
-    assert "floor 1 from step 1, floor 2 from step 5" in page.visible
+    assert "Floor 1 (start)" in page.visible
+    assert "Floor 2 (3.0 m above the start); the search ended here" in page.visible
+    stairs = "Up the stairs from floor 1 to floor 2 (3.0 m above the start)"
+    told = [
+        f"{where} {steps}"
+        for where, steps in zip(
+            ("Floor 1 (start)", stairs, "Floor 2 (3.0 m above the start)"),
+            ("steps 1 to 2", "steps 3 to 4", "steps 5 to 6"),
+            strict=True,
+        )
+    ]
+    places = [page.visible.index(words) for words in told]
+    assert places == sorted(places)
 
 
 def test_a_floor_without_a_map_shows_no_robot(
@@ -192,7 +205,7 @@ def test_a_search_that_ends_on_stairs_says_so(
 ) -> None:
     steps = over_two_floors(make_step)[:4]
     page = read(write_page(tmp_path, result, steps, {1: room}))
-    assert "Onto stairs; the search ended on them" in page.visible
+    assert "Onto stairs from floor 1; the search ended on them" in page.visible
 
 
 def test_as_long_as_one_floor_is_known_no_floor_is_named(
@@ -245,6 +258,28 @@ def test_a_click_shows_another_floor_until_the_robot_changes_floors(
     go_to(1)
     assert shown() == ["1"]
     assert browser.find_element(By.ID, "robot").is_displayed()
+
+
+def test_on_stairs_the_page_says_so_beside_the_map(
+    make_step: MakeStep,
+    result: dict[str, Any],
+    room: OccupancyGrid,
+    tmp_path: Path,
+    browser: webdriver.Chrome,
+) -> None:
+    path = write_page(tmp_path, result, over_two_floors(make_step), {1: room, 2: room})
+    browser.get(path.as_uri())
+
+    def go_to(step: int) -> tuple[str, str]:
+        move = "slider.value = arguments[0]; slider.dispatchEvent(new Event('input'))"
+        browser.execute_script(move, step)
+        shown = browser.find_element(By.CSS_SELECTOR, "figure[data-floor='1'] figcaption").text
+        return shown, browser.find_element(By.CSS_SELECTOR, ".moment.current strong").text
+
+    assert go_to(1) == ("Floor 1 (start)", "Floor 1 (start)")
+    stairs = "Over the stairs from floor 1 to floor 2"
+    assert go_to(3) == ("Floor 1 (start); the robot is on the stairs", stairs)
+    assert go_to(1) == ("Floor 1 (start)", "Floor 1 (start)")
 
 
 def test_the_script_knows_where_the_robot_was(

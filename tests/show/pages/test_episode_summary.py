@@ -43,6 +43,36 @@ def test_moments_are_decisions_and_events(make_step: MakeStep, sighting: Detecti
     assert decided.asked[0].likeliest == (("2", 0.8), ("1", 0.2))
 
 
+def test_a_question_asked_again_on_the_way_is_folded_into_the_first(make_step: MakeStep) -> None:
+    asks = make_step(2).exchanges
+    steps = [
+        make_step(0, exchanges=asks),
+        make_step(1, exchanges=asks),
+        make_step(3, exchanges=asks),
+        make_step(4, exchanges=asks, events=["destination reached"]),
+        make_step(6, exchanges=asks, mode=Mode.APPROACH),
+        make_step(7, exchanges=asks, mode=Mode.APPROACH),
+    ]
+    entries = episode_summary.entries(episode_summary.key_steps(steps))
+    told = [(one.lead.index, [again.index for again in one.again]) for one in entries]
+    assert told == [(0, []), (1, [2]), (3, []), (4, [5])], "step 0 looks around"
+
+
+@given(st.lists(st.tuples(st.sampled_from(Mode), st.integers(1, 3)), max_size=40))
+def test_chapters_tell_every_decision_once_and_in_order(walk: list[tuple[Mode, int]]) -> None:
+    steps = [
+        StepTrace(step=n, pose=(0.0, 0.0, 0.0), action=None, mode=mode, floor=floor, events=["it"])
+        for n, (mode, floor) in enumerate(walk)
+    ]
+    chapters = episode_summary.chapters(steps)
+    entries = [entry for chapter in chapters for entry in chapter.entries]
+    told = [one.index for entry in entries for one in (entry.lead, *entry.again)]
+    assert told == list(range(len(steps)))
+    assert sum(chapter.count for chapter in chapters) == len(steps)
+    climbing = [chapter for chapter in chapters if chapter.mode is Mode.CLIMB]
+    assert sum(one.count for one in climbing) == sum(mode is Mode.CLIMB for mode, _ in walk)
+
+
 def test_tokens_are_added_up(make_step: MakeStep) -> None:
     assert episode_summary.tokens([make_step(n) for n in range(6)]) == (200, 10)
 

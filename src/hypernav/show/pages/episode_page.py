@@ -13,7 +13,7 @@ import yaml
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import Mode, StepTrace, floor_of
 from hypernav.show import captions
-from hypernav.show.climbs import climb_words, climbs, floor_words
+from hypernav.show.climbs import climb_words, climbs, floor_words, names_floors, whereabouts
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.map_images import draw_result, final_view
 from hypernav.show.pages import episode_summary
@@ -76,6 +76,7 @@ def write_page(
         phases=[_band(phase, len(steps)) for phase in episode_summary.phases(steps)],
         shares=episode_summary.mode_shares(steps),
         key_steps=episode_summary.key_steps(steps),
+        entries=episode_summary.entries(episode_summary.key_steps(steps)),
         question_costs=episode_summary.question_costs(result),
         cost=_cost(result),
         fallbacks=_fallbacks(result),
@@ -110,22 +111,37 @@ def _map(
 
 
 def _floors(steps: Sequence[StepTrace], heights_m: Mapping[int, float]) -> dict[str, Any]:
-    """The stays on floors as a band below the timeline, and the climbs between them as a list."""
-    made = climbs(steps)
-    words = [climb_words(one, heights_m) for one in made]
-    if made and steps[-1].mode is Mode.CLIMB:
-        words[-1] += "; the search ended on them"
+    """Floors and stairs as a band below the timeline, and as the chapters of the story.
+
+    Both are empty for a search that knew of one floor only and was on no stairs.
+    """
+    if not names_floors(steps):
+        return {"stays": [], "chapters": []}
+    start = floor_of(steps[0])
+    names = {floor: floor_words(floor, start, heights_m) for floor in map(floor_of, steps)}
+    climb_at = {one.first: climb_words(one, start, heights_m) for one in climbs(steps)}
+    if steps[-1].mode is Mode.CLIMB:
+        climb_at[max(climb_at)] += "; the search ended on them"
     return {
         "stays": [
             {
-                "floor": stay.floor,
-                "words": f"Floor {stay.floor}: steps {stay.first + 1} to {stay.first + stay.count}",
+                "on_stairs": stay.on_stairs,
+                "words": climb_at[stay.first] if stay.on_stairs else names[stay.floor],
+                "steps": f"steps {stay.first + 1} to {stay.first + stay.count}",
             }
             | _extent(stay.first, stay.count, len(steps))
             for stay in episode_summary.stays(steps)
         ],
-        "climbs": [
-            {"first": one.first, "words": told} for one, told in zip(made, words, strict=True)
+        "chapters": [
+            {
+                "is_folded": one.mode is not Mode.APPROACH,
+                "mode": one.mode,
+                "first": one.first,
+                "words": climb_at[one.first] if one.mode is Mode.CLIMB else names[one.floor],
+                "steps": f"steps {one.first + 1} to {one.first + one.count}",
+                "entries": one.entries,
+            }
+            for one in episode_summary.chapters(steps)
         ],
     }
 
@@ -164,12 +180,20 @@ def _player_data(
     return {
         "times": [round(time, 3) for time in frame_timing.start_times(frame_counts)],
         "steps": [step.step + 1 for step in steps],
-        "modes": [captions.MODES[step.mode] for step in steps],
-        "reasons": [captions.sentence(captions.floor_prefix(step) + step.reason) for step in steps],
+        "modes": [_doing(*one) for one in zip(steps, whereabouts(steps), strict=True)],
+        "reasons": [captions.sentence(step.reason) for step in steps],
         "floors": [floor_of(step) for step in steps],
+        "climbing": [step.mode is Mode.CLIMB for step in steps],
         "robots": robots,
         "destinations": destinations,
     }
+
+
+def _doing(step: StepTrace, where: str) -> str:
+    """What the robot does in a step, and where: "Exploring on floor 2"."""
+    if step.mode is Mode.CLIMB:
+        return captions.sentence(where)
+    return f"{captions.MODES[step.mode]} {where}".rstrip()
 
 
 def _summary(result: Mapping[str, Any]) -> str:
@@ -231,10 +255,8 @@ def _metrics(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> list[_Met
         _Metric("Model calls", number(value("model_calls")), "questions put to neural networks"),
     ]
     if steps and steps[-1].floor is not None:
-        floors = set(map(floor_of, steps))
-        turns = episode_summary.stays(steps)
-        words = ", ".join(f"floor {one.floor} from step {one.first + 1}" for one in turns)
-        figures.append(_Metric("Floors", str(len(floors)), words))
+        floors = len(set(map(floor_of, steps)))
+        figures.append(_Metric("Floors", str(floors), "that the robot was on"))
     if seconds is not None:
         figures.append(_Metric("Time", captions.duration(seconds), "that the run took in all"))
     if read or written:

@@ -39,22 +39,25 @@ def phases(steps: Sequence[StepTrace]) -> list[Phase]:
 
 @dataclass(frozen=True)
 class Stay:
-    """A run of consecutive steps on one floor; the stairs belong to the floor before them.
+    """A run of consecutive steps on one floor, or on stairs from it.
 
     Attributes:
         floor: Number of the floor.
+        on_stairs: Whether the robot was on stairs.
         first: Index of the first step in the trace.
         count: Number of steps.
     """
 
     floor: int
+    on_stairs: bool
     first: int
     count: int
 
 
 def stays(steps: Sequence[StepTrace]) -> list[Stay]:
-    """The floors in the order in which the robot was on them."""
-    return [Stay(*run) for run in _runs(steps, floor_of)]
+    """The floors and stairs in the order in which the robot was on them."""
+    runs = _runs(steps, lambda step: (floor_of(step), step.mode is Mode.CLIMB))
+    return [Stay(*where, first, count) for where, first, count in runs]
 
 
 def _runs(
@@ -138,6 +141,77 @@ def key_steps(steps: Sequence[StepTrace]) -> list[KeyStep]:
         if asked or step.events:
             told.append(KeyStep(index, step, asked))
     return told
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A step worth telling, and those at which the same was asked again on the way.
+
+    Attributes:
+        lead: The step.
+        again: The later ones.
+    """
+
+    lead: KeyStep
+    again: tuple[KeyStep, ...]
+
+
+def entries(told: Sequence[KeyStep]) -> list[Entry]:
+    """The steps worth telling, where nothing but the same question followed, folded into one."""
+    found = list[Entry]()
+    for moment in told:
+        if found and _asks_again(moment, found[-1].lead):
+            found[-1] = Entry(found[-1].lead, (*found[-1].again, moment))
+        else:
+            found.append(Entry(moment, ()))
+    return found
+
+
+def _asks_again(moment: KeyStep, lead: KeyStep) -> bool:
+    kinds = [{asked.exchange.kind for asked in one.asked} for one in (moment, lead)]
+    return not moment.step.events and moment.step.mode is lead.step.mode and kinds[0] == kinds[1]
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A part of the story of a search.
+
+    Attributes:
+        mode: `Mode.EXPLORE` for all steps without the goal in sight, `Mode.CLIMB` for those on
+            stairs, `Mode.APPROACH` for all others.
+        floor: Number of the floor on which it takes place, or from which the stairs lead.
+        first: Index of the first step in the trace.
+        count: Number of steps.
+        entries: What was asked and decided.
+    """
+
+    mode: Mode
+    floor: int
+    first: int
+    count: int
+    entries: tuple[Entry, ...]
+
+
+_CHAPTERS = {
+    Mode.LOOK_AROUND: Mode.EXPLORE,
+    Mode.VERIFY: Mode.APPROACH,
+    Mode.STOP: Mode.APPROACH,
+}
+
+
+def chapters(steps: Sequence[StepTrace]) -> list[Chapter]:
+    """The story of a search: what it did on each floor, on stairs, and with the goal in sight."""
+    told = key_steps(steps)
+    runs = _runs(steps, lambda step: (_CHAPTERS.get(step.mode, step.mode), floor_of(step)))
+    return [
+        Chapter(
+            *what,
+            first,
+            count,
+            tuple(entries([one for one in told if first <= one.index < first + count])),
+        )
+        for what, first, count in runs
+    ]
 
 
 @dataclass(frozen=True)

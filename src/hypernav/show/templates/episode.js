@@ -9,6 +9,7 @@
   const rows = [...document.querySelectorAll(".moment")];
   const floors = [...document.querySelectorAll("figure[data-floor]")];
   const tabs = [...document.querySelectorAll("button[data-floor]")];
+  const onStairs = [...document.querySelectorAll(".on-stairs")];
   if (!slider) return;
 
   // A chosen floor stays until the robot goes to another.
@@ -50,6 +51,7 @@
     slider.value = place;
     slider.setAttribute("aria-valuetext", now.textContent);
     followTo(player.floors[place]);
+    for (const words of onStairs) words.hidden = !player.climbing[place];
     if (robot && player.robots.length) {
       const here = player.robots[place];
       robot.setAttribute("visibility", here ? "visible" : "hidden");
@@ -58,8 +60,12 @@
       destination.setAttribute("visibility", at ? "visible" : "hidden");
       if (at) destination.setAttribute("transform", `translate(${at[0]} ${at[1]})`);
     }
+    // What is folded is told by what it is folded into.
     let current = null;
-    for (const row of rows) if (Number(row.dataset.place) <= place) current = row;
+    for (const row of rows) {
+      const isFolded = row.parentElement.closest("details:not([open])");
+      if (!isFolded && Number(row.dataset.place) <= place) current = row;
+    }
     for (const row of rows) row.classList.toggle("current", row === current);
   };
 

@@ -248,5 +248,12 @@ class EpisodeVideo:
             values=self._values,
             graph=self._graph,
             stairs=stairs_on(floor_of(step), self._climbs),
-            title="" if step.floor is None else f"Floor {step.floor}",
+            title=_map_title(step),
         )
+
+
+def _map_title(step: StepTrace) -> str:
+    """The floor that a map shows; on stairs that is the one below or above the robot."""
+    if step.mode is Mode.CLIMB:
+        return f"Floor {floor_of(step)} (robot on the stairs)"
+    return "" if step.floor is None else f"Floor {step.floor}"
