@@ -23,6 +23,7 @@ _PATHS = {
     "/v1/searches/{name}/stop": {"post"},
     "/v1/searches/{name}/close": {"post"},
     "/v1/searches/{name}/floors": {"get"},
+    "/v1/searches/{name}/floors/words": {"get"},
     "/v1/searches/{name}/stairs": {"get"},
     "/v1/searches/{name}/trace": {"get"},
     "/v1/searches/{name}/image": {"get"},

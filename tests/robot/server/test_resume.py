@@ -14,6 +14,7 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import StepTrace, floor_of, without_timings
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.searches import Searches
+from hypernav.robot.wire.values import PlanarPose
 from hypernav.worlds.box_room import BoxRoom
 from servers.robots import (
     ScriptedAgent,
@@ -159,12 +160,14 @@ def test_the_maps_of_all_floors_are_there_before_and_after_a_restart(
     tmp_path, monkeypatch, is_ended
 ):
     monkeypatch.setattr("servers.robots.ScriptedAgent", ClimbingAgent)
-    paths = ("floors", "map.png", "map.png?floor=1", "map.png?floor=2")
+    paths = ("floors", "floors/words", "map.png", "map.png?floor=1", "map.png?floor=2")
     with robot_server(tmp_path) as link:
         search = link.open("quick")
         assert link.call("GET", f"{search}/floors").json == {}
+        assert link.call("GET", f"{search}/floors/words").json == {}
         for number in range(4):
-            link.observe(search, body_of(number))
+            raised = PlanarPose(z=1.5 * number)
+            link.observe(search, body_of(number, odom_to_map=raised))
             link.answer(search, number)
         if is_ended:
             link.call("POST", f"{search}/close")
@@ -172,7 +175,9 @@ def test_the_maps_of_all_floors_are_there_before_and_after_a_restart(
         assert extents["2"] == link.call("GET", search).json["map"]
         assert extents["2"]["columns"] == extents["1"]["columns"] + 1
         shown = [link.call("GET", f"{search}/{path}").content for path in paths]
-        assert shown[1] == shown[3] != shown[2]
+        words = "Floor 2 (3.0 m above the start)"
+        assert json.loads(shown[1]) == {"1": "Floor 1 (start)", "2": words}
+        assert shown[2] == shown[4] != shown[3]
         assert link.call("GET", f"{search}/map.png?floor=3").status == 404
     with robot_server(tmp_path) as link:
         link.answer(search, 3)

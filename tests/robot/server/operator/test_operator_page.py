@@ -21,8 +21,10 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 from hypernav.core.actions import Action
 from hypernav.core.errors import LinkLostError
+from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode, StepTrace
 from hypernav.robot.client.links import HttpLink, HttpServer
 from hypernav.robot.client.robot_client import RobotClient
@@ -354,7 +356,7 @@ def test_the_map_is_that_of_the_shown_steps_floor_and_says_so(page, driver):
             page.until(lambda count=number + 1: page.step.text == f"{count} of {count}")
             page.until(lambda width=columns * 0.05: page.map_size_m[:1] == (width,))
         assert page.map_title.text == "Map of floor 1"
-        assert page.floor_words.text.startswith("Floor 1, where the search began, one of 2 so far.")
+        assert page.floor_words.text == "Floor 1 (start). The robot is here."
         page.slider.send_keys(Keys.ARROW_LEFT)
         page.until(lambda: page.map_title.text == "Map of floor 2")
         assert page.map_size_m == (5.0, 2.0)
@@ -423,11 +425,60 @@ def test_a_search_with_a_memory_may_begin_on_any_floor(page, driver):
             view.add(trace, grid, None)
         driver.get(view.address.partition(" ")[0])
         page.until(lambda: page.map_title.text == "Map of floor 2")
-        assert page.floor_words.text.startswith("Floor 2, one of 2 so far.")
+        assert page.floor_words.text.startswith("Floor 2. The robot is here.")
         buttons = page.floors.find_elements(By.TAG_NAME, "button")
-        assert [one.text for one in buttons] == ["Floor 2", "Floor 4"]
+        assert [one.text for one in buttons] == ["Floor 2", "Floor 4 (start)"]
         buttons[1].click()
-        assert page.floor_words.text.startswith("Floor 4, where the search began, one of 2 so far.")
+        assert page.floor_words.text == "Floor 4 (start). The robot is on floor 2."
+
+
+def seen_from(height_m: float) -> Observation:
+    """What a camera sees that is so high above the ``map`` frame's origin, metres."""
+    return Observation(
+        rgb=np.zeros((3, 4, 3), np.uint8),
+        depth=np.ones((3, 4), np.float32),
+        camera=PinholeCamera.from_hfov(4, 3, 79.0),
+        camera_to_map=Transform(np.eye(3), np.array([0.0, 0.0, height_m])),
+        robot=Pose2(0.0, 0.0, 0.0),
+    )
+
+
+def test_the_page_says_how_high_floors_are_and_when_the_robot_is_on_stairs(page, driver):
+    info = EpisodeInfo("bed", "hypernav", detector="ground truth", reasoner="geometric")
+    steps = floor_steps(None, None, None, 2)
+    grid = OccupancyGrid(np.full((40, 60), Cell.FREE, np.uint8), 0.05, (0.0, 0.0))
+
+    def event_words() -> list[str]:
+        return [one.text for one in page.events.find_elements(By.TAG_NAME, "span")]
+
+    with closing(PageView(info, lambda: None)) as view:
+        driver.get(view.address.partition(" ")[0])
+        for trace, height_m in zip(steps, (0.9, 0.9, 2.0, 3.9), strict=True):
+            view.add(trace, grid, seen_from(height_m))
+            page.until(lambda count=trace.step + 1: page.step.text == f"{count} of {count}")
+            if trace.step == 1:
+                assert page.map_title.text == "Map"
+                assert not page.floor_band.is_displayed()
+                assert event_words() == ["Exploring"]
+            if trace.step == 2:
+                assert page.map_title.text == "Map of floor 1"
+                words = "Floor 1 (start). The robot is on the stairs from floor 1."
+                assert page.floor_words.text == words
+                assert page.reason.text == "On the stairs from floor 1: on its way"
+                assert page.floor_band.is_displayed()
+        buttons = page.floors.find_elements(By.TAG_NAME, "button")
+        assert [one.text for one in buttons] == [
+            "Floor 1 (start)",
+            "Floor 2 (3.0 m above the start)",
+        ]
+        assert event_words() == [
+            "Exploring on floor 2 (3.0 m above the start)",
+            "On the stairs from floor 1",
+            "Exploring",
+        ]
+        page.slider.send_keys(Keys.ARROW_LEFT)
+        page.until(lambda: "to floor 2" in page.floor_words.text)
+        assert page.reason.text == "On the stairs from floor 1 to floor 2: on its way"
 
 
 def test_stairs_are_marked_as_far_as_the_shown_step_knows_them(page, driver):

@@ -180,6 +180,15 @@ class Journal:
         packed = unpack_observation(self.observation(number))
         return packed.header.colour.format, packed.colour
 
+    def height_of(self, number: int) -> float:
+        """Height of the robot at an observation, in the frame of its poses, metres.
+
+        Raises:
+            HyPerNavError: The observation is damaged on the disk.
+        """
+        header = unpack_observation(self.observation(number)).header
+        return float(header.base_to_map.translation[2])
+
     def step(self, number: int) -> StepRecord:
         """A decision.
 

@@ -54,19 +54,29 @@ class LiveSearch:
         self._version = 0
         self._traces: list[StepTrace] = []
         self._images: dict[int, bytes] = {}
+        self._heights_m: dict[int, float] = {}
         self._ending: SearchEnding | None = None
         self._detail = ""
 
-    def add(self, step: StepTrace, grid: OccupancyGrid | None, image: bytes | None) -> None:
+    def add(
+        self,
+        step: StepTrace,
+        grid: OccupancyGrid | None,
+        image: bytes | None,
+        height_m: float | None = None,
+    ) -> None:
         """Add a step.
 
         Args:
             step: Trace of the step.
             grid: The agent's map, which may change afterwards; None if it has none.
             image: The colour image, JPEG; None if nobody kept it.
+            height_m: Height of the camera, metres; None if it is unknown.
         """
         with self._lock:
             self._traces.append(step)
+            if height_m is not None:
+                self._heights_m[step.step] = height_m
             if image is not None:
                 self.colour = ("jpeg", image)
                 self._images[step.step] = image
@@ -127,6 +137,10 @@ class LiveSearch:
         """Format and bytes of a step's colour image; None if there is none."""
         image = self._images.get(sequence)
         return None if image is None else ("jpeg", image)
+
+    def height_of(self, number: int) -> float | None:
+        """Height of the camera at a step, metres; None if it is unknown."""
+        return self._heights_m.get(number)
 
     @contextmanager
     def reading(self) -> Iterator["LiveSearch"]:

@@ -67,7 +67,11 @@ class PageView:
         self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
     ) -> None:
         """Show a step; see `hypernav.core.view.View`."""
-        self._search.add(step, grid, None if observation is None else colour_jpeg(observation))
+        if observation is None:
+            self._search.add(step, grid, None)
+            return
+        camera_z = float(observation.camera_to_map.translation[2])
+        self._search.add(step, grid, colour_jpeg(observation), camera_z)
 
     def finish(self, result: Mapping[str, Any]) -> None:
         """Show how the search ended."""

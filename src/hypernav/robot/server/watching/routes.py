@@ -11,14 +11,14 @@ from starlette.concurrency import run_in_threadpool
 
 from hypernav.core.errors import RequestRefusedError
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.trace import StepTrace
+from hypernav.core.trace import StepTrace, floor_of
 from hypernav.robot.server.access import API
 from hypernav.robot.server.threads import Bell
 from hypernav.robot.server.watching.maps import map_png, map_server_file, occupancy_grid
 from hypernav.robot.wire.replies import Health, MapExtent, Status
 from hypernav.robot.wire.requests import StopRequest
 from hypernav.robot.wire.values import LONGEST_WAIT_S, SEARCHES
-from hypernav.show.climbs import StairsMark, stairs_by_step
+from hypernav.show.climbs import StairsMark, floor_words, stairs_by_step, typical_steps
 
 Name = Annotated[str, Path(pattern=r"^[0-9a-f]{32}$", description="Name of the search.")]
 """The name of a search, in a path."""
@@ -35,10 +35,14 @@ STOP_BODY = {
 
 @runtime_checkable
 class Traces(Protocol):
-    """What a search has decided."""
+    """What a search has decided, and how high its robot was."""
 
     def trace_lines(self, since: int) -> Iterator[str]:
         """The traces of the decisions as JSON, from a number on."""
+        ...
+
+    def height_of(self, number: int) -> float | None:
+        """Height of the robot at an observation, metres above any level; None if unknown."""
         ...
 
 
@@ -195,6 +199,18 @@ def watching_routes(searches: ShownSearches) -> APIRouter:
         with searches.find(name).reading() as journal:
             lines = journal.trace_lines(0)
             return stairs_by_step(StepTrace.model_validate_json(line) for line in lines)
+
+    @routes.get(f"{SEARCHES}/{{name}}/floors/words")
+    def words_of_floors(name: Name) -> dict[int, str]:
+        """The floors on which the robot was, for people, with their heights beside the start's."""
+        with searches.find(name).reading() as journal:
+            steps = [StepTrace.model_validate_json(line) for line in journal.trace_lines(0)]
+            known = {
+                floor: journal.height_of(number) for floor, number in typical_steps(steps).items()
+            }
+        heights_m = {floor: height for floor, height in known.items() if height is not None}
+        floors = sorted(set(map(floor_of, steps)))
+        return {floor: floor_words(floor, floor_of(steps[0]), heights_m) for floor in floors}
 
     @routes.get(f"{SEARCHES}/{{name}}/map.png", response_class=Response)
     def png(

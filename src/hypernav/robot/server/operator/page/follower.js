@@ -9,15 +9,28 @@ const RETRY_MS = 1000;
 /** Number of the floor of a step; it has none as long as only one floor is known. */
 export const floorOf = (step) => step.floor ?? 1;
 
-/** The floor from which the robot climbs in a step; null if it doesn't. */
-const climbFrom = (step) => (step?.mode === "climb" ? floorOf(step) : null);
+/** Whether there is more than one floor to tell apart: another is known, or the robot is on stairs. */
+export const namesFloors = (steps) => steps.some((step) => step.floor || step.mode === "climb");
+
+/** Where the robot is at a step: "on floor 2", "on the stairs from floor 2 to floor 3" if it came there. */
+export function whereIs(steps, place, nameOf = (floor) => `floor ${floor}`) {
+  const floor = floorOf(steps[place]);
+  if (steps[place].mode !== "climb") return `on ${nameOf(floor)}`;
+  const after = steps.slice(place).find((step) => step.mode !== "climb" || floorOf(step) !== floor);
+  const to = after && floorOf(after) !== floor ? ` to ${nameOf(floorOf(after))}` : "";
+  return `on the stairs from ${nameOf(floor)}${to}`;
+}
+
+/** What says where the robot is: a floor as far as it is known, or stairs from one. */
+const spot = (step) => (step ? `${step.floor ?? ""}${step.mode === "climb" ? " climb" : ""}` : "");
 
 /** What is known of one search. Calls `onChange(follower)` after every change. */
 export class Follower {
   status = null;
   steps = [];
   stairs = {}; // the ends of stairs on every floor, from each step on that changed them
-  climbed = false; // whether a climb has begun or ended since they were fetched
+  floorWords = {}; // the floors in words, with their heights
+  hasMoved = false; // whether the robot came to stairs or to a floor since these were fetched
   maps = new Map(); // the last map of each floor
   unmapped = new Set(); // floors left before this page was opened of which the server has no map
 
@@ -61,11 +74,10 @@ export class Follower {
       const lines = await (await this.request(`/trace?since=${(this.steps.at(-1)?.step ?? -1) + 1}`)).text();
       const known = this.steps.length;
       for (const line of lines.split("\n")) if (line) this.steps.push(parse(line));
-      // Stairs change only where a climb begins or ends.
-      this.climbed ||= this.steps.slice(known)
-        .some((step, k) => climbFrom(step) !== climbFrom(this.steps[known + k - 1]));
-      if (this.climbed) this.stairs = await this.get("/stairs");
-      this.climbed = false;
+      // Stairs and floors change only where the robot comes to one or leaves it.
+      this.hasMoved ||= this.steps.slice(known).some((step, k) => spot(step) !== spot(this.steps[known + k - 1]));
+      if (this.hasMoved) [this.stairs, this.floorWords] = await Promise.all([this.get("/stairs"), this.get("/floors/words")]);
+      this.hasMoved = false;
       if (status.map) { // a server that was started again has no map until it has caught up
         await this.updateMap(status.map);
         await this.fetchOtherFloors();

@@ -3,7 +3,7 @@
 import { drawCamera } from "./camera.js";
 import { GoalBox, Memory, armStop, armToken } from "./controls.js";
 import { element, swatch } from "./elements.js";
-import { Follower, floorOf } from "./follower.js";
+import { Follower, floorOf, namesFloors, whereIs } from "./follower.js";
 import { drawMap } from "./map.js";
 import { connection, getJson, pause } from "./server.js";
 import { Timeline } from "./timeline.js";
@@ -46,9 +46,9 @@ function follow(id) {
 }
 
 function show() {
-  const { status, steps, stairs, maps } = follower ?? { status: null };
+  const { status, steps, stairs, maps, floorWords } = follower ?? { status: null };
   if (!status) return;
-  timeline.show(steps);
+  timeline.show(steps, floorWords);
   const step = steps[timeline.shown];
   const word = status.ending ?? (status.state === "resuming" ? "resuming" : "searching");
   document.title = `${status.goal}: ${word} · hypernav`;
@@ -59,6 +59,7 @@ function show() {
   byId("start").textContent = status.start ? startWords(status.start) : "";
   byId("step").textContent = step ? `${step.step + 1} of ${steps.at(-1).step + 1}` : "–";
   byId("driven").textContent = step ? `${driven(steps, timeline.shown).toFixed(1)} m` : "–";
+  byId("flat").hidden = !namesFloors(steps);
   byId("action").textContent = next(status, step);
   document.body.dataset.silent = String(isSilent(status));
   byId("words").textContent = status.words.replace("detector ", "").replace(", reasoner ", " · ");
@@ -67,7 +68,7 @@ function show() {
   const floor = floorChosen ?? floorOfRobot;
   const map = step && maps.get(floor);
   drawMap(byId("map"), map, steps, stairs, timeline.shown, floor);
-  showFloor(steps, step, floor);
+  showFloor(steps, floorWords, floor);
   if (step) {
     byId("map").setAttribute("aria-label", mapWords(map, step, floor));
     showCamera(follower, step);
@@ -97,13 +98,13 @@ function headline(status) {
 }
 
 function reason(status, step) {
-  if (!timeline.isLive && step) return `${MODES[step.mode]}: ${step.reason}`;
+  if (!timeline.isLive && step) return `${timeline.doing(timeline.shown)}: ${step.reason}`;
   if (status.ending && (status.detail || status.ending !== "found")) return sentence(status.detail || "the search has ended");
   if (status.state === "resuming") return `${STATES.resuming}.`;
   if (isSilent(status)) return `The robot has been silent for ${span(silentS(status))}.`;
   if (!step && status.last?.mode) return `${MODES[status.last.mode]}: ${status.last.reason}`;
   if (!step) return status.state === "deciding" ? "Deciding about the first image …" : "Waiting for the robot’s first image.";
-  return `${MODES[step.mode]}: ${step.reason}` + (status.state === "deciding" ? " · deciding …" : "");
+  return `${timeline.doing(timeline.shown)}: ${step.reason}` + (status.state === "deciding" ? " · deciding …" : "");
 }
 
 /** Where a robot that didn’t know its start is in the server’s memory. */
@@ -115,24 +116,26 @@ function startWords(start) {
 const sentence = (words) => (/^\S+:\/\//.test(words) ? words : words.charAt(0).toUpperCase() + words.slice(1)) + (/[.!?]$/.test(words) ? "" : ".");
 
 /** Names the floor of the map and offers the others, once there is more than one. */
-function showFloor(steps, step, floor) {
+function showFloor(steps, floorWords, floor) {
   const floors = [...new Set(steps.map(floorOf))].sort((a, b) => a - b);
-  const isNamed = step && floors.length > 1;
+  const isNamed = timeline.shown >= 0 && namesFloors(steps);
   byId("map-title").textContent = isNamed ? `Map of floor ${floor}` : "Map";
-  byId("floor-words").hidden = byId("floors").hidden = !isNamed;
+  byId("floor-words").hidden = !isNamed;
+  byId("floors").hidden = floors.length < 2;
   if (!isNamed) return;
   const box = byId("floors");
+  const words = floors.map((one) => floorWords[one] ?? `Floor ${one}`);
   // Buttons stay as long as the floors do, so that they keep the focus.
-  if (box.dataset.floors !== String(floors)) box.replaceChildren(...floors.map(floorButton));
-  box.dataset.floors = String(floors);
+  if (box.dataset.floors !== String(words)) box.replaceChildren(...floors.map((one, k) => floorButton(one, words[k])));
+  box.dataset.floors = String(words);
   for (const button of box.children) button.setAttribute("aria-pressed", String(Number(button.dataset.floor) === floor));
-  const starts = floor === floorOf(steps[0]) ? ", where the search began" : "";
-  const where = floorOf(step) === floor ? "The robot is here." : `The robot is on floor ${floorOf(step)}.`;
-  byId("floor-words").textContent = `Floor ${floor}${starts}, one of ${floors.length} so far. ${where}`;
+  const where = whereIs(steps, timeline.shown);
+  const robot = where === `on floor ${floor}` ? "The robot is here." : `The robot is ${where}.`;
+  byId("floor-words").textContent = `${words[floors.indexOf(floor)]}. ${robot}`;
 }
 
-function floorButton(floor) {
-  const button = element("button", { type: "button", "data-floor": String(floor) }, `Floor ${floor}`);
+function floorButton(floor, words) {
+  const button = element("button", { type: "button", "data-floor": String(floor) }, words);
   button.addEventListener("click", () => { floorChosen = floor; show(); });
   return button;
 }

@@ -25,7 +25,7 @@ export function drawMap(canvas, map, steps, stairs, shown, floor) {
   if (isHere) draw.blocks(steps, shown);
   for (const walk of walksOn(floor, walked)) draw.line(walk, COLORS.trajectory_new, 2);
   const changed = Object.keys(stairs).findLast((since) => since <= shown);
-  for (const mark of stairs[changed]?.[floor] ?? []) draw.stairs(mark);
+  draw.stairs(stairs[changed]?.[floor] ?? []);
   if (isHere) {
     draw.line(step.path, COLORS.path, 2.5, [6, 4]);
     if (step.destination) draw.destination(step.destination);
@@ -130,15 +130,25 @@ class Painter {
     context.setLineDash([]);
   }
 
-  stairs({ position: [x, y], words }) {
-    const [u, v] = this.view.at(x, y);
+  /** The ends of stairs, each with where it leads beside it; no words cover others. */
+  stairs(marks) {
     const { context, ratio } = this;
-    const half = 7 * ratio;
-    context.fillStyle = COLORS.stairs;
-    for (const tread of [0, 1, 2]) context.fillRect(u - half + 0.67 * half * tread, v + half * (0.33 - 0.67 * tread), half * (2 - 0.67 * tread), 0.67 * half);
+    const half = 7 * ratio, row = 14 * ratio, gap = half + 4 * ratio;
+    const at = marks.map(({ position: [x, y] }) => this.view.at(x, y));
+    const taken = at.map(([u, v]) => ({ left: u - half, right: u + half, v }));
+    const isFree = (box) => taken.every((other) => box.right <= other.left || other.right <= box.left || Math.abs(box.v - other.v) >= row);
     context.font = `600 ${12 * ratio}px system-ui, sans-serif`;
     context.textAlign = "left";
-    this.text(words, u + half + 4 * ratio, v + half);
+    marks.forEach(({ words }, n) => {
+      const [u, v] = at[n];
+      context.fillStyle = COLORS.stairs;
+      for (const tread of [0, 1, 2]) context.fillRect(u - half + 0.67 * half * tread, v + half * (0.33 - 0.67 * tread), half * (2 - 0.67 * tread), 0.67 * half);
+      const width = context.measureText(words).width;
+      const options = [0, -1, 1, -2, 2].flatMap((rows) => [u + gap, u - gap - width].map((left) => ({ left, right: left + width, v: v + rows * row })));
+      const box = options.find(isFree) ?? options[0];
+      taken.push(box);
+      this.text(words, box.left, box.v + 0.3 * row);
+    });
   }
 
   destination([x, y]) {
