@@ -152,3 +152,19 @@ def test_the_two_parts_of_a_path_in_a_sentence():
         " It saw the goal from where it started, and walked 3.6 m from there."
     )
     assert captions.path_parts({"shortest_path_m": 5.0}) == ""
+
+
+@pytest.mark.parametrize(
+    ("mode", "floor", "words"),
+    [
+        (Mode.EXPLORE, None, ""),
+        (Mode.EXPLORE, 2, "floor 2 · "),
+        (Mode.CLIMB, None, "stairs from floor 1 · "),
+        (Mode.CLIMB, 2, "stairs from floor 2 · "),
+    ],
+)
+def test_a_floor_is_named_once_there_are_others_and_stairs_by_theirs(
+    mode: Mode, floor: int | None, words: str
+) -> None:
+    step = StepTrace(step=0, pose=(0.0, 0.0, 0.0), action=None, mode=mode, floor=floor)
+    assert captions.floor_prefix(step) == words

@@ -10,6 +10,7 @@ from hypernav.core.episodes.episode import Outcome
 from hypernav.core.goal import Goal
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeStep
 from hypernav.mapping.memory.unknown_start import FoundStart
+from hypernav.show.captions import floor_prefix
 
 OUTCOME_WORDS = {
     Outcome.FOUND: "[green]found[/] the {goal}",
@@ -40,7 +41,7 @@ def live_line(step: EpisodeStep, goal: str) -> str:
     """What the robot is doing, in a line for the status of the terminal."""
     trace = step.trace
     seen = f"{goal} in sight" if trace.goal_area else f"{goal} not seen yet"
-    return f"step {trace.step + 1} · {trace.mode} · {seen} · {trace.reason}"
+    return f"{floor_prefix(trace)}step {trace.step + 1} · {trace.mode} · {seen} · {trace.reason}"
 
 
 def print_result(console: Console, goal: Goal, result: EpisodeResult) -> None:
