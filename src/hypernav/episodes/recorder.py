@@ -154,7 +154,7 @@ class EpisodeRecorder:
                 self._video.pass_over(step)
             else:
                 self._grid = self._maps[floor_of(step)] = grid
-                self._video.add(image, step, grid)
+                self._video.add(image, step, grid, self._floor_heights_m())
 
     def finish(self, result: Mapping[str, Any]) -> None:
         """Write the files that are complete only at the end of the episode.
@@ -219,6 +219,10 @@ class EpisodeRecorder:
         if self._grid is not None:
             write_map_png(self.folder / "map.png", self._grid, self.steps)
 
+    def _floor_heights_m(self) -> dict[int, float]:
+        """Heights of the camera on the floors so far, metres."""
+        return {floor: median(seen) for floor, seen in self._heights_m.items()}
+
     def _write_page(self, result: Mapping[str, Any]) -> None:
         page = partial(
             write_page,
@@ -226,7 +230,7 @@ class EpisodeRecorder:
             result,
             self.steps,
             self._maps,
-            heights_m={floor: median(seen) for floor, seen in self._heights_m.items()},
+            heights_m=self._floor_heights_m(),
             frame_counts=self._video.frame_counts,
         )
         try:

@@ -18,6 +18,7 @@ from hypernav.show.drawing import palette
 from hypernav.show.video import episode_video
 from hypernav.show.video.camera_panel import draw_camera
 from hypernav.show.video.episode_video import EpisodeVideo
+from hypernav.show.video.frame import MAP_SIZE
 from hypernav.show.video.frame_timing import (
     ENDING_FRAMES,
     FRAMES_PER_SECOND,
@@ -243,4 +244,30 @@ def test_stairs_are_told_from_the_steps_anew_only_when_one_is_on_them(
     assert told == [3, 4, 5, 7, 8]
     assert shown == [
         stairs_on(floor or 1, climbs(steps[: k + 1])) for k, floor in enumerate(floors)
+    ]
+
+
+def test_the_map_says_how_high_its_floor_is_and_when_the_robot_is_on_stairs(
+    make_step: MakeStep,
+    observation: Observation,
+    room: OccupancyGrid,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    titles = list[str]()
+
+    def note(*_: object, title: str, **__: object) -> np.ndarray:
+        titles.append(title)
+        return np.zeros((MAP_SIZE, MAP_SIZE, 3), np.uint8)
+
+    monkeypatch.setattr(episode_video, "draw_map", note)
+    walk = [(Mode.EXPLORE, None), (Mode.CLIMB, None), (Mode.EXPLORE, 2)]
+    with EpisodeVideo(tmp_path / "episode.mp4", "bed", "hypernav") as video:
+        for number, (mode, floor) in enumerate(walk):
+            step = make_step(number, mode=mode, floor=floor)
+            video.add(observation.rgb, step, room, {1: 0.9, 2: 3.9} if floor else {1: 0.9})
+    assert titles == [
+        "",
+        "Floor 1 (start), robot on the stairs",
+        "Floor 2 (3.0 m above the start)",
     ]

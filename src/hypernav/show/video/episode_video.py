@@ -11,7 +11,7 @@ from hypernav.core.exploring.insight import ThingGraph, ValueImage
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Mode, StepTrace, floor_of, on_last_floor
-from hypernav.show.climbs import Climb, climbs, stairs_on
+from hypernav.show.climbs import Climb, climbs, floor_words, names_floors, stairs_on
 from hypernav.show.drawing.map_images import draw_map, draw_result
 from hypernav.show.drawing.map_view import SteadyView
 from hypernav.show.video.end_card import draw_end_card
@@ -159,6 +159,7 @@ class EpisodeVideo:
         self._values: ValueImage | None = None
         self._graph: ThingGraph | None = None
         self._grid: OccupancyGrid | None = None
+        self._heights_m: Mapping[int, float] = {}
         self._closed = False
 
     def __enter__(self) -> "EpisodeVideo":
@@ -175,7 +176,11 @@ class EpisodeVideo:
         return self._frame_counts
 
     def add(
-        self, image: UInt8[np.ndarray, "height width 3"], step: StepTrace, grid: OccupancyGrid
+        self,
+        image: UInt8[np.ndarray, "height width 3"],
+        step: StepTrace,
+        grid: OccupancyGrid,
+        heights_m: Mapping[int, float] | None = None,
     ) -> None:
         """Add a step.
 
@@ -183,8 +188,9 @@ class EpisodeVideo:
             image: Camera image of the step, RGB.
             step: Trace of the step.
             grid: Map after the observation was integrated.
+            heights_m: Heights of the floors, metres, as far as they are known.
         """
-        self._grid = grid
+        self._grid, self._heights_m = grid, heights_m or {}
         self._note(step, frame_count(step))
         frame = draw_frame(self._title, step, image, self._map_image(step, grid), self._decision)
         self._file.write(frame, frame_count(step))
@@ -248,12 +254,12 @@ class EpisodeVideo:
             values=self._values,
             graph=self._graph,
             stairs=stairs_on(floor_of(step), self._climbs),
-            title=_map_title(step),
+            title=self._map_title(step),
         )
 
-
-def _map_title(step: StepTrace) -> str:
-    """The floor that a map shows; on stairs that is the one below or above the robot."""
-    if step.mode is Mode.CLIMB:
-        return f"Floor {floor_of(step)} (robot on the stairs)"
-    return "" if step.floor is None else f"Floor {step.floor}"
+    def _map_title(self, step: StepTrace) -> str:
+        """The floor that a map shows; the robot is on it, or on stairs from it."""
+        if not names_floors([step]):
+            return ""
+        words = floor_words(floor_of(step), floor_of(self._steps[0]), self._heights_m)
+        return f"{words}, robot on the stairs" if step.mode is Mode.CLIMB else words
