@@ -16,7 +16,7 @@ from hypernav.show import captions
 from hypernav.show.climbs import climb_words, climbs, floor_words, names_floors, whereabouts
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.map_images import draw_result, final_view
-from hypernav.show.pages import episode_summary
+from hypernav.show.pages import episode_story, episode_summary
 from hypernav.show.pages.templating import data_uri, image_uri, mode_name, page_environment, plain
 from hypernav.show.video import frame_timing
 
@@ -75,8 +75,8 @@ def write_page(
         figures=_metrics(result, steps),
         phases=[_band(phase, len(steps)) for phase in episode_summary.phases(steps)],
         shares=episode_summary.mode_shares(steps),
-        key_steps=episode_summary.key_steps(steps),
-        entries=episode_summary.entries(episode_summary.key_steps(steps)),
+        key_steps=episode_story.key_steps(steps),
+        entries=episode_story.entries(episode_story.key_steps(steps)),
         question_costs=episode_summary.question_costs(result),
         cost=_cost(result),
         fallbacks=_fallbacks(result),
@@ -141,7 +141,7 @@ def _floors(steps: Sequence[StepTrace], heights_m: Mapping[int, float]) -> dict[
                 "steps": f"steps {one.first + 1} to {one.first + one.count}",
                 "entries": one.entries,
             }
-            for one in episode_summary.chapters(steps)
+            for one in episode_story.chapters(steps)
         ],
     }
 

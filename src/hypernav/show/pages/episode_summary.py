@@ -1,4 +1,4 @@
-"""Summary of an episode's trace: phases, decisions, model costs and time per module."""
+"""Summary of an episode's trace: phases, floors, model costs and time per module."""
 
 import math
 import statistics
@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Any, TypeVar
 
-from hypernav.core.trace import Exchange, Mode, StepTrace, floor_of
+from hypernav.core.trace import Mode, StepTrace, floor_of
 from hypernav.show import captions
-from hypernav.show.video.frame_timing import EVERY_STEP
 
 _Value = TypeVar("_Value")
 _NESTED_NAMES = ("modules", "per_module")
 _SMALLEST_REMAINDER = 0.01
-_MOST_BARS = 5
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,7 @@ class Phase:
 
 def phases(steps: Sequence[StepTrace]) -> list[Phase]:
     """The episode as phases, in order."""
-    return [Phase(*run) for run in _runs(steps, lambda step: step.mode)]
+    return [Phase(*run) for run in runs(steps, lambda step: step.mode)]
 
 
 @dataclass(frozen=True)
@@ -56,11 +54,11 @@ class Stay:
 
 def stays(steps: Sequence[StepTrace]) -> list[Stay]:
     """The floors and stairs in the order in which the robot was on them."""
-    runs = _runs(steps, lambda step: (floor_of(step), step.mode is Mode.CLIMB))
-    return [Stay(*where, first, count) for where, first, count in runs]
+    found = runs(steps, lambda step: (floor_of(step), step.mode is Mode.CLIMB))
+    return [Stay(*where, first, count) for where, first, count in found]
 
 
-def _runs(
+def runs(
     steps: Sequence[StepTrace], key: Callable[[StepTrace], _Value]
 ) -> Iterator[tuple[_Value, int, int]]:
     """Runs of consecutive steps of one value: the value, the first step's index, their number."""
@@ -90,128 +88,6 @@ def mode_shares(steps: Sequence[StepTrace]) -> list[ModeShare]:
     """Shares of the modes that occur, in the order of `Mode`."""
     counts = {mode: sum(step.mode == mode for step in steps) for mode in Mode}
     return [ModeShare(mode, n, n / len(steps)) for mode, n in counts.items() if n]
-
-
-@dataclass(frozen=True)
-class AskedQuestion:
-    """One question as the page shows it.
-
-    Attributes:
-        exchange: Question and answer.
-        title: Subject of the question, in a few words.
-        who: Name of the component that answered, for people.
-        answer: Answer for people, even if the raw answer is for programs.
-        likeliest: The likeliest answers with their probability, best first.
-    """
-
-    exchange: Exchange
-    title: str
-    who: str
-    answer: str
-    likeliest: tuple[tuple[str, float], ...]
-
-
-@dataclass(frozen=True)
-class KeyStep:
-    """A step at which something was decided or happened.
-
-    Attributes:
-        index: Index of the step in the trace.
-        step: Trace of the step.
-        asked: Questions asked at the step.
-    """
-
-    index: int
-    step: StepTrace
-    asked: tuple[AskedQuestion, ...]
-
-
-def key_steps(steps: Sequence[StepTrace]) -> list[KeyStep]:
-    """The steps worth telling: those with a decision or an event.
-
-    "Is it in the image?" is asked at every step, so it is shown only where its answer mattered: at
-    an event of a step that sees the goal.
-    """
-    told = []
-    for index, step in enumerate(steps):
-        seen = bool(step.events and step.detections)
-        asked = tuple(
-            _asked_question(e, step) for e in step.exchanges if seen or e.kind not in EVERY_STEP
-        )
-        if asked or step.events:
-            told.append(KeyStep(index, step, asked))
-    return told
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A step worth telling, and those at which the same was asked again on the way.
-
-    Attributes:
-        lead: The step.
-        again: The later ones.
-    """
-
-    lead: KeyStep
-    again: tuple[KeyStep, ...]
-
-
-def entries(told: Sequence[KeyStep]) -> list[Entry]:
-    """The steps worth telling, where nothing but the same question followed, folded into one."""
-    found = list[Entry]()
-    for moment in told:
-        if found and _asks_again(moment, found[-1].lead):
-            found[-1] = Entry(found[-1].lead, (*found[-1].again, moment))
-        else:
-            found.append(Entry(moment, ()))
-    return found
-
-
-def _asks_again(moment: KeyStep, lead: KeyStep) -> bool:
-    kinds = [{asked.exchange.kind for asked in one.asked} for one in (moment, lead)]
-    return not moment.step.events and moment.step.mode is lead.step.mode and kinds[0] == kinds[1]
-
-
-@dataclass(frozen=True)
-class Chapter:
-    """A part of the story of a search.
-
-    Attributes:
-        mode: `Mode.EXPLORE` for all steps without the goal in sight, `Mode.CLIMB` for those on
-            stairs, `Mode.APPROACH` for all others.
-        floor: Number of the floor on which it takes place, or from which the stairs lead.
-        first: Index of the first step in the trace.
-        count: Number of steps.
-        entries: What was asked and decided.
-    """
-
-    mode: Mode
-    floor: int
-    first: int
-    count: int
-    entries: tuple[Entry, ...]
-
-
-_CHAPTERS = {
-    Mode.LOOK_AROUND: Mode.EXPLORE,
-    Mode.VERIFY: Mode.APPROACH,
-    Mode.STOP: Mode.APPROACH,
-}
-
-
-def chapters(steps: Sequence[StepTrace]) -> list[Chapter]:
-    """The story of a search: what it did on each floor, on stairs, and with the goal in sight."""
-    told = key_steps(steps)
-    runs = _runs(steps, lambda step: (_CHAPTERS.get(step.mode, step.mode), floor_of(step)))
-    return [
-        Chapter(
-            *what,
-            first,
-            count,
-            tuple(entries([one for one in told if first <= one.index < first + count])),
-        )
-        for what, first, count in runs
-    ]
 
 
 @dataclass(frozen=True)
@@ -256,19 +132,6 @@ def _question_costs(name: str, row: Mapping[str, Any]) -> QuestionCosts:
         seconds=float(row["seconds"]),
         retries=row["retries"],
         unusable=faults,
-    )
-
-
-def _asked_question(exchange: Exchange, step: StepTrace) -> AskedQuestion:
-    ranked = sorted(exchange.probabilities.items(), key=lambda item: -item[1])
-    return AskedQuestion(
-        exchange=exchange,
-        title=captions.question_caption(exchange),
-        who=captions.answerer_caption(exchange),
-        answer=captions.detections_caption(step.detections)
-        if exchange.kind == "ground"
-        else exchange.answer,
-        likeliest=tuple(ranked[:_MOST_BARS]),
     )
 
 
