@@ -24,6 +24,7 @@ from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.mapping.memory.reading import read_index
 from hypernav.mapping.ros_map import load_ros_map
 from hypernav.perception.local.ground_truth import GroundTruthDetector
+from memory_folders import files_of
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 
@@ -138,6 +139,30 @@ def test_a_search_is_saved_on_its_way(tmp_path):
     assert 2 <= saves[-1] < len(saves)
     history = json.loads((tmp_path / "memory.json").read_text())["history"]
     assert history[0]["outcome"] == "not_found"
+
+
+@pytest.mark.parametrize("has_seen", [False, True])
+def test_a_search_that_ends_within_its_first_step_leaves_nothing(
+    home, tmp_path, monkeypatch, has_seen
+):
+    agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog())
+    act = agent.act
+
+    def interrupted(observation):
+        if has_seen:
+            act(observation)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(agent, "act", interrupted)
+    before, episode = files_of(home), episode_from(DOOR, "sofa")
+    for folder in (home, tmp_path / "new"):
+        with open_memory(folder, CONFIG) as memory:
+            earlier = list(memory.history)
+            with pytest.raises(KeyboardInterrupt):
+                list(EpisodeRun(agent, two_rooms(), episode, memory=memory))
+            assert memory.history == earlier
+    assert files_of(home) == before
+    assert files_of(tmp_path / "new") == {}
 
 
 def test_one_process_at_a_time(home):

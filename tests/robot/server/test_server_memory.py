@@ -17,7 +17,7 @@ import pytest
 from hypernav.build.memories import open_memory
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.actions import Action
-from hypernav.core.errors import RunFolderError
+from hypernav.core.errors import ModelUnavailableError, RunFolderError
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.mapping.memory.index import GoalRecord, Index
@@ -103,6 +103,20 @@ def test_a_search_that_is_stopped_leaves_what_it_saw(tmp_path, plan):
         link.open()  # waits for the memory
     assert outcomes(tmp_path / "home") == [("door", "stopped")]
     assert any(one.label == "door" for one in known(tmp_path / "home").floors[0].things)
+
+
+def test_a_search_that_fails_in_its_first_step_leaves_nothing(tmp_path, plan, monkeypatch):
+    def out_of_reach(agent, observation):
+        raise ModelUnavailableError("no answer")
+
+    with robot_server(tmp_path / "state", plan) as link:
+        with monkeypatch.context() as model:
+            model.setattr("hypernav.agents.search.SearchAgent.act", out_of_reach)
+            search = link.open()
+            drive(link, search, BoxRoom(), most=1)
+        assert link.call("GET", search).json["ending"] == "model unavailable"
+        link.open()  # waits for the memory
+    assert read_index(tmp_path / "home") is None
 
 
 def test_a_restarted_server_adds_a_search_to_the_memory_once(tmp_path, plan):

@@ -106,12 +106,9 @@ class MemoryFolder:
         self.close()
 
     def close(self) -> None:
-        """Save what is under way, and let other processes use the folder.
-
-        A search that has not taken in a frame has taught nothing, and is not kept.
-        """
+        """Save what is under way, and let other processes use the folder."""
         try:
-            if self._is_searching and self._frames > 0:
+            if self._is_searching:
                 self.end("interrupted", steps=self._frames)
         finally:
             self.leave()
@@ -200,12 +197,17 @@ class MemoryFolder:
     def end(self, outcome: str, *, steps: int) -> None:
         """Note how the search ended, and save.
 
+        A search without a step has taught nothing, and is not kept.
+
         Raises:
             OutputError: The disk is full, or the folder can't be written.
         """
         if not self._is_searching:
             return
         self._is_searching = False
+        if steps == 0:
+            self.history.pop()
+            return
         floor = self.memory.floor
         candidates = floor.search.evidence.candidates
         self.history[-1] = self.history[-1].model_copy(

@@ -119,8 +119,8 @@ class Decisions:
             return StepRecord(reply=_reply_looking_around(number, self._robot), trace=None), None
         if self._steps == 0:
             seen = self._begin(packed.header, seen)
-        self._steps += 1
         self._built.agent.act(seen)
+        self._steps += 1
         grid, trace = self._agent.grid, self._agent.last_step
         if self._sensing.blind > 0 and trace.action is Action.MOVE_FORWARD:
             trace = _turning(trace)
