@@ -9,29 +9,36 @@ import pytest
 
 from box_scenes import room_glb
 from hypernav.cli.main import main
-from hypernav.robot.server.agents import AgentPlan
+from hypernav.robot.server.agents import AgentPlan, PlanAgent
 from hypernav.robot.wire.requests import OpenSearch
 from servers.robots import real_plan, robot_server
 
 SMALL = ["--set", "embodiment.camera.width=160", "embodiment.camera.height=120"]
 
 
-def searched(tmp_path: Path, port: int, *start: float) -> dict[str, Any]:
-    """The result of a search for the bed."""
+def searched(tmp_path: Path, port: int, *start: float, status: int = 0) -> dict[str, Any]:
+    """The result of a search for the bed, which ends with an exit status."""
     out = tmp_path / f"out-{start[0]}"
     command = ["robot", "simulate", "bed", "--scene", str(tmp_path / "room.glb")]
     command += ["--server", f"http://127.0.0.1:{port}", "--out", str(out), *SMALL]
     with pytest.raises(SystemExit) as end:
         main([*command, "--start", *map(str, start)])
-    assert end.value.code == 0
+    assert end.value.code == status
     return json.loads((out / "result.json").read_text())
 
 
-def test_a_second_robot_finds_its_start_in_the_memory_of_the_first(tmp_path, capsys):
-    def plan(request: OpenSearch) -> AgentPlan:
+@pytest.fixture
+def plan(tmp_path: Path) -> PlanAgent:
+    """Searches with a memory in which robots don't know their start; makes their room, too."""
+    room_glb(tmp_path / "room.glb")
+
+    def lost(request: OpenSearch) -> AgentPlan:
         return replace(real_plan(request), memory=tmp_path / "home", relocalize=True)
 
-    room_glb(tmp_path / "room.glb")
+    return lost
+
+
+def test_a_second_robot_finds_its_start_in_the_memory_of_the_first(tmp_path, plan, capsys):
     with robot_server(tmp_path / "state", plan) as link:
         first = searched(tmp_path, link.port, 1.0, 2.0, 0.0)
         assert "found_start" not in first
@@ -49,3 +56,24 @@ def test_a_second_robot_finds_its_start_in_the_memory_of_the_first(tmp_path, cap
     assert result["steps"] == len(lines)
     assert first["step"] == 11  # those of the turn before have no trace
     assert last["action"] == 0
+
+
+def test_a_robot_that_is_stopped_while_it_turns_has_made_no_step_with_the_memory(
+    tmp_path, plan, monkeypatch
+):
+    def stopped(client, robot, server, opened, views, status):
+        for step in client:
+            if step.reply.sequence == 3:
+                link.call("POST", f"/v1/searches/{opened.id}/stop")
+            ending = step.reply.ending
+        return ending
+
+    with robot_server(tmp_path / "state", plan) as link:
+        searched(tmp_path, link.port, 1.0, 2.0, 0.0)
+        monkeypatch.setattr("hypernav.cli.robots.simulate._search", stopped)
+        result = searched(tmp_path, link.port, 2.5, 2.5, 200.0, status=1)
+    assert result["steps"] == 0
+    assert "memory" not in result
+    assert "found_start" not in result
+    page = (tmp_path / "out-2.5" / "index.html").read_text()
+    assert "The search ended before its first step." in page

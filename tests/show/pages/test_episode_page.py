@@ -104,6 +104,14 @@ def test_the_page_says_whether_the_robot_had_been_there(
     assert words in read(write_page(tmp_path, result | memory, [], {})).visible
 
 
+def test_a_search_without_a_step_has_searched_no_building(
+    result: dict[str, Any], tmp_path: Path
+) -> None:
+    page = read(write_page(tmp_path, result | {"steps": 0}, [], {}))
+    assert "The search ended before its first step." in page.visible
+    assert "searched a building" not in page.visible
+
+
 def test_the_page_needs_no_network(
     steps: list[StepTrace], result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
 ) -> None:

@@ -11,7 +11,7 @@ from hypernav.cli.screen.views import Views, opened_views
 from hypernav.core.errors import RequestRefusedError, RobotLinkError
 from hypernav.episodes.recorder import EpisodeRecorder
 from hypernav.robot.client.links import HttpServer
-from hypernav.robot.wire.replies import SearchOpened, StartInMemory
+from hypernav.robot.wire.replies import SearchOpened, StartInMemory, Status
 from hypernav.show.video.frame import EpisodeInfo
 
 _LOG = logging.getLogger(__name__)
@@ -40,43 +40,59 @@ def recording(options: Simulate | Ros2, opened: SearchOpened) -> Iterator[Views]
         yield files.enter_context(opened_views(options.views.chosen, info, recorder))
 
 
-def found_start_of(server: HttpServer, opened: SearchOpened) -> StartInMemory | None:
-    """Where the robot took itself to be in the server's memory.
+def status_of(server: HttpServer, opened: SearchOpened) -> Status | None:
+    """What the server says of a search at its end.
 
     Returns:
-        None if it knew, or the server can't be asked any more.
+        None if the server can't be asked any more.
     """
     try:
-        return server.status(opened.id).start
+        return server.status(opened.id)
     except (RobotLinkError, RequestRefusedError) as error:
         _LOG.warning("the result doesn't say where the search began: %s", error)
         return None
 
 
-def steps_of(answers: int, start: StartInMemory | None) -> int:
+def steps_of(answers: int, status: Status | None) -> int:
     """Number of steps of a search, without the turns that found its start.
 
     Args:
         answers: Number of the server's answers.
-        start: What the turns have shown; None if there were none.
+        status: What the server says of the search; None if it can't be asked.
     """
-    return answers if start is None else answers - start.turns
+    if status is None:
+        return answers
+    if not _has_step(status):
+        return 0
+    return answers if status.start is None else answers - status.start.turns
 
 
-def memory_values(opened: SearchOpened, start: StartInMemory | None) -> dict[str, Any]:
+def memory_values(opened: SearchOpened, status: Status | None) -> dict[str, Any]:
     """The memory that the search began with, for ``result.json``; empty if it began with none.
 
     Args:
         opened: What the server said when it opened the search.
-        start: Where the robot took itself to be in the memory; None if it knew.
+        status: What it says of the search; None if it can't be asked.
     """
-    if opened.earlier_searches is None or (start is not None and not start.sure):
+    if opened.earlier_searches is None:
+        return {}
+    is_lost = status is not None and status.start is not None and not status.start.sure
+    if is_lost or (status is not None and not _has_step(status)):
         return {}
     return {"memory": {"earlier_searches": opened.earlier_searches}}
 
 
+def _has_step(status: Status) -> bool:
+    """Whether the agent has decided anything: there is no map while a robot finds its start."""
+    return status.map is not None
+
+
 def found_start_values(start: StartInMemory | None) -> dict[str, Any]:
-    """The same for ``result.json``, which has the values of `hypernav find`."""
+    """Where the robot took itself to be in the memory, for ``result.json``, as in `hypernav find`.
+
+    Args:
+        start: The same; None if it knew, or had not found out.
+    """
     frame = {"robot_frame", "robot_frame_z"}
     return (
         {} if start is None else {"found_start": start.model_dump(exclude=frame, exclude_none=True)}

@@ -16,10 +16,10 @@ from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.robot import Ros2
 from hypernav.cli.robots.own_server import server_at
 from hypernav.cli.robots.recording import (
-    found_start_of,
     found_start_values,
     memory_values,
     recording,
+    status_of,
     steps_of,
 )
 from hypernav.cli.screen.terminal import Terminal
@@ -140,7 +140,8 @@ def _searched(
         with StopListener(server.address, opened.id, client.stop):
             ending, length_m = _search(client, senses, server, opened, outputs, views, status)
             detector, reasoner = opened.detector_and_reasoner
-            found = found_start_of(server, opened)
+            told = status_of(server, opened)
+            found = None if told is None else told.start
             result: dict[str, Any] = {
                 "goal": goal.text,
                 "scene": "a robot on ROS 2",
@@ -150,9 +151,9 @@ def _searched(
                 "detector": detector,
                 "reasoner": reasoner,
                 **found_start_values(found),
-                **memory_values(opened, found),
+                **memory_values(opened, told),
                 "outcome": _OUTCOMES.get(ending, Outcome.INTERRUPTED),
-                "steps": steps_of(client.steps, found),
+                "steps": steps_of(client.steps, told),
                 "path_length_m": length_m,
                 "blocked": client.blocked,
                 "late_answers": client.watchdog.times_late,

@@ -23,10 +23,10 @@ from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.robot import Simulate
 from hypernav.cli.robots.own_server import server_at
 from hypernav.cli.robots.recording import (
-    found_start_of,
     found_start_values,
     memory_values,
     recording,
+    status_of,
     steps_of,
 )
 from hypernav.cli.screen.search_lines import OUTCOME_WORDS
@@ -123,7 +123,8 @@ def run(options: Simulate) -> int:
                     path_length_m=base.path_length_m,
                     success_distance_m=SUCCESS_DISTANCE_M,
                 )
-                found = found_start_of(server, opened)
+                told = status_of(server, opened)
+                found = None if told is None else told.start
                 result = {
                     "goal": goal.text,
                     "scene": base.world.scene.name,
@@ -134,9 +135,9 @@ def run(options: Simulate) -> int:
                     "seed": options.seed,
                     "start": [start.x, start.y, float(np.degrees(start.yaw))],
                     **found_start_values(found),
-                    **memory_values(opened, found),
+                    **memory_values(opened, told),
                     "outcome": _outcome(ending, metrics),
-                    "steps": steps_of(client.steps, found),
+                    "steps": steps_of(client.steps, told),
                     **asdict(metrics),
                     **_mishap_numbers(base, client, link),
                     "config": config.model_dump(mode="json"),

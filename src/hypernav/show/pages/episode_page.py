@@ -200,6 +200,8 @@ def _summary(result: Mapping[str, Any]) -> str:
     """The episode in one or two sentences."""
     if result.get("outcome") == "replayed":
         return "Recorded frames went through mapping and local perception; nothing was driven."
+    if result.get("steps") == 0:
+        return "The search ended before its first step."
     earlier = (result.get("memory") or {}).get("earlier_searches", 0)
     been = f"where it had been in {earlier} earlier search{'' if earlier == 1 else 'es'}"
     text = f"The robot searched a building {been if earlier else 'that it had never seen'}"
