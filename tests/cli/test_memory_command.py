@@ -126,6 +126,32 @@ def test_results_in_the_memory_are_refused_before_anything_is_begun(
     assert {path: path.read_bytes() for path in home.rglob("*") if path.is_file()} == before
 
 
+def test_a_search_that_is_refused_at_its_start_leaves_no_folder_and_no_file(
+    searched, home, tmp_path, capsys
+):
+    foreign, new, scene = tmp_path / "foreign", tmp_path / "new", searched / "room.glb"
+    foreign.mkdir()
+    (foreign / "letter.txt").write_text("dear")
+    find = ("find", "bed", "--out", tmp_path / "out", *SMALL)
+    for refused, words in [
+        (("--scene", scene, "--memory", foreign), "holds other files (letter.txt)"),
+        (("--scene", "builtin", "--memory", home), "is the memory of searched"),
+        (
+            ("embodiment.body.radius_m=0.2", "--scene", scene, "--memory", home),
+            "embodiment.body.radius_m",
+        ),
+        (
+            ("--scene", scene, "--memory", new, "--start", 90, 90, 0),
+            "can't stand at (90.00, 90.00)",
+        ),
+        (("--scene", scene, "--memory", new, "--agent", "tired:Tired"), "keeps no memory"),
+    ]:
+        before = set(tmp_path.rglob("*"))
+        assert hypernav(*find, *refused) == 2
+        assert words in " ".join(capsys.readouterr().err.split())
+        assert set(tmp_path.rglob("*")) == before
+
+
 def test_a_folder_of_results_in_use_leaves_the_memory_as_it_is(searched, home, tmp_path, capsys):
     before = (home / "memory.json").read_bytes()
     out, scene = tmp_path / "out", searched / "room.glb"

@@ -60,6 +60,15 @@ def test_a_model_that_is_not_there_is_said_before_anything_is_served(tmp_path):
         run_command(["serve", "--state", str(tmp_path), "--detector", "yolox:nofile.onnx"])
 
 
+def test_a_folder_of_other_files_gets_none_of_a_memory(tmp_path):
+    home = tmp_path / "home"
+    home.mkdir()
+    (home / "letter.txt").write_text("dear")
+    with pytest.raises(MemoryFolderError, match=r"holds other files \(letter\.txt\)"):
+        run_command(["serve", "--state", str(tmp_path / "state"), "--memory", str(home)])
+    assert [path.name for path in home.iterdir()] == ["letter.txt"]
+
+
 def test_a_broken_memory_is_said_before_anything_is_served(tmp_path):
     (tmp_path / "memory.json").write_text("{")
     with pytest.raises(MemoryFolderError, match=r"memory\.json is broken"):

@@ -34,6 +34,7 @@ from hypernav.cli.screen.warnings_shown import (
     unusable_answers_line,
     warnings_on,
 )
+from hypernav.core.components.abilities import check_remembers
 from hypernav.core.config import check_option
 from hypernav.core.episodes.episode import MAX_STEPS, Episode, Outcome
 from hypernav.core.errors import ConfigError, ModelSetupError, ModelUnavailableError, OutputError
@@ -47,6 +48,7 @@ from hypernav.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.warmup.background import warm_up_in_background
+from hypernav.worlds.simulated_robot import check_standable
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 
@@ -111,10 +113,9 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         episode = Episode(options.scene, "", goal, start, max_steps=steps)
         memory, earlier_searches = None, 0
         if options.memory is not None:
+            check_remembers(parts.agent)
             memory = opened.enter_context(opened_memory(options, config, console))
             earlier_searches = memory.memory.searches
-            # Before the search begins, which changes the memory.
-            opened.enter_context(folder_lock(folder))
         search = EpisodeRun(
             parts.agent,
             world,
@@ -124,8 +125,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
             memory=memory,
             relocalize=options.relocalize,
         )
-        if memory is None:  # only now, since a start that is refused leaves no folder
-            opened.enter_context(folder_lock(folder))
+        opened.enter_context(folder_lock(folder))  # only now: a refusal leaves no folder
         if search.found_start is not None:
             console.print(found_start_line(search.found_start, options.memory), soft_wrap=True)
         if not search.trial.holds_goal:
@@ -208,11 +208,17 @@ def check_start(start: tuple[float, ...] | None) -> None:
 def start_pose(
     start: tuple[float, ...] | None, world: SimulatedWorld, goal: Goal, rng: np.random.Generator
 ) -> Pose2:
-    """The pose of ``--start``, or a random one from which the goal can be reached."""
+    """The pose of ``--start``, or a random one from which the goal can be reached.
+
+    Raises:
+        StartError: The robot can't stand at the start.
+    """
     if start is None:
         return random_start(world.walkable, rng, world.regions.of(goal))
     x, y, yaw_deg = start
-    return Pose2(x, y, float(np.radians(yaw_deg)))
+    pose = Pose2(x, y, float(np.radians(yaw_deg)))
+    check_standable(world.walkable, pose)
+    return pose
 
 
 def _search(

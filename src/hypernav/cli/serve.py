@@ -119,6 +119,7 @@ def _check_memory(folder: Path) -> tuple[str, ...]:
 
     check_folder(folder)
     check_not_inside_another(folder)
+    read_index(folder)  # refuses other files before the lock adds its own
     if not folder.exists():  # it begins with the first search
         return ()
     with folder_lock(folder, option="--memory", patience_s=_PATIENCE_S):

@@ -88,7 +88,7 @@ class SimulatedRobot:
         self.path_length_m += math.dist(position, self.position)
 
 
-def check_start(walkable: WalkableSurface, start: Pose2, z: float | None = None) -> None:
+def check_standable(walkable: WalkableSurface, start: Pose2, z: float | None = None) -> None:
     """Make sure that the robot can stand at a pose.
 
     Raises:

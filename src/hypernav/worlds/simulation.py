@@ -25,7 +25,7 @@ from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
 from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.noise import noisy_depth
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.simulated_robot import SimulatedRobot, check_start
+from hypernav.worlds.simulated_robot import SimulatedRobot, check_standable
 from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions
 from hypernav.worlds.surface.walkable import WalkableGrid
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
@@ -126,7 +126,7 @@ class SimulatedWorld:
         if not self.config.noise.is_off and rng is None:
             raise WorldError("noise is switched on; pass reset a numpy.random.Generator for it")
         self.walkable, self.regions = self._storey_at(episode.start_z)
-        check_start(self.walkable, episode.start, episode.start_z)
+        check_standable(self.walkable, episode.start, episode.start_z)
         floor_z = self.walkable.height_at(*episode.start.xy, episode.start_z)
         self._rng = rng if rng is not None else np.random.default_rng(0)
         self._robot = self._robot_at(episode.start, floor_z)

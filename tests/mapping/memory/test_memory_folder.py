@@ -193,10 +193,14 @@ def test_an_index_that_is_cut_off_is_refused_in_words(home, size):
         open_memory(home, CONFIG)
 
 
-def test_a_first_save_that_ends_while_one_reads_is_no_foreign_file(home, monkeypatch):
+@pytest.mark.parametrize("saves", [1, 2])
+def test_a_first_save_that_ends_while_one_reads_is_no_foreign_file(home, monkeypatch, saves):
     def not_there_yet(path):
         raise FileNotFoundError(path)
 
+    for _ in range(saves - 1):  # removes the first map
+        with open_memory(home, CONFIG) as memory:
+            memory.save()
     monkeypatch.setattr("hypernav.mapping.memory.reading.read_file", not_there_yet)
     assert (home / "memory.json").exists()
     assert read_index(home) is None

@@ -22,7 +22,12 @@ from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.index import GoalRecord, Index, Place
 from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.reading import Contents, check_not_inside_another, read_memory
+from hypernav.mapping.memory.reading import (
+    Contents,
+    check_not_inside_another,
+    check_usable,
+    read_memory,
+)
 from hypernav.mapping.memory.start import check_start
 from hypernav.mapping.memory.writing import Writer
 
@@ -78,6 +83,7 @@ class MemoryFolder:
                 can't be read now; or it is empty and lies in the folder of another memory.
         """
         check_not_inside_another(folder)
+        check_usable(folder, mapping, embodiment)  # before the lock, which leaves files
         self.folder: Path = folder
         self._most_bytes = round(most_megabytes * 1e6)
         self._clock = clock

@@ -123,6 +123,25 @@ def read_memory(
     return Contents(memory, index.place, index.history, tuple(left_out), tuple(damaged), index)
 
 
+def check_usable(folder: Path, mapping: MappingConfig, embodiment: Embodiment) -> None:
+    """Refuse a folder that `read_memory` would refuse by its index, without changing anything.
+
+    That may be done without a lock: an index is replaced in one step, and what a first save has
+    written before it is no foreign file.
+
+    Args:
+        folder: The folder.
+        mapping: Configuration of the maps, which must be the memory's.
+        embodiment: The robot, whose body and camera height must be the memory's.
+
+    Raises:
+        MemoryFolderError: As `read_memory`.
+    """
+    index = read_index(folder)
+    if index is not None:
+        _check_robot(folder, index, mapping, embodiment)
+
+
 def read_index(folder: Path) -> Index | None:
     """The index of a memory; None if the folder is empty or missing.
 
@@ -180,12 +199,11 @@ def check_not_inside_another(folder: Path) -> None:
 def _check_empty(folder: Path) -> None:
     """Refuse a folder in which something lies already."""
     try:
-        others = set(foreign_files(folder))
-        if (folder / INDEX_NAME).exists():  # a first save has ended since it was found missing
-            others.discard(INDEX_NAME)
+        others = foreign_files(folder)
     except OSError as error:
         raise _unreadable(folder, error) from error
-    if others:
+    # A first save may have ended since the index was found missing, and a second one, too.
+    if others and not (folder / INDEX_NAME).exists():
         raise MemoryFolderError(
             f"{folder} holds other files ({', '.join(sorted(others)[:3])}) and no {INDEX_NAME}; "
             "name a folder of its own for a memory"
