@@ -1,6 +1,7 @@
 """`find --memory` and `hypernav memory`, from the command line."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -195,8 +196,22 @@ def test_the_page_shows_things_images_and_searches(home, capsys):
     page = (home / "index.html").read_text()
     assert page.count('class="thing"') == page.count("<rect ")
     assert 'data-words="bed"' in page
+    boxes, rows = re.findall(r'<rect id="(.+?)"', page), re.findall(r'data-box="(.+?)"', page)
+    assert sorted(boxes) == sorted(rows)
     assert "<figure" in page
     assert f"open {home / 'index.html'}" in capsys.readouterr().out.replace("\n", "")
+
+
+def test_the_page_says_of_which_things_later_images_show_nothing(home):
+    index = json.loads((home / "memory.json").read_text())
+    (bed,) = [one for one in index["floors"][0]["things"] if one["label"] == "bed"]
+    bed["missed"] = 5
+    (home / "memory.json").write_text(json.dumps(index))
+    assert hypernav("memory", home) == 0
+    page = (home / "index.html").read_text()
+    assert page.count("probably gone") == 2  # in its row, and below the plan
+    assert "not in 5 later images that should show it" in page
+    assert 'class="gone"' in page
 
 
 def test_things_are_exported_as_closed_polygons_on_the_map(home, tmp_path):

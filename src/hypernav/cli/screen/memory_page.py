@@ -63,6 +63,7 @@ def memory_page(home: MemoryFolder) -> str:
         megabytes=sum(one.size for one in kept) / 1e6,
         history=[
             {
+                "number": one.search,
                 "goal": one.goal,
                 "began": one.began.replace("T", " ")[:16],
                 "outcome": _OUTCOMES.get(one.outcome, one.outcome),
@@ -125,9 +126,11 @@ def _thing(thing: Thing, view: MapView, images: dict[int, str]) -> dict[str, Any
     (left, bottom), (right, top) = (view.pixel_of(*one[:2]) for one in (thing.low, thing.high))
     x, y, z = thing.position
     return {
+        "number": thing.number,
         "label": thing.label,
         "words": " ".join(names_of(thing.label)),
         "box": (left, top, max(right - left, 4.0), max(bottom - top, 4.0)),
+        "area": thing.size[0] * thing.size[1],
         "position": f"{x:.1f}, {y:.1f}, {z:.1f}",
         "size": " × ".join(f"{side:.1f}" for side in thing.size),
         "chance": thing.chance,
