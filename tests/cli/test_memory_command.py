@@ -178,6 +178,19 @@ def test_a_recorder_that_fails_leaves_the_memory_as_it_is(searched, home, tmp_pa
     assert files_of(home) == before
 
 
+def test_what_was_found_counts_though_the_memory_cannot_be_saved(
+    searched, tmp_path, monkeypatch, capsys
+):
+    def full(home):
+        raise OutputError("the disk is full")
+
+    monkeypatch.setattr("hypernav.mapping.memory.memory_folder.MemoryFolder.save", full)
+    out, scene, home = tmp_path / "out", searched / "room.glb", tmp_path / "home"
+    assert hypernav("find", "bed", "--scene", scene, "--out", out, "--memory", home, *SMALL) == 2
+    assert json.loads((out / "result.json").read_text())["outcome"] == "found"
+    assert "the disk is full" in capsys.readouterr().err
+
+
 def test_relocalizing_needs_a_memory(searched, tmp_path, capsys):
     scene = searched / "room.glb"
     assert hypernav("find", "bed", "--scene", scene, "--out", tmp_path, "--relocalize") == 2
@@ -278,6 +291,12 @@ def test_a_memory_that_a_search_uses_is_left_alone(home, capsys):
         assert hypernav("memory", home, "--forget", "bed") == 2
     assert "is in use by another run" in capsys.readouterr().err
     assert (home / "memory.json").read_bytes() == before
+
+
+def test_a_file_is_no_memory(home, capsys):
+    index = home / "memory.json"
+    assert hypernav("memory", index) == 2
+    assert f"{index} is no folder; name the folder of a memory" in "".join(capsys.readouterr().err)
 
 
 def test_no_memory_is_one_line(tmp_path, capsys):

@@ -146,9 +146,8 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
             stopped_by = _search(search, views, console, status, goal.text)
             status.update("writing the page …")
             with interruptions_put_off():
-                outcome = search.result(
-                    interrupted=isinstance(stopped_by, KeyboardInterrupt | OutputError)
-                )
+                is_stopped = isinstance(stopped_by, KeyboardInterrupt | OutputError)
+                outcome = search.result(interrupted=is_stopped and not search.trial.is_over)
                 result = {
                     "goal": goal.text,
                     "scene": world.scene.name,

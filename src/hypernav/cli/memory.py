@@ -150,4 +150,6 @@ def _write(path: Path, text: str) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, text)
     except OSError as error:
-        raise OutputError(f"{path} cannot be written ({error.strerror})") from error
+        raise OutputError(
+            f"{path} cannot be written ({error.strerror}); make that possible, and try again"
+        ) from error

@@ -48,7 +48,7 @@ def test_within_one_process_too_and_again_afterwards(tmp_path):
 def test_a_folder_that_cannot_be_written(tmp_path):
     (tmp_path / "file").touch()
     with (
-        pytest.raises(RunFolderError, match="cannot be written"),
+        pytest.raises(RunFolderError, match=r"cannot be written \(.+\); make .+ another --out"),
         folder_lock(tmp_path / "file" / "in"),
     ):
         pass

@@ -227,9 +227,9 @@ def test_a_damaged_image_is_left_out_by_name_and_the_rest_is_kept(home, name):
     path = home / name
     path.write_bytes(path.read_bytes()[:-7])
     with open_memory(home, CONFIG) as memory:
-        assert memory.left_out == (
-            f"1 of {len(images_of(memory).kept) + 1} key images are damaged and left out: 0",
-        )
+        count = len(images_of(memory).kept) + 1
+        told = f"1 of {count} key images are missing or damaged, and left out: 0"
+        assert memory.left_out == (told,)
         assert memory.memory.floor.map.grid.explored.any()
         assert all(one.image != 0 for one in memory.memory.floor.things.known)
         run(memory, DOOR, "sofa")

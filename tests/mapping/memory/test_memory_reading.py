@@ -120,7 +120,7 @@ def test_a_file_outside_the_folder_is_not_read(home):
     images[0]["jpeg"]["name"] = "../secret.jpg"
     change_index(home, images=images)
     with opened(home) as memory:
-        assert "key images are damaged" in memory.left_out[0]
+        assert "key images are missing or damaged" in memory.left_out[0]
         memory.save()
     assert (home.parent / "secret.jpg").read_bytes() == b"secret"
 
@@ -252,7 +252,7 @@ def test_a_depth_image_that_is_none_is_damaged(home, content):
     change_index(home, images=images)
     (home / "floor-1" / "state-1.npz").unlink()  # so that patches come from the depth
     with opened(home) as memory:
-        assert memory.left_out[1].endswith("key images are damaged and left out: 0")
+        assert memory.left_out[1].endswith("key images are missing or damaged, and left out: 0")
 
 
 def test_an_impossible_camera_is_damaged(home):
@@ -260,4 +260,4 @@ def test_an_impossible_camera_is_damaged(home):
     images[0]["camera"] = [320, 240, 0.0, 0.0, 160.0, 120.0]
     change_index(home, images=images)
     with opened(home) as memory:
-        assert memory.left_out[0].endswith("key images are damaged and left out: 0")
+        assert memory.left_out[0].endswith("key images are missing or damaged, and left out: 0")

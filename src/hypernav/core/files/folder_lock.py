@@ -46,7 +46,10 @@ def folder_lock(folder: Path, *, option: str = "--out", patience_s: float = 0.0)
         ) from error
     except OSError as error:
         lock.release()
-        raise RunFolderError(f"{folder} cannot be written: {error.strerror or error}") from error
+        raise RunFolderError(
+            f"{folder} cannot be written ({error.strerror or error}); make that possible, or "
+            f"choose another {option}"
+        ) from error
     try:
         yield
     finally:

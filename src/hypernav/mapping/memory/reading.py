@@ -115,7 +115,7 @@ def read_memory(
         numbers = [one.number for one in lost]
         damaged += [file.name for one in lost for file in (one.jpeg, one.png)]
         left_out.append(
-            f"{len(lost)} of {len(index.images)} key images are damaged and left out: "
+            f"{len(lost)} of {len(index.images)} key images are missing or damaged, and left out: "
             f"{', '.join(map(str, numbers[:10]))}{' …' if len(lost) > 10 else ''}"
         )
         for floor in memory.floors:
@@ -155,6 +155,10 @@ def read_index(folder: Path) -> Index | None:
     except FileNotFoundError:
         _check_empty(folder)
         return None
+    except NotADirectoryError as error:
+        raise MemoryFolderError(
+            f"{folder} is no folder; name the folder of a memory, or a new one"
+        ) from error
     except OSError as error:
         raise _unreadable(path, error) from error
     except ValueError as error:
