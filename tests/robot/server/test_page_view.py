@@ -83,6 +83,18 @@ def test_the_page_sees_every_step_and_the_map_grow(view, browser):
     assert browser.get(f"{path}/map.png").startswith(b"\x89PNG")
 
 
+def test_no_step_is_lost_of_a_robot_that_has_turned_around_before(view, browser):
+    (search,) = browser.json("v1/searches")
+    step = next(steps_of(1))
+    for number in (11, 12):
+        trace = step.trace.model_copy(update={"step": number})
+        view.add(trace, step.grid, step.observation)
+    path = f"v1/searches/{search['id']}/trace"
+    for since, expected in ((0, [11, 12]), (12, [12]), (13, [])):
+        lines = browser.get(f"{path}?since={since}").decode().splitlines()
+        assert [json.loads(line)["step"] for line in lines] == expected
+
+
 def test_a_page_that_waits_hears_of_the_next_step(view, browser):
     (search,) = browser.json("v1/searches")
     answers = []

@@ -149,8 +149,9 @@ class LiveSearch:
 
     def trace_lines(self, since: int) -> Iterator[str]:
         """The steps as JSON, from a number on."""
-        for trace in self._traces[since:]:
-            yield trace.model_dump_json() + "\n"
+        for trace in list(self._traces):
+            if trace.step >= since:  # the first one has a later number where a robot turned before
+                yield trace.model_dump_json() + "\n"
 
     def _note_change(self) -> None:
         with self._lock:
