@@ -62,6 +62,7 @@ def test_a_robot_that_is_stopped_while_it_turns_has_made_no_step_with_the_memory
     tmp_path, plan, monkeypatch
 ):
     def stopped(client, robot, server, opened, views, status):
+        ending = None
         for step in client:
             if step.reply.sequence == 3:
                 link.call("POST", f"/v1/searches/{opened.id}/stop")
