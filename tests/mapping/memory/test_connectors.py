@@ -156,6 +156,15 @@ def test_a_robot_that_cannot_climb_looks_for_no_stairs():
     assert not memory.on_stairs
 
 
+def test_stairs_without_a_path_are_a_way_again_once_exploration_begins_anew():
+    memory = memory_after([FLOOR, *stairs_up()], *before_stairs(3.0, 2.5, 2.0))
+    (way,) = ways_out(memory)
+    memory.search.unreached.add(way.connector)
+    assert not ways_out(memory)
+    memory.search.forget_exploration()
+    assert ways_out(memory) == [way]
+
+
 def test_stairs_that_were_refuted_are_no_way_out_however_often_they_are_seen():
     memory = memory_after([FLOOR, *stairs_up()], *before_stairs(3.0, 2.5))
     assert len(ways_out(memory)) == 1

@@ -19,6 +19,7 @@ from hypernav.core.trace import Mode
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.ways import ways_out, ways_to_unseen
 
+_NO_PATH = "no path to destination"
 _CHOICES_PER_STEP = 4
 _AROUND_M = 0.75
 """Radius, metres, within which all must be explored for a destination to count as explored."""
@@ -68,7 +69,7 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
         if action is None and route.arrived and destination.connector is not None:
             return _onto_stairs(destination, plan)
         if action is None:
-            event = "destination reached" if route.arrived else "no path to destination"
+            event = "destination reached" if route.arrived else _NO_PATH
             plan = _ended(event, step, memory, plan)
             if destination.holds:
                 break  # The next move is chosen from another image.
@@ -223,7 +224,9 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
     if destination is None:
         return plan
     step.events.append(event)
-    if destination.connector is not None:
+    if destination.connector is not None and event == _NO_PATH:
+        search.unreached.add(destination.connector)
+    elif destination.connector is not None:
         memory.give_up(destination.connector)
     elif destination.is_sighting:
         forget_sighting(memory, destination.xy)

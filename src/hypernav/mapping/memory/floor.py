@@ -56,6 +56,7 @@ class SearchMemory:
             more, where they were seen best.
         unlike: Number of images, by the number of a thing, that show it not to be the goal.
         given_up: Numbers of the connectors of this floor that it has tried to take in vain.
+        unreached: Numbers of those to which there was no path from where the robot stood.
         images_to_ask: Numbers of the key images that a chat model is to be asked about, in the
             order in which it is; None before the first question.
         images_to_visit: Numbers of those in which it sees the goal, or that look like it where no
@@ -84,6 +85,7 @@ class SearchMemory:
     hidden: set[int] = field(default_factory=set)
     unlike: Counter[int] = field(default_factory=Counter)
     given_up: set[int] = field(default_factory=set)
+    unreached: set[int] = field(default_factory=set)
     images_to_ask: tuple[int, ...] | None = None
     images_to_visit: tuple[int, ...] = ()
     meant: Thing | None = None
@@ -143,9 +145,13 @@ class SearchMemory:
         return Things(known, things.count)
 
     def forget_exploration(self) -> None:
-        """Forget visits and notes: what counts as visited may hardly have been seen."""
+        """Forget visits and notes: what counts as visited may hardly have been seen.
+
+        The robot may have been shut in when it found no path to stairs.
+        """
         self.is_explored = False
         self.visits.clear()
+        self.unreached.clear()
         self.notes.clear()
 
 

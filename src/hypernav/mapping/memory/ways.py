@@ -250,11 +250,12 @@ def _known_floor(memory: Memory, number: int, route: tuple[int, ...]) -> KnownFl
 
 def _open_from(memory: Memory, floor: int) -> list[int]:
     """Numbers of the connectors of a floor that the robot may take."""
-    given_up = memory.floors[floor].search.given_up
+    search = memory.floors[floor].search
+    closed = search.given_up | search.unreached
     return [
         number
         for number, one in enumerate(memory.connectors)
-        if one.floor == floor and one.is_usable and number not in given_up
+        if one.floor == floor and one.is_usable and number not in closed
     ]
 
 
