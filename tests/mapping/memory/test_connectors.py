@@ -16,9 +16,10 @@ from hypernav.mapping.memory.connectors import (
     Passage,
     reliable,
     relied_on,
-    with_headroom,
     with_sightings,
+    without_sides,
 )
+from hypernav.mapping.memory.index import ConnectorRecord
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.ways import (
     drops_to_look_at,
@@ -27,7 +28,15 @@ from hypernav.mapping.memory.ways import (
     ways_to_new_floors,
     ways_to_unseen,
 )
-from stair_views import FIRST_X, SIDES_Y, stairs_down, stairs_up, stairwell
+from stair_views import (
+    FIRST_X,
+    RISE_M,
+    SIDES_Y,
+    TREAD_M,
+    stairs_down,
+    stairs_up,
+    stairwell,
+)
 
 CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
 CAMERA = CLIMBER.camera.intrinsics
@@ -85,6 +94,27 @@ def test_the_head_of_stairs_in_an_open_well_is_seen_from_before_it():
     assert abs(wrap_angle(found.axis - math.pi)) < math.radians(20.0)
 
 
+@pytest.mark.parametrize("steps", [2, 3])
+def test_a_few_steps_down_to_a_wall_or_a_lower_floor_are_stairs(steps: int):
+    """A quarter landing after them, or a lower level of a split floor, between walls."""
+    before = [Pose2(4.0 - away_m, 2.0, 0.0) for away_m in (2.6, 2.2, 1.8, 1.5)]
+    low, high = 1.4, 2.6
+    treads: list[SolidBox] = [
+        ((4.0 + k * TREAD_M, low, -3.0), (4.0 + (k + 1) * TREAD_M, high, -(k + 1) * RISE_M))
+        for k in range(steps)
+    ]
+    boxes: list[SolidBox] = [
+        ((-8.0, -8.0, -3.0), (4.0, 8.0, 0.0)),
+        *treads,
+        ((4.0, -8.0, -3.0), (12.0, 8.0, -(steps + 1) * RISE_M)),
+        ((4.0, -8.0, -3.0), (4.1, low, 2.5)),
+        ((4.0, high, -3.0), (4.1, 8.0, 2.5)),
+        ((5.4, -8.0, -3.0), (5.5, 8.0, 2.5)),
+    ]
+    (found,) = usable(memory_after(boxes, *before))
+    assert math.dist(found.end, (4.0, 2.0)) < 0.4
+
+
 def test_what_turns_out_to_be_the_side_of_a_stairwell_counts_no_longer():
     memory = memory_after(stairwell(beyond_m=4.0), *(Pose2(3.0, y, 1.57) for y in (0.0, 0.3)))
     (side,) = usable(memory)
@@ -92,12 +122,13 @@ def test_what_turns_out_to_be_the_side_of_a_stairwell_counts_no_longer():
     walled = memory.floor.map.grid
     along = np.stack([np.arange(1.0, 5.0, 0.05), np.full(80, side.end[1] + 1.0)], axis=1)
     grid = OccupancyGrid(np.full((200, 200), Cell.UNKNOWN, np.uint8), 0.05, (-2.0, -2.0))
-    assert with_headroom([side], 0, ground, 0.0, walled) == (side,)
+    assert without_sides([side], 0, ground, 0.0, walled) == (side,)
     grid.cells[grid.mask_of(along)] = Cell.OCCUPIED
-    (now,) = with_headroom([side], 0, ground, 0.0, grid)
+    (now,) = without_sides([side], 0, ground, 0.0, grid)
     assert not now.is_usable
+    assert ConnectorRecord.of(now).connector() == now  # as a memory keeps it
     taken = replace(side, passage=Passage.USED)
-    assert with_headroom([taken], 0, ground, 0.0, grid) == (taken,)
+    assert without_sides([taken], 0, ground, 0.0, grid) == (taken,)
 
 
 def test_one_image_is_not_enough_to_rely_on_stairs():

@@ -83,8 +83,8 @@ def memory_values(opened: SearchOpened, status: Status | None) -> dict[str, Any]
 
 
 def _has_step(status: Status) -> bool:
-    """Whether the agent has decided anything: there is no map while a robot finds its start."""
-    return status.map is not None
+    """Whether the agent has decided anything: it has no pose while a robot finds its start."""
+    return status.pose is not None
 
 
 def found_start_values(start: StartInMemory | None) -> dict[str, Any]:

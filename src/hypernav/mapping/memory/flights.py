@@ -14,7 +14,13 @@ from jaxtyping import Bool
 
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.mapping.ground import Ground
-from hypernav.mapping.memory.connectors import LEVEL_M, Connector, connectors_in
+from hypernav.mapping.memory.connectors import (
+    EDGE_M,
+    LEVEL_M,
+    Connector,
+    connectors_in,
+    edge_beside,
+)
 
 _Place = tuple[float, float, float]
 """Position ``(x, y, z)``, ``map`` frame, metres."""
@@ -29,10 +35,6 @@ _BESIDE_AXIS_M = 0.15
 """Distance from the axis within which the robot's aim on stairs that it does not see lies."""
 _HALF_WIDTH_M = 0.42
 """Distance from the axis of a flight down, metres, beyond which nothing counts as ground."""
-_BESIDE_M = np.arange(-1.5, 1.55, 0.05)
-"""Distances to the left of the end of stairs, metres, at which the edge before them may lie."""
-_BEFORE_EDGE_M, _BEYOND_EDGE_M = 0.15, 0.3
-"""Distances before and beyond it at which there is floor, and none."""
 _FRONT_M = 0.2
 """Distance before a flight, metres, from which a robot that comes from the front is on its axis."""
 _FRONT_HALF_M = 0.3
@@ -99,19 +101,13 @@ def _in_the_middle(ground: Ground, first: Connector, floor_z: float) -> Connecto
 
     Where that edge goes on to one side, as on a platform, it stays where it is.
     """
-    with np.errstate(invalid="ignore"):
-        level = ground.seen & (np.abs(ground.measured - floor_z) <= LEVEL_M)
-    ahead = np.array([math.cos(first.axis), math.sin(first.axis)])
-    left = np.array([-ahead[1], ahead[0]])
-    edge = np.array(first.end) + _BESIDE_M[:, None] * left
-    is_edge = ground.grid.picked(ground.reached, edge - _BEFORE_EDGE_M * ahead)
-    is_edge &= ground.grid.picked(ground.grid.free & ~level, edge + _BEYOND_EDGE_M * ahead)
-    beyond = np.flatnonzero(~is_edge)  # the edge lies between the last of these and the next one
-    after = int(np.searchsorted(beyond, len(is_edge) // 2))
-    if not is_edge[len(is_edge) // 2] or after in (0, len(beyond)):
+    left_m, right_m = edge_beside(ground, first, floor_z)
+    if max(left_m, right_m) >= EDGE_M - ground.grid.resolution_m:
         return first
-    middle = edge[[beyond[after - 1], beyond[after]]].mean(axis=0)
-    return replace(first, end=(float(middle[0]), float(middle[1])))
+    off_m = (left_m - right_m) / 2.0
+    x, y = first.end
+    end = (x - off_m * math.sin(first.axis), y + off_m * math.cos(first.axis))
+    return replace(first, end=end)
 
 
 def landing_z(ground: Ground, robot: Pose2, robot_z: float) -> float:

@@ -25,8 +25,8 @@ from hypernav.mapping.memory.connectors import (
     reliable,
     relied_on,
     with_crossing,
-    with_headroom,
     with_sightings,
+    without_sides,
 )
 from hypernav.mapping.memory.floor import Floor, SearchMemory, counted_from
 from hypernav.mapping.memory.footing import ANOTHER_M, Footing
@@ -144,7 +144,7 @@ class Memory:
             ground = self.ground_around(here, down=True)
             seen = connectors_in(ground, self.number, self.footing.ground_z)
             seen = reliable(seen, self.connectors, here, ground, self.footing.ground_z)
-            self.connectors = with_headroom(
+            self.connectors = without_sides(
                 with_sightings(self.connectors, seen),
                 self.number,
                 ground,
