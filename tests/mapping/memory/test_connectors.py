@@ -17,10 +17,10 @@ from hypernav.mapping.memory.connectors import (
     reliable,
     relied_on,
     with_sightings,
-    without_sides,
 )
 from hypernav.mapping.memory.index import ConnectorRecord
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.stair_edges import without_sides
 from hypernav.mapping.memory.ways import (
     drops_to_look_at,
     known_floors,

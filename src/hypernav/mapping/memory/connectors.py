@@ -15,7 +15,6 @@ import cv2
 import numpy as np
 from jaxtyping import Bool
 
-from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.mapping.config import STAIRS_M
 from hypernav.mapping.ground import Ground
@@ -40,18 +39,6 @@ _WHOLE_M = 1.0
 """Distance from which the edge of a floor is seen whole, metres."""
 _SAME_AXIS = 0.35
 """Greatest difference between the directions of two sightings of one edge, radians."""
-EDGE_M = 1.5
-"""Distance to both sides of the end of stairs, metres, in which their edge is looked for."""
-_BEFORE_EDGE_M, _BEYOND_EDGE_M = 0.15, 0.3
-"""Distances before and beyond it at which there is floor, and none."""
-_LONG_M = 1.6
-"""Length of an edge, metres, from which it may be the side of a stairwell."""
-_HEADROOM_M = np.arange(0.5, 1.5, 0.05)
-"""Distances beyond the head of stairs down, metres, at which nothing is above them."""
-_ACROSS_M = np.arange(-0.3, 0.3, 0.05)
-"""Distances to the left of their axis, metres, that are looked at there."""
-_MOST_CLOSED = 0.35
-"""Share of these that may be floor or wall."""
 _SPECK_CELLS = 10
 _STAYED_M = 1.0
 """Greatest length of the last action of a search, up or down stairs, metres."""
@@ -168,7 +155,7 @@ def reliable(
         for one in seen
         if one.goes_up
         or math.dist(one.end, position) >= _WHOLE_M
-        or _shows_steps(ground, one, floor_z)
+        or shows_steps(ground, one, floor_z)
         or any(
             one.is_same(other) and abs(wrap_angle(one.axis - other.axis)) <= _SAME_AXIS
             for other in known
@@ -176,70 +163,7 @@ def reliable(
     ]
 
 
-def without_sides(
-    known: Sequence[Connector], floor: int, ground: Ground, floor_z: float, grid: OccupancyGrid
-) -> tuple[Connector, ...]:
-    """The known connectors, of which none may be relied on that is the long side of a stairwell.
-
-    It is an edge of the floor, too, but longer than stairs are wide, no steps were seen there, and
-    soon beyond it there is floor again, or a wall: the floor above a flight is open until people
-    can walk below it.
-
-    Args:
-        known: The connectors.
-        floor: Number of the robot's floor.
-        ground: Ground around the robot.
-        floor_z: Height of its floor, metres.
-        grid: Map of that floor.
-    """
-    return tuple(
-        replace(one, sightings=1)
-        if one.floor == floor
-        and one.passage is Passage.UNTRIED
-        and not one.goes_up
-        and sum(edge_beside(ground, one, floor_z)) >= _LONG_M
-        and not _shows_steps(ground, one, floor_z)
-        and not _has_headroom(one, ground, floor_z, grid)
-        else one
-        for one in known
-    )
-
-
-def edge_beside(ground: Ground, one: Connector, floor_z: float) -> tuple[float, float]:
-    """How far the edge between floor and steps goes on to the left and right of its end, metres.
-
-    At most `EDGE_M` to each side; 0 to both where there is none.
-    """
-    ahead = np.array([math.cos(one.axis), math.sin(one.axis)])
-    left = np.array([-ahead[1], ahead[0]])
-    beside_m = np.arange(0.0, EDGE_M, ground.grid.resolution_m)
-    reach_m = [0.0, 0.0]
-    for side, sign in enumerate((1.0, -1.0)):
-        edge = np.array(one.end) + sign * beside_m[:, None] * left
-        before, beyond = edge - _BEFORE_EDGE_M * ahead, edge + _BEYOND_EDGE_M * ahead
-        with np.errstate(invalid="ignore"):
-            is_level = np.abs(ground.grid.picked(ground.measured, beyond) - floor_z) <= LEVEL_M
-        is_level &= ground.grid.picked(ground.seen, beyond)
-        is_edge = ground.grid.picked(ground.reached, before)
-        is_edge &= ground.grid.picked(ground.grid.free, beyond) & ~is_level
-        reach_m[side] = float(beside_m[-1] if is_edge.all() else beside_m[is_edge.argmin()])
-    return reach_m[0], reach_m[1]
-
-
-def _has_headroom(down: Connector, ground: Ground, floor_z: float, grid: OccupancyGrid) -> bool:
-    """Whether neither floor nor wall lies across the way, right beyond the end of stairs down."""
-    cos, sin = math.cos(down.axis), math.sin(down.axis)
-    x = down.end[0] + _HEADROOM_M[:, None] * cos - _ACROSS_M * sin
-    y = down.end[1] + _HEADROOM_M[:, None] * sin + _ACROSS_M * cos
-    points = np.stack([x.ravel(), y.ravel()], axis=1)
-    with np.errstate(invalid="ignore"):
-        is_level = np.abs(ground.grid.picked(ground.measured, points) - floor_z) <= LEVEL_M
-    is_closed = ground.grid.picked(ground.seen, points) & is_level
-    is_closed |= grid.picked(grid.cells, points) == Cell.OCCUPIED
-    return bool((is_closed.reshape(x.shape).mean(axis=1) <= _MOST_CLOSED).all())
-
-
-def _shows_steps(ground: Ground, down: Connector, floor_z: float) -> bool:
+def shows_steps(ground: Ground, down: Connector, floor_z: float) -> bool:
     """Whether ground below the floor was seen near the end of stairs down."""
     with np.errstate(invalid="ignore"):
         below = ground.reached & ground.seen & (ground.measured <= floor_z - LEVEL_M)

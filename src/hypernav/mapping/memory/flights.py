@@ -14,13 +14,8 @@ from jaxtyping import Bool
 
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.mapping.ground import Ground
-from hypernav.mapping.memory.connectors import (
-    EDGE_M,
-    LEVEL_M,
-    Connector,
-    connectors_in,
-    edge_beside,
-)
+from hypernav.mapping.memory.connectors import LEVEL_M, Connector, connectors_in
+from hypernav.mapping.memory.stair_edges import EDGE_M, edge_beside
 
 _Place = tuple[float, float, float]
 """Position ``(x, y, z)``, ``map`` frame, metres."""

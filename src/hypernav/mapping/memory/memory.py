@@ -26,11 +26,11 @@ from hypernav.mapping.memory.connectors import (
     relied_on,
     with_crossing,
     with_sightings,
-    without_sides,
 )
 from hypernav.mapping.memory.floor import Floor, SearchMemory, counted_from
 from hypernav.mapping.memory.footing import ANOTHER_M, Footing
 from hypernav.mapping.memory.key_images import KeyImages
+from hypernav.mapping.memory.stair_edges import without_sides
 from hypernav.mapping.top_down.top_down_map import TopDownMap
 
 
