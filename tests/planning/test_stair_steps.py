@@ -71,6 +71,22 @@ def test_a_robot_that_touches_the_edge_turns_away_from_it_first(side: float):
     assert action is (Action.TURN_RIGHT if side > 0 else Action.TURN_LEFT)
 
 
+def test_no_step_is_tried_in_a_heading_that_leads_nowhere():
+    """What stands in the way may be too low or too thin for the camera."""
+    ground, pose = flight(), Pose2(3.0, 0.0, 0.0)
+    to = end_of(ground)
+
+    def after(*closed: int, touching: bool = False) -> Action | None:
+        return step_over_ground(ground, pose, to, MOTION, touching=touching, closed=closed)
+
+    assert after() is Action.MOVE_FORWARD
+    assert after(0, 1) is Action.TURN_RIGHT
+    assert after(0, -1) is Action.TURN_LEFT
+    for touching in (False, True):
+        assert after(0, touching=touching) is not Action.MOVE_FORWARD
+        assert after(*range(-5, 7), touching=touching) is None
+
+
 def test_a_step_keeps_off_a_corner_that_it_would_only_pass():
     ground, pose = flight(), Pose2(0.0, 0.0, 0.0)
     x, y = ground.grid.centres_of(np.argwhere(ground.seen | ~ground.seen)).T

@@ -17,6 +17,8 @@ Position = tuple[float, float]
 
 _STEP_M = 0.1
 """Smallest shortening of the path that counts as progress, metres."""
+_GAIN_M = 0.1
+"""Smallest change of height, metres, by which the robot comes farther on stairs."""
 STANDS_M = 0.05
 """Way below which a robot stands, metres: odometry trembles."""
 _DETOUR_STEPS_PER_M = 4
@@ -216,7 +218,9 @@ class Climbing:
     Attributes:
         connector: Number of the connector.
         is_back: Whether the robot has turned back on it.
-        steps: Number of steps and turns spent on it so far.
+        gained_m: How far it has come at most, metres: height above or below its floor, or the
+            negative of that on the way back.
+        steps: Number of steps and turns since it came that far.
         turned: Number of turns since stairs were last seen ahead.
         turning: Turn that it makes until its next step, since it has begun to turn to and fro, as
             where each heading shows another way; None if it has not.
@@ -231,6 +235,7 @@ class Climbing:
 
     connector: int
     is_back: bool = False
+    gained_m: float = 0.0
     steps: int = 0
     turned: int = 0
     turning: Action | None = None
@@ -240,6 +245,17 @@ class Climbing:
     flight: Connector | None = None
     looked: tuple[Position, ...] = ()
     then: Destination | None = None
+
+    def after_step(self, away_m: float) -> "Climbing":
+        """The climb after one more step or turn.
+
+        Args:
+            away_m: Height above or below the floor that it came from, metres.
+        """
+        gained_m = -away_m if self.is_back else away_m
+        if gained_m > self.gained_m + _GAIN_M:
+            return replace(self, gained_m=gained_m, steps=0)
+        return replace(self, steps=self.steps + 1)
 
 
 @dataclass(frozen=True, eq=False)

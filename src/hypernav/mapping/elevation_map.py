@@ -142,9 +142,11 @@ class ElevationMap:
         window, origin = self._window(position)
         maps = (self._heights, self._hits, self._hit_z, self._hit_top, self._below)
         known, hits, hit_z, hit_top, below = (one[window] for one in maps)
-        with np.errstate(invalid="ignore"):  # what is farther up or down belongs to other storeys
+        with np.errstate(invalid="ignore"):  # what is farther up or down is on other storeys; a
+            # robot on its way down goes under what is higher than its head
             known = _without_pits(known, self._pit_cells, body.max_step_m)
-            measured = np.abs(known - robot_z) <= _SAME_STOREY_M
+            highest_m = min(body.height_m, _SAME_STOREY_M) if down else _SAME_STOREY_M
+            measured = (known >= robot_z - _SAME_STOREY_M) & (known <= robot_z + highest_m)
             near_level = np.abs(known - robot_z) < _NEAR_LEVEL_M
         around = np.where(near_level, known, np.float32(np.nan))
         seen = _closed(measured, 3)  # gaps of one cell, as at risers, are ground

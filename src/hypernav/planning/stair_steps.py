@@ -1,6 +1,7 @@
 """Steps over stairs and landings, where the ground's edges are near on both sides."""
 
 import math
+from collections.abc import Collection
 
 import numpy as np
 from jaxtyping import Bool, Int64
@@ -29,6 +30,7 @@ def step_over_ground(
     motion: MotionConfig,
     *,
     touching: bool = False,
+    closed: Collection[int] = (),
 ) -> Action | None:
     """The next turn or step towards the middle of a part of the ground.
 
@@ -41,6 +43,7 @@ def step_over_ground(
         motion: Length of a step and angle of a turn.
         touching: Whether the robot has just bumped into something: then it first goes to where most
             room is, since beside a wall that it touches it may not get on.
+        closed: Turns to the left after which no step leads on.
 
     Returns:
         The action; None if no step brings the robot nearer, or there is nothing to go to.
@@ -56,7 +59,11 @@ def step_over_ground(
         to_go = travel_cells(ground.reached.astype(np.uint8), int(row), int(column))
         to_go *= ground.grid.resolution_m
     narrow_m = np.maximum(_MIDDLE_M - ground.clearance_m.astype(np.float64), 0.0)
-    ahead = _open_steps(ground, robot, motion)
+    ahead = {
+        turns: line
+        for turns, line in _open_steps(ground, robot, motion).items()
+        if turns not in closed
+    }
     for edge_cost in (_EDGE_COST, 0.0):  # the way may lead through where it is narrow
         now_m = float(to_go[here]) + edge_cost * float(narrow_m[here])
         most_m = math.inf if touching else now_m - _LEAST_GAIN_M

@@ -310,6 +310,13 @@ def test_a_step_down_tells_which_flight_the_robot_is_on():
         assert math.cos(across.axis) == pytest.approx(1.0)
 
 
+def test_an_axis_stays_that_tells_how_the_ground_fell():
+    """Heights on stairs err: these four steps seem to lead down 40 degrees to one side of it."""
+    way = [(0.0, 0.0, 0.0), (0.5, 0.05, -0.27), (1.0, 0.1, -0.59), (1.45, -0.14, -1.06)]
+    robot = Pose2(1.45, -0.14, 0.0)
+    assert flight_underfoot(FLIGHT, FLIGHT, way, robot).axis == pytest.approx(FLIGHT.axis)
+
+
 @pytest.mark.parametrize("askew_deg", [-50.0, -40.0, 40.0, 50.0])
 def test_steps_down_to_and_fro_tell_where_the_stairs_lead(askew_deg: float):
     """Each of them is nearly as far off the wrong axis as off the right one."""

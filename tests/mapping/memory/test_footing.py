@@ -8,6 +8,7 @@ from box_views import FLOOR, view_of
 from hypernav.core.embodiment import BodyConfig, Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.footing import Footing
 from hypernav.mapping.memory.memory import Memory
 
 CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
@@ -26,6 +27,14 @@ def test_ground_that_nobody_has_seen_makes_no_floor():
     row, column = ground.grid.cell_of(0.0, 0.0)
     is_near = np.hypot(y - row, x - column) * ground.grid.resolution_m < 1.5
     assert not footing.has_room(replace(ground, seen=ground.seen & is_near))
+
+
+def test_a_robot_that_can_hardly_move_a_storey_away_is_on_another_floor():
+    footing = Footing.on_level_ground(Pose2(0.0, 0.0, 0.0), 0.0, 0.0)
+    below = footing.after(Pose2(0.3, 0.0, 0.0), -2.6, 0.3)
+    assert below.is_storey_away
+    assert not below.may_be_another_floor
+    assert below.as_if_walked().may_be_another_floor
 
 
 def test_ground_that_seems_somewhat_higher_or_lower_than_the_robot_is_its_floor():

@@ -1,11 +1,12 @@
 """The way over stairs to another floor."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Bool
 
+from hypernav.agents.phases.get_free import closed_turns
 from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
@@ -31,10 +32,11 @@ from hypernav.planning.stair_steps import step_over_ground
 
 _OFF_STAIRS_M = 0.8
 """Length of the way on from the head or foot of stairs, metres, before it is clear of them."""
-_PATIENCES = 2
-"""Patience with one connector, in patiences with a destination (`SearchConfig.endurance_steps`)."""
+_PATIENCES = 1.5
+"""Patience with stairs on which the robot comes no farther up or down, in patiences with a
+destination (`SearchConfig.endurance_steps`)."""
 _PATIENCES_BEFORE = 0.5
-"""The same for the way onto it: that takes up to ten steps where the robot touches nothing."""
+"""The same for the way onto them: that takes up to ten steps where the robot touches nothing."""
 _SAME_HEIGHT_M = 0.3
 """Difference in height up to which two places on stairs may be one, metres."""
 _SAME_SHARE = 0.5
@@ -74,9 +76,8 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     connector = _connector(memory, climbing)
     touching = _touches(step, plan, climbing)
     is_in_front = climbing.from_front or (touching and not footing.is_off_floor)
-    climbing = replace(
-        climbing, steps=climbing.steps + 1, touching=touching, from_front=is_in_front
-    )
+    climbing = replace(climbing, touching=touching, from_front=is_in_front)
+    climbing = climbing.after_step(abs(footing.z - memory.floor.z))
     patience = _PATIENCES if footing.is_off_floor else _PATIENCES_BEFORE
     if climbing.steps > patience * step.config.endurance_steps:
         return _given_up(step, memory, plan, climbing)
@@ -87,7 +88,8 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     flight = _flight(step, memory, climbing, stairs, connector)
     climbing = replace(climbing, flight=flight)
     with step.clock("plan"):
-        action, leads_on = _next_action(step, memory, climbing, stairs, flight)
+        closed = closed_turns(step, plan)
+        action, leads_on = _next_action(step, memory, climbing, stairs, flight, closed)
     words = f"on the stairs {_where_to(memory, climbing, goes_up=stairs.goes_up)}"
     if action is Action.MOVE_FORWARD:
         came_by = (*climbing.came_by, (*step.robot.xy, footing.z))
@@ -155,13 +157,20 @@ def _flight(
 
 
 def _next_action(
-    step: Step, memory: Memory, climbing: Climbing, stairs: _Stairs, flight: Connector | None
+    step: Step,
+    memory: Memory,
+    climbing: Climbing,
+    stairs: _Stairs,
+    flight: Connector | None,
+    closed: Collection[int],
 ) -> tuple[Action | None, bool]:
     """The next turn or step on the way over stairs, and whether they are seen to lead on."""
     action, leads_on = None, False
     for ground, to in _ways_on(step, memory, climbing, stairs, flight):
         leads_on = bool(to.any())
-        action = step_over_ground(ground, step.robot, to, step.motion, touching=climbing.touching)
+        action = step_over_ground(
+            ground, step.robot, to, step.motion, touching=climbing.touching, closed=closed
+        )
         if action is not None:
             break
     return action, leads_on
@@ -248,11 +257,17 @@ def _touches(step: Step, plan: Plan, climbing: Climbing) -> bool:
 def _given_up(
     step: Step, memory: Memory, plan: Plan, climbing: Climbing
 ) -> tuple[Decision | Phase, Plan]:
-    """Turn back; end the attempt on level ground, or where the robot has turned back already."""
+    """Turn back; end the attempt on level ground, or where the robot has turned back already.
+
+    A storey away the robot has come to another floor, though it may hardly move there.
+    """
     if memory.footing.is_off_floor and not (memory.on_stairs or climbing.is_back):
         memory.reached_level(climbing.connector)
         step.events.append("another level reached")
         return Phase.EXPLORE, replace(plan, climbing=None)
+    if not climbing.is_back and memory.stays_here():
+        decision = Decision(Action.TURN_LEFT, Mode.CLIMB, "the stairs end here")
+        return decision, replace(plan, climbing=climbing)
     memory.give_up(climbing.connector)
     if climbing.is_back or not memory.on_stairs:
         step.events.append("stairs given up")
@@ -260,6 +275,7 @@ def _given_up(
     step.events.append("turning back on the stairs")
     connector = _connector(memory, climbing)
     flight = flight_from(connector, goes_up=not connector.goes_up)
-    back = Climbing(climbing.connector, is_back=True, flight=flight)
+    away_m = abs(memory.footing.z - memory.floor.z)
+    back = Climbing(climbing.connector, is_back=True, gained_m=-away_m, flight=flight)
     decision = Decision(Action.TURN_LEFT, Mode.CLIMB, "the stairs lead nowhere, turning back")
     return decision, replace(plan, climbing=back)

@@ -30,8 +30,7 @@ def with_tried(step: Step, plan: Plan) -> Plan:
     has_stepped = plan.ordered is not None and plan.ordered[1] is Action.MOVE_FORWARD
     if (has_stepped and not was_cut_short) or not plan.stands(step.robot):
         plan = replace(plan, frees=False)
-    senses = step.use.planning.bump_sensor and plan.climbing is None
-    if senses and plan.ordered is not None and was_cut_short:
+    if step.use.planning.bump_sensor and plan.ordered is not None and was_cut_short:
         pose, _ = plan.ordered
         return replace(plan, tried=(*plan.tried, Pose2(*step.robot.xy, pose.yaw))[-_REMEMBERED:])
     return plan
@@ -49,27 +48,26 @@ def get_free(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
     What it touches may be anywhere before it, so marks of bumps say less than such a step. No
     heading is tried in which a drop is known, or images show what would stop the robot at once.
     """
-    robot, turn = step.robot, math.radians(step.motion.turn_angle_deg)
-    count = step.motion.turns_of_a_circle
+    robot = step.robot
     obstacles = step.grid.centres_of(np.argwhere(step.grid.occupied))
 
-    def after(turns: int) -> Pose2:
-        return Pose2(robot.x, robot.y, robot.yaw + turns * turn)
-
     def rank(turns: int) -> tuple[int, float]:
-        away_m = np.linalg.norm(obstacles - np.array(after(turns).ahead(_AHEAD_M).xy), axis=1)
+        ahead = np.array(_after(turns, step).ahead(_AHEAD_M).xy)
+        away_m = np.linalg.norm(obstacles - ahead, axis=1)
         return abs(turns), -float(away_m.min(initial=math.inf))
 
     radius_m, floor = step.use.embodiment.body.radius_m, memory.floor.map
 
+    closed = closed_turns(step, plan)
+
     def is_open(turns: int) -> bool:
-        pose = after(turns)
+        pose = _after(turns, step)
         clear = _way(pose, _AHEAD_M + radius_m)
         whole = _way(pose, step.motion.forward_m + radius_m)
         is_seen_closed = floor.shows_obstacle(clear) or floor.has_drop(whole)
-        return not (is_seen_closed or _is_tried(pose, step, plan))
+        return not (is_seen_closed or turns in closed)
 
-    untried = [k for k in range(1 - (count + 1) // 2, count // 2 + 1) if is_open(k)]
+    untried = [k for k in _turns(step) if is_open(k)]
     if not untried:
         return Phase.END, replace(plan, tried=(), frees=False)
     turns = min(untried, key=rank)
@@ -79,6 +77,23 @@ def get_free(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
     mode = Mode.EXPLORE if memory.search.evidence.target is None else Mode.APPROACH
     reason = "touching something, trying to get free of it"
     return Decision(action, mode, reason, path), replace(plan, frees=True)
+
+
+def closed_turns(step: Step, plan: Plan) -> frozenset[int]:
+    """The turns to the left after which a step was cut short here."""
+    return frozenset(k for k in _turns(step) if _is_tried(_after(k, step), step, plan))
+
+
+def _turns(step: Step) -> range:
+    """All headings, by turns to the left, negative to the right."""
+    count = step.motion.turns_of_a_circle
+    return range(1 - (count + 1) // 2, count // 2 + 1)
+
+
+def _after(turns: int, step: Step) -> Pose2:
+    """The robot's pose after some turns to the left."""
+    robot, turn = step.robot, math.radians(step.motion.turn_angle_deg)
+    return Pose2(robot.x, robot.y, robot.yaw + turns * turn)
 
 
 def _way(pose: Pose2, length_m: float) -> Float64[np.ndarray, "n 2"]:

@@ -50,6 +50,8 @@ _STEEP = 0.3
 """Slope of a step down from which it was on stairs, also where it led askew over them."""
 _APART_M = 0.1
 """Spread of a robot's way to both sides of a line, metres, from which it tells how ground falls."""
+_HEIGHT_ERROR_M = 0.08
+"""Error of a robot's heights on stairs, metres, up to which an axis tells how the ground falls."""
 _MOST = 0.75
 """Share of the ground where a flight begins, from which it is known to be level or not."""
 _BEGINS_M = 1.5
@@ -170,7 +172,7 @@ def flight_underfoot(
         way: Where the robot came by ``(x, y, z)``, its position now included, at least two, metres.
         robot: Pose of the robot.
     """
-    (x, y, _), falls = way[-2], _falls_towards(way)
+    (x, y, _), falls = way[-2], _falls_towards(way, None if flight is None else flight.axis)
     went = math.atan2(robot.y - y, robot.x - x)
     if falls is not None and (flight is None or abs(wrap_angle(falls - flight.axis)) > _OFF_AXIS):
         return replace(first, end=robot.xy, axis=falls)
@@ -184,11 +186,12 @@ def flight_underfoot(
     return replace(flight, end=end)
 
 
-def _falls_towards(way: Sequence[_Place]) -> float | None:
+def _falls_towards(way: Sequence[_Place], axis: float | None) -> float | None:
     """Direction in which the ground falls under a way's last steps that all led down, radians.
 
-    None where these lie on one line, along which alone they tell how the ground falls. Landings end
-    a flight: meshes slope there, but less than stairs do.
+    None where these lie on one line, along which alone they tell how the ground falls, and where
+    an axis tells their heights as well, as far as these can be relied on. Landings end a flight:
+    meshes slope there, but less than stairs do.
     """
     count = 1
     while count < len(way) and _slope(way[-count - 1], way[-count]) >= _STEEP:
@@ -197,6 +200,11 @@ def _falls_towards(way: Sequence[_Place]) -> float | None:
     points -= points.mean(axis=0)
     if count < 3 or np.linalg.svd(points[:, :2], compute_uv=False)[-1] < _APART_M:
         return None
+    if axis is not None:
+        ahead = points[:, :2] @ np.array([[math.cos(axis)], [math.sin(axis)]])
+        off_m = points[:, 2] - ahead @ np.linalg.lstsq(ahead, points[:, 2], rcond=None)[0]
+        if np.abs(off_m).max() <= _HEIGHT_ERROR_M:
+            return None
     slope = np.linalg.lstsq(points[:, :2], points[:, 2], rcond=None)[0]
     return math.atan2(-slope[1], -slope[0])
 

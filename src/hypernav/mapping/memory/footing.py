@@ -98,6 +98,10 @@ class Footing:
             return replace(now, ground_z=now.level_z)
         return now
 
+    def as_if_walked(self) -> "Footing":
+        """The footing as if the robot had walked as far at its height as tells a floor."""
+        return replace(self, level_z=self.z, walked_m=_WALKED_M)
+
     @property
     def is_off_ground(self) -> bool:
         """Whether the robot is off the ground that it walked on last."""

@@ -275,6 +275,17 @@ class Memory:
         self.connectors, number = relied_on(self.connectors, stairs)
         return None if number in self.search.given_up else number
 
+    def stays_here(self) -> bool:
+        """Take what stairs led to for another floor from the next step on, if it can be one."""
+        here = self.way[-1]
+        if not self.footing.is_storey_away:
+            return False
+        footing = self.footing.as_if_walked()
+        if not footing.has_room(self.ground_around(here, down=False)):
+            return False
+        self.footing = footing
+        return True
+
     def give_up(self, number: int) -> None:
         """Note that an attempt to take a connector has failed; this search makes no other one.
 
