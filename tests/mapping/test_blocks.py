@@ -161,7 +161,7 @@ def test_another_floor_is_worth_more_the_more_was_seen_of_this_one():
         grid = OccupancyGrid(np.full((20 * metres, 20 * metres), np.uint8(Cell.FREE)), 0.05, CORNER)
         reach = ReachableArea.of(grid, ORIGIN, CONFIG, CLEARANCE_M)
         (stairs,) = stairs_blocks(reach, [WayOut(3, 0.0, 0.5, "stairs up")], 1)
-        (edge,) = drop_blocks(reach, [(0.0, 0.5)], 1)
+        (edge,) = drop_blocks(reach, [Pose2(0.0, 0.5, 0.0)], 1)
         return stairs.beyond_m2, edge.beyond_m2
 
     few, many = worths(4), worths(12)
@@ -173,8 +173,8 @@ def test_where_the_floor_ends_is_a_block_if_the_robot_can_go_near():
     cells = FLOOR.copy()
     cells[:, 100:104] = Cell.OCCUPIED
     reach = ReachableArea.of(OccupancyGrid(cells, 0.05, CORNER), ORIGIN, CONFIG, CLEARANCE_M)
-    (block,) = drop_blocks(reach, [(4.0, 1.0), (1.5, 1.0)], 7)
-    assert (block.number, block.connector) == (7, None)
+    (block,) = drop_blocks(reach, [Pose2(4.0, 1.0, 0.0), Pose2(1.5, 1.0, 2.0)], 7)
+    assert (block.number, block.connector, block.face) == (7, None, 2.0)
     assert block.holds((1.5, 1.0))
     assert block.destination == pytest.approx((1.5, 1.0), abs=0.1)
     assert block.beyond_m2 > 0.0

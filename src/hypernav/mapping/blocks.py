@@ -11,6 +11,7 @@ from jaxtyping import Bool, Int64, UInt8
 from hypernav.core.exploring.floors import WayOut
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.distance_kernels import nearest_open_cell
 from hypernav.mapping.reachable_area import ReachableArea
@@ -96,23 +97,21 @@ def stairs_blocks(
     return tuple(blocks)
 
 
-def drop_blocks(
-    reach: ReachableArea, drops: Sequence[tuple[float, float]], first: int
-) -> tuple[Block, ...]:
+def drop_blocks(reach: ReachableArea, drops: Sequence[Pose2], first: int) -> tuple[Block, ...]:
     """Edges of the floor as blocks of their own, those that the robot can go to.
 
     Args:
         reach: The map and what the robot can reach on it.
-        drops: Positions ``(x, y)`` where the floor ends, metres.
+        drops: Where the floor ends, and the heading in which it does.
         first: Number of the first of them.
     """
     blocks: list[Block] = []
     beyond_m2 = _DROP_SHARE * FLOOR_SHARE * reach.grid.free_m2
     within_cells = int(_BESIDE_DROP_M / reach.grid.resolution_m + 1e-9)
     for one in drops:
-        there = _block_at(reach, one, first + len(blocks), within_cells)
+        there = _block_at(reach, one.xy, first + len(blocks), within_cells)
         if there is not None:
-            blocks.append(replace(there, words="the floor ends", beyond_m2=beyond_m2))
+            blocks.append(replace(there, words="the floor ends", beyond_m2=beyond_m2, face=one.yaw))
     return tuple(blocks)
 
 

@@ -54,8 +54,8 @@ UNKNOWN_HALL = """
 class Once:
     """An explorer with one destination."""
 
-    def __init__(self, position):
-        self._left = [Destination(*position, reason="there")]
+    def __init__(self, position, face=None):
+        self._left = [Destination(*position, reason="there", face=face)]
 
     def next_destination(self, view):
         return self._left.pop() if self._left else None
@@ -131,6 +131,13 @@ def test_who_comes_to_a_door_looks_through_it_before_leaving(yaw):
     done, robot, visits = turned(Once((4.0, 2.2)), Pose2(4.0, 2.0, yaw), 20)
     assert 1 <= len(done) <= 6
     assert abs(robot.bearing_to(*DOOR)) <= math.radians(15.0) + 1e-6
+    assert visits == [(4.0, 2.2)]
+
+
+def test_who_comes_to_where_the_floor_ends_looks_there_once():
+    done, robot, visits = turned(Once((4.0, 2.2), -math.pi / 2.0), Pose2(4.0, 2.0, 0.0), 20)
+    assert done == 3 * [Action.TURN_RIGHT]
+    assert robot.yaw == pytest.approx(-math.pi / 2.0)
     assert visits == [(4.0, 2.2)]
 
 

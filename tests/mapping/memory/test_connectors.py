@@ -210,21 +210,40 @@ def test_where_the_floor_ends_is_looked_at_from_near_unless_stairs_are_known_the
     memory = memory_after([FLOOR])
     floor = memory.floor
 
-    def look_from(*distances_m: float):
-        for pose in before_stairs(*distances_m):
+    def look_from(*distances_m: float, yaw: float = 0.0):
+        for pose in before_stairs(*distances_m, yaw=yaw):
             floor.integrate(view_of(well, pose, camera=CAMERA))
 
     look_from(3.0, 2.5, 2.0)
-    ((x, y),) = drops_to_look_at(memory)
-    assert (x, y) == pytest.approx((FIRST_X, MIDDLE_Y), abs=0.7)
+    (edge,) = drops_to_look_at(memory)
+    assert edge.xy == pytest.approx((FIRST_X, MIDDLE_Y), abs=0.7)
+    assert abs(edge.yaw) < math.radians(45.0)
     for is_up in (True, False):
-        memory.connectors = (Connector(0, is_up, (FIRST_X, MIDDLE_Y), 0.0),)
+        memory.connectors = (Connector(0, is_up, (FIRST_X, MIDDLE_Y), 0.0, sightings=2),)
         assert not drops_to_look_at(memory)
-    memory.connectors = (Connector(1, False, (FIRST_X, MIDDLE_Y), 0.0),)
-    assert drops_to_look_at(memory) == [(x, y)]
+    memory.connectors = (Connector(1, False, (FIRST_X, MIDDLE_Y), 0.0, sightings=2),)
+    assert drops_to_look_at(memory) == [edge]
+    memory.connectors = (Connector(0, False, (FIRST_X, MIDDLE_Y), 0.1, sightings=1),)
+    assert drops_to_look_at(memory) == [Pose2(FIRST_X, MIDDLE_Y, 0.1)]
     memory.connectors = ()
+    look_from(1.0, 0.5, 0.2, yaw=math.pi)
+    assert drops_to_look_at(memory)
     look_from(1.0, 0.5, 0.2)
     assert not drops_to_look_at(memory)
+
+
+def test_behind_a_railing_the_floor_ends_for_nobody():
+    well = [*stairs_down(), ((5.2, -10.0, -3.0), (12.0, 10.0, 2.5))]
+    bars = [
+        ((FIRST_X - 0.1, y, 0.0), (FIRST_X - 0.05, y + 0.03, 0.9))
+        for y in np.arange(MIDDLE_Y - 1.5, MIDDLE_Y + 1.5, 0.12)
+    ]
+    for boxes, expected in ((well, 1), ([*well, *bars], 0)):
+        memory = memory_after([FLOOR])
+        for pose in before_stairs(3.0, 2.5, 2.0):
+            memory.floor.integrate(view_of(boxes, pose, camera=CAMERA))
+        assert len(memory.floor.map.edges_to_drops()) > 0
+        assert len(drops_to_look_at(memory)) == expected
 
 
 @pytest.mark.parametrize(

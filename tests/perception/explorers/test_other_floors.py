@@ -186,11 +186,12 @@ def test_a_floor_whose_stairs_are_out_of_reach_is_not_shown():
 
 
 def test_an_edge_of_the_floor_is_a_choice():
-    seen = replace(view(), drops=[(2.0, 0.6)])
+    seen = replace(view(), drops=[Pose2(2.0, 0.6, 1.0)])
     line = line_of(answered(seen, "1")[1], "the floor ends")
     destination, _ = answered(seen, number_in(line))
     assert destination.connector is None
     assert destination.xy == pytest.approx((2.0, 0.6), abs=0.3)
+    assert destination.face == 1.0
 
 
 def test_edges_that_were_visited_use_up_no_questions():
@@ -201,8 +202,9 @@ def test_edges_that_were_visited_use_up_no_questions():
         (0.22,),
         Embodiment(),
     )
-    drops = [(x, 0.6) for x in (-1.0, 0.5, 1.0, 1.5, 2.0)]
-    destination = certain(explorer.next_destination(replace(view(), drops=drops, visits=drops)))
+    drops = [Pose2(x, 0.6, 0.0) for x in (-1.0, 0.5, 1.0, 1.5, 2.0)]
+    visits = [one.xy for one in drops]
+    destination = certain(explorer.next_destination(replace(view(), drops=drops, visits=visits)))
     assert "unknown in view" in destination.reason
 
 
@@ -210,7 +212,7 @@ def test_the_geometric_rule_goes_by_an_edge_of_the_floor():
     explorer = BlockExplorer(
         GeometricReasoner(ExchangeLog()), OverviewConfig(), MappingConfig(), (0.22,), Embodiment()
     )
-    destination = certain(explorer.next_destination(replace(view(), drops=[(1.0, 0.6)])))
+    destination = certain(explorer.next_destination(replace(view(), drops=[Pose2(1.0, 0.6, 0.0)])))
     assert destination.xy == pytest.approx((1.0, 0.6), abs=0.3)
     assert "the floor ends" in destination.reason
 

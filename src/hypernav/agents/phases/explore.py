@@ -243,7 +243,7 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
     elif destination.image is not None:
         left = (one for one in search.images_to_visit if one != destination.image)
         search.images_to_visit = tuple(left)
-    elif destination.face is None:
+    elif destination.face is None or not destination.holds:
         search.visits.append(destination.xy)
     return plan.explore(destination=None, age=0)
 
@@ -275,7 +275,8 @@ def _facing_turn(destination: Destination, step: Step) -> Action | None:
 def _look_across(step: Step, memory: Memory, plan: Plan) -> Action | None:
     """At the destination, the turn towards what is still unexplored around it.
 
-    A robot that comes to a door sideways has not yet looked through it.
+    A robot that comes to a door sideways has not yet looked through it. At an edge of the floor
+    this is what it turns to.
     """
     destination, config, robot = plan.destination, step.config, step.robot
     if (
@@ -283,6 +284,7 @@ def _look_across(step: Step, memory: Memory, plan: Plan) -> Action | None:
         or destination is None
         or destination.is_sighting
         or destination.holds
+        or destination.face is not None
         or destination.connector is not None
         or plan.exploring.age >= config.endurance_steps
         or robot.distance_to(*destination.xy) >= _arrival_m(destination, step)

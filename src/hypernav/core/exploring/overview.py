@@ -30,6 +30,7 @@ class Block:
         connector: Number of the connector that begins there; None for a part of the floor.
         words: Name of the connector, such as "stairs up", or of an edge of the floor; else empty.
         beyond_m2: Unknown floor that is expected beyond one of these, square metres.
+        face: Heading to turn to there, radians; None keeps the heading.
     """
 
     number: int
@@ -43,6 +44,7 @@ class Block:
     connector: int | None = None
     words: str = ""
     beyond_m2: float = 0.0
+    face: float | None = None
 
     def holds(self, position: tuple[float, float]) -> bool:
         """Whether a position ``(x, y)``, metres, lies in the block."""

@@ -83,6 +83,11 @@ class Connector:
         return self.passage is not Passage.REFUTED and self.sightings >= _SIGHTINGS
 
     @property
+    def is_doubtful(self) -> bool:
+        """Whether it was seen too seldom to rely on, and nobody has tried it."""
+        return self.passage is Passage.UNTRIED and not self.is_usable
+
+    @property
     def is_new(self) -> bool:
         """Whether nobody knows where it leads."""
         return self.is_usable and self.other_floor is None

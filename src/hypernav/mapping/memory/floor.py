@@ -68,6 +68,7 @@ class SearchMemory:
             of this floor, heights from the floor, metres; it lies at that height or farther
             on from here. None if it was not, or has been found on this floor since.
         went_off_floor: Whether the robot has been to such a position; it is led away only once.
+        views: Poses of all frames, one for each of the latest positions of the trajectory.
         viewed_from: Pose of the latest frame with a new view; None before the first frame.
         has_new_view: Whether the present frame has one: only then all things in it and what it
             tells as a key image are looked at, since frames close together show the same.
@@ -93,6 +94,7 @@ class SearchMemory:
     looks_again: bool = False
     seen_off_floor: tuple[float, float, float] | None = None
     went_off_floor: bool = False
+    views: list[Pose2] = field(default_factory=list)
     viewed_from: Pose2 | None = None
     has_new_view: bool = True
 
@@ -130,6 +132,7 @@ class SearchMemory:
 
     def note_view(self, robot: Pose2) -> None:
         """Note from where the present frame is taken."""
+        self.views.append(robot)
         last = self.viewed_from
         self.has_new_view = (
             last is None

@@ -5,10 +5,12 @@ from collections.abc import Callable, Mapping, Sequence
 
 import cv2
 import numpy as np
-from jaxtyping import Float64, Int64
+from jaxtyping import Bool, Float64, Int64
 
 from hypernav.core.exploring.floors import KnownFloor, WayOut
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.distance import distance_from
+from hypernav.mapping.ground import reach
 from hypernav.mapping.memory.connectors import Connector
 from hypernav.mapping.memory.floor import Floor, SearchMemory
 from hypernav.mapping.memory.memory import Memory
@@ -16,7 +18,7 @@ from hypernav.mapping.memory.thing import is_in_room
 
 _PATCH_M = 0.2
 """Side of the patches that edges of the floor are made of, metres."""
-_EDGE_PATCHES = 4
+_EDGE_PATCHES = 2
 """Least number of patches in an edge at which stairs may begin."""
 _NEAR_M = 1.5
 """Distance from which the robot sees whether stairs begin at an edge, metres."""
@@ -39,37 +41,89 @@ def ways_to_new_floors(memory: Memory) -> list[WayOut]:
     return [_way_over(memory, number) for number in leading_on if memory.connectors[number].is_new]
 
 
-def drops_to_look_at(memory: Memory) -> list[tuple[float, float]]:
+def drops_to_look_at(memory: Memory) -> list[Pose2]:
     """Where the floor of a climbing robot ends, as it does at the head of stairs.
 
     From afar images show that floor is missing, but not whether stairs lead down there. What the
-    robot has been near is left out, and so are edges at stairs that it knows, up or down. There are
-    none where it knows a way to the next floor down: most of them are the well of these stairs.
+    robot has looked at from near is left out, and so are edges at stairs that it knows, up or down,
+    and those behind a railing. Stairs down that were seen too seldom to rely on are looked at, too.
+    There are none where it knows a way to the next floor down: most of them are the well of these
+    stairs.
 
     Returns:
-        For each edge, the position ``(x, y)`` on it that is nearest to where the robot has been,
-        metres.
+        Where such stairs begin and how they lead on, and for each edge the position on it that is
+        nearest to where the robot has been, and the heading from there.
     """
     if _knows_next_floor(memory, memory.floor, goes_up=False):
         return []
-    patches = np.unique(np.floor(memory.floor.map.edges_to_drops() / _PATCH_M), axis=0)
+    known = [one for one in memory.connectors if one.floor == memory.number]
+    doubtful = [one for one in known if one.is_doubtful and not one.goes_up]
+    before = np.array([one.approach for one in doubtful]).reshape(-1, 2)
+    is_near = _are_in_reach(memory, before)
+    edges = [
+        edge
+        for edge in _new_edges(memory)
+        if all(edge.distance_to(*one.end) > _NEAR_M for one in known)
+    ]
+    stairs = [Pose2(*one.end, one.axis) for one in doubtful]
+    return [one for one, near in zip(stairs, is_near, strict=True) if near] + edges
+
+
+def _new_edges(memory: Memory) -> list[Pose2]:
+    """For each edge that the robot has not looked at, the position nearest to where it has been."""
+    edges = memory.floor.map.edges_to_drops()
+    edges = np.unique(np.floor(edges[_are_in_reach(memory, edges)] / _PATCH_M), axis=0)
+    patches = edges[~_seen_from_near(memory, _PATCH_M * (edges + 0.5))]
     if len(patches) < _EDGE_PATCHES:
         return []
-    known = [one.end for one in memory.connectors if one.floor == memory.number]
     been_m = _distances_m(patches, memory.floor.trajectory)
-    patches, been_m = patches[been_m > _NEAR_M], been_m[been_m > _NEAR_M]
     nearest = [patches[edge[been_m[edge].argmin()]] for edge in _edges(patches)]
-    found = [(float(_PATCH_M * (x + 0.5)), float(_PATCH_M * (y + 0.5))) for x, y in nearest]
-    return [one for one in found if all(math.dist(one, end) > _NEAR_M for end in known)]
+    return [_seen_edge(memory, _PATCH_M * (patch + 0.5)) for patch in nearest]
+
+
+def _seen_edge(memory: Memory, position: Float64[np.ndarray, "2"]) -> Pose2:
+    """A position on an edge, with the heading from the place of the robot's that is nearest."""
+    away = position - np.array(memory.floor.trajectory)
+    nearest = away[np.hypot(away[:, 0], away[:, 1]).argmin()]
+    return Pose2(float(position[0]), float(position[1]), math.atan2(nearest[1], nearest[0]))
+
+
+def _seen_from_near(memory: Memory, places: Float64[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n"]:
+    """Whether the robot has looked at each of some places, or been near it in an earlier search."""
+    views = memory.search.views
+    earlier = memory.floor.trajectory[: len(memory.floor.trajectory) - len(views)]
+    to_x, to_y = (
+        places[:, axis, None] - [*(one[axis] for one in earlier), *(one.xy[axis] for one in views)]
+        for axis in (0, 1)
+    )
+    is_near = np.asarray(np.hypot(to_x, to_y) <= _NEAR_M)
+    off = np.arctan2(to_y, to_x)[:, len(earlier) :] - [one.yaw for one in views]
+    half = math.radians(memory.embodiment.camera.hfov_deg) / 2.0
+    is_near[:, len(earlier) :] &= np.cos(off) >= math.cos(half)
+    return np.asarray(is_near.any(axis=1))
+
+
+def _are_in_reach(memory: Memory, places: Float64[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n"]:
+    """Whether the robot's body could touch each of some places ``(x, y)``, metres."""
+    floor, radius_m = memory.floor, memory.embodiment.body.radius_m
+    touches = np.zeros(len(places), dtype=bool)
+    if len(places) == 0 or not floor.trajectory:
+        return touches
+    grid = floor.map.grid
+    away = distance_from(reach(grid, floor.trajectory[-1], radius_m))
+    cells = grid.cells_of(places)
+    inside = grid.contains(cells)
+    touches[inside] = away[tuple(cells[inside].T)] <= radius_m / grid.resolution_m + 1.0
+    return touches
 
 
 def _distances_m(
     patches: Float64[np.ndarray, "n 2"], positions: Sequence[tuple[float, float]]
 ) -> Float64[np.ndarray, "n"]:
     """Distance of each patch from the nearest of the positions in sight of any, metres."""
-    reach = math.ceil(_IN_SIGHT_M / _PATCH_M)
-    first = patches.min(axis=0) - reach
-    shape = (patches.max(axis=0) - first).astype(np.int64) + reach + 1
+    margin = math.ceil(_IN_SIGHT_M / _PATCH_M)
+    first = patches.min(axis=0) - margin
+    shape = (patches.max(axis=0) - first).astype(np.int64) + margin + 1
     at = np.floor(np.array(positions).reshape(-1, 2) / _PATCH_M) - first
     at = at[((at >= 0) & (at < shape)).all(axis=1)].astype(np.int64)
     there = np.zeros(shape, dtype=bool)

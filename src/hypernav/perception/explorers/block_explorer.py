@@ -220,6 +220,7 @@ class BlockExplorer:
                     reason=choice.reason,
                     blocks=blocks if floor is None else (),
                     connector=block.connector,
+                    face=block.face,
                 )
                 return there if floor is None else by_way_of(floor.known.way, there, blocks)
             excluded |= {choice.number}
