@@ -142,8 +142,10 @@ def _goals(
     gaps_m = (nearest_m, config.approach_gap_m, *(_WIDER_M if must_do else ()))
     beside = [target.points_beside_in_sight(eye_level, gap_m) for gap_m in gaps_m]
     goals += [points for points in beside if len(points)]
-    if plan.approaching.steps_run_out:
-        goals.append(np.array([target.nearest_view]))
+    view = target.nearest_view
+    is_nearer = target.distance_to(*view) < target.distance_to(*step.robot.xy)
+    if plan.approaching.steps_run_out and is_nearer:
+        goals.append(np.array([view]))
     return goals
 
 
