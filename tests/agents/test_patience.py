@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.agents.plan import Endurance, Progress
+from hypernav.agents.plan import Climbing, Endurance, Progress
 
 PATIENCE = 10
 
@@ -76,3 +76,15 @@ def test_a_value_stays_as_it_is():
 def test_endurance_grants_so_many_steps_whatever_they_bring(limit, lefts_m):
     endurance = Waiting(Endurance(limit))
     assert [endurance.lasts(left_m, 0) for left_m in lefts_m].index(False) == limit
+
+
+@given(st.floats(-2.0, 2.0), st.lists(st.integers(0, PATIENCE), min_size=1, max_size=30))
+def test_on_stairs_what_counts_are_the_steps_since_the_robot_came_farthest(height_m, pauses):
+    climbing = Climbing(0).after_step(height_m)
+    for pause in pauses:
+        assert climbing.steps == 0
+        for _ in range(pause):  # it stands, or goes back
+            climbing = climbing.after_step(height_m - 0.3)
+        assert climbing.steps == pause
+        height_m += 0.2
+        climbing = climbing.after_step(height_m)

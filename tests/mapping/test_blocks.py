@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from drawn_grids import divide_into_blocks, drawn
-from hypernav.core.exploring.floors import WayOut
+from hypernav.core.exploring.floors import Drop, WayOut
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.blocks import drop_blocks, stairs_blocks
@@ -161,7 +161,7 @@ def test_another_floor_is_worth_more_the_more_was_seen_of_this_one():
         grid = OccupancyGrid(np.full((20 * metres, 20 * metres), np.uint8(Cell.FREE)), 0.05, CORNER)
         reach = ReachableArea.of(grid, ORIGIN, CONFIG, CLEARANCE_M)
         (stairs,) = stairs_blocks(reach, [WayOut(3, 0.0, 0.5, "stairs up")], 1)
-        (edge,) = drop_blocks(reach, [Pose2(0.0, 0.5, 0.0)], 1)
+        (edge,) = drop_blocks(reach, [Drop(0.0, 0.5)], 1)
         return stairs.beyond_m2, edge.beyond_m2
 
     few, many = worths(4), worths(12)
@@ -169,11 +169,19 @@ def test_another_floor_is_worth_more_the_more_was_seen_of_this_one():
     assert all(edge < stairs for stairs, edge in (few, many))
 
 
+def test_a_robot_turns_to_where_the_floor_ends():
+    reach = ReachableArea.of(OccupancyGrid(FLOOR, 0.05, CORNER), ORIGIN, CONFIG, CLEARANCE_M)
+    beyond = CORNER[0] - 0.3, 1.0
+    (block,) = drop_blocks(reach, [Drop(*beyond)], 1)
+    x, y = block.destination
+    assert block.face == pytest.approx(math.atan2(beyond[1] - y, beyond[0] - x))
+
+
 def test_where_the_floor_ends_is_a_block_if_the_robot_can_go_near():
     cells = FLOOR.copy()
     cells[:, 100:104] = Cell.OCCUPIED
     reach = ReachableArea.of(OccupancyGrid(cells, 0.05, CORNER), ORIGIN, CONFIG, CLEARANCE_M)
-    (block,) = drop_blocks(reach, [Pose2(4.0, 1.0, 0.0), Pose2(1.5, 1.0, 2.0)], 7)
+    (block,) = drop_blocks(reach, [Drop(4.0, 1.0), Drop(1.5, 1.0, axis=2.0)], 7)
     assert (block.number, block.connector, block.face) == (7, None, 2.0)
     assert block.holds((1.5, 1.0))
     assert block.destination == pytest.approx((1.5, 1.0), abs=0.1)

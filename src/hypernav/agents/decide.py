@@ -2,8 +2,6 @@
 
 from collections.abc import Callable, Mapping
 
-import numpy as np
-
 from hypernav.agents.phases.approach import approach
 from hypernav.agents.phases.climb import climb
 from hypernav.agents.phases.end import end
@@ -115,6 +113,7 @@ def _must_choose(step: Step, memory: Memory) -> bool:
     if not config.open_the_way or 2 * left > config.max_steps or left % _MEASURED_EVERY:
         return False
     with step.clock("plan"):
-        destinations = best.entry_points, np.array([best.nearest_view])
+        beside = best.views_beside
+        destinations = (best.entry_points, *([beside] if len(beside) else []))
         way_m = step.use.navigator.way_m(step.grid, step.robot, *destinations)
     return way_m is not None and left <= _TURNS * way_m / motion.forward_m + turns

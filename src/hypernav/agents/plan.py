@@ -181,7 +181,7 @@ class Approaching:
         as_near_as_possible: Whether a path that ends before the goal area suffices: candidates come
             first (`SearchConfig.local_first`), all is explored, or the steps run out.
         steps_run_out: Whether the steps that are left only just lead to the candidate; then the
-            nearest position that it was seen from suffices, too.
+            nearest position that it was seen from suffices, too, if it is beside it.
         second_look: Position ``(x, y)``, metres, from which to look at the candidate from another
             side; None if no second look is under way.
         second_look_steps: Number of steps spent on the second look so far.
@@ -218,8 +218,8 @@ class Climbing:
     Attributes:
         connector: Number of the connector.
         is_back: Whether the robot has turned back on it.
-        gained_m: How far it has come at most, metres: height above or below its floor, or the
-            negative of that on the way back.
+        farthest_m: How far up it has come at most, or down on a way down: height in that
+            direction, metres.
         steps: Number of steps and turns since it came that far.
         turned: Number of turns since stairs were last seen ahead.
         turning: Turn that it makes until its next step, since it has begun to turn to and fro, as
@@ -235,7 +235,7 @@ class Climbing:
 
     connector: int
     is_back: bool = False
-    gained_m: float = 0.0
+    farthest_m: float = -math.inf
     steps: int = 0
     turned: int = 0
     turning: Action | None = None
@@ -246,15 +246,14 @@ class Climbing:
     looked: tuple[Position, ...] = ()
     then: Destination | None = None
 
-    def after_step(self, away_m: float) -> "Climbing":
+    def after_step(self, height_m: float) -> "Climbing":
         """The climb after one more step or turn.
 
         Args:
-            away_m: Height above or below the floor that it came from, metres.
+            height_m: Height of the robot in the direction in which it goes, metres.
         """
-        gained_m = -away_m if self.is_back else away_m
-        if gained_m > self.gained_m + _GAIN_M:
-            return replace(self, gained_m=gained_m, steps=0)
+        if height_m > self.farthest_m + _GAIN_M:
+            return replace(self, farthest_m=height_m, steps=0)
         return replace(self, steps=self.steps + 1)
 
 

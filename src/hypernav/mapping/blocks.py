@@ -1,5 +1,6 @@
 """Division of the explored map into blocks: numbered squares."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
@@ -8,10 +9,9 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Int64, UInt8
 
-from hypernav.core.exploring.floors import WayOut
+from hypernav.core.exploring.floors import Drop, WayOut
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.distance_kernels import nearest_open_cell
 from hypernav.mapping.reachable_area import ReachableArea
@@ -97,12 +97,12 @@ def stairs_blocks(
     return tuple(blocks)
 
 
-def drop_blocks(reach: ReachableArea, drops: Sequence[Pose2], first: int) -> tuple[Block, ...]:
+def drop_blocks(reach: ReachableArea, drops: Sequence[Drop], first: int) -> tuple[Block, ...]:
     """Edges of the floor as blocks of their own, those that the robot can go to.
 
     Args:
         reach: The map and what the robot can reach on it.
-        drops: Where the floor ends, and the heading in which it does.
+        drops: Where the floor ends.
         first: Number of the first of them.
     """
     blocks: list[Block] = []
@@ -111,7 +111,9 @@ def drop_blocks(reach: ReachableArea, drops: Sequence[Pose2], first: int) -> tup
     for one in drops:
         there = _block_at(reach, one.xy, first + len(blocks), within_cells)
         if there is not None:
-            blocks.append(replace(there, words="the floor ends", beyond_m2=beyond_m2, face=one.yaw))
+            x, y = there.destination
+            face = math.atan2(one.y - y, one.x - x) if one.axis is None else one.axis
+            blocks.append(replace(there, words="the floor ends", beyond_m2=beyond_m2, face=face))
     return tuple(blocks)
 
 

@@ -130,22 +130,24 @@ class ElevationMap:
             middle = points_xy.mean(axis=0, keepdims=True)
             self._hits[self.obstacles.mask_of(middle)] = BUMPED
 
-    def ground_from(self, position: tuple[float, float], *, down: bool = False) -> Ground:
+    def ground_from(
+        self, position: tuple[float, float], *, down: bool = False, under: bool = False
+    ) -> Ground:
         """What the robot could walk to from a position.
 
         Args:
             position: The robot ``(x, y)``, metres.
             down: Whether unseen steps down are presumed where nothing but the depth below was seen.
+            under: Whether what is higher than the robot is tall is none, since it goes under that.
         """
         body = self._embodiment.body
         robot_z = self._robot_z
         window, origin = self._window(position)
         maps = (self._heights, self._hits, self._hit_z, self._hit_top, self._below)
         known, hits, hit_z, hit_top, below = (one[window] for one in maps)
-        with np.errstate(invalid="ignore"):  # what is farther up or down is on other storeys; a
-            # robot on its way down goes under what is higher than its head
+        with np.errstate(invalid="ignore"):  # what is farther up or down belongs to other storeys
             known = _without_pits(known, self._pit_cells, body.max_step_m)
-            highest_m = min(body.height_m, _SAME_STOREY_M) if down else _SAME_STOREY_M
+            highest_m = min(body.height_m, _SAME_STOREY_M) if under else _SAME_STOREY_M
             measured = (known >= robot_z - _SAME_STOREY_M) & (known <= robot_z + highest_m)
             near_level = np.abs(known - robot_z) < _NEAR_LEVEL_M
         around = np.where(near_level, known, np.float32(np.nan))

@@ -36,6 +36,13 @@ def test_a_place_that_is_cut_off_is_no_entry_until_none_is_left():
     assert len(everywhere.entry_points) == len(target.entry_points)
 
 
+@pytest.mark.parametrize(("thing_m", "is_beside"), [(1.5, True), (4.5, False)])
+def test_a_goal_is_not_claimed_from_where_it_is_far_away(thing_m: float, is_beside: bool):
+    target = target_at(thing_m=thing_m)  # seen from the origin
+    assert target.nearest_view == (0.0, 0.0)
+    assert target.views_beside.tolist() == ([[0.0, 0.0]] if is_beside else [])
+
+
 def at_eye_level(wall_x):
     """A map that shows a wall across the view of a target."""
     cells = np.full((80, 80), Cell.FREE, dtype=np.uint8)

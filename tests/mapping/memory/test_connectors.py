@@ -8,6 +8,7 @@ import pytest
 
 from box_views import FLOOR, SolidBox, room, view_of
 from hypernav.core.embodiment import BodyConfig, Embodiment
+from hypernav.core.exploring.floors import Drop
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.mapping.config import MappingConfig
@@ -217,19 +218,33 @@ def test_where_the_floor_ends_is_looked_at_from_near_unless_stairs_are_known_the
     look_from(3.0, 2.5, 2.0)
     (edge,) = drops_to_look_at(memory)
     assert edge.xy == pytest.approx((FIRST_X, MIDDLE_Y), abs=0.7)
-    assert abs(edge.yaw) < math.radians(45.0)
+    assert edge.axis is None
     for is_up in (True, False):
         memory.connectors = (Connector(0, is_up, (FIRST_X, MIDDLE_Y), 0.0, sightings=2),)
         assert not drops_to_look_at(memory)
     memory.connectors = (Connector(1, False, (FIRST_X, MIDDLE_Y), 0.0, sightings=2),)
     assert drops_to_look_at(memory) == [edge]
     memory.connectors = (Connector(0, False, (FIRST_X, MIDDLE_Y), 0.1, sightings=1),)
-    assert drops_to_look_at(memory) == [Pose2(FIRST_X, MIDDLE_Y, 0.1)]
-    memory.connectors = ()
+    doubtful = memory.connectors
+    assert drops_to_look_at(memory) == [Drop(FIRST_X, MIDDLE_Y, axis=0.1)]
     look_from(1.0, 0.5, 0.2, yaw=math.pi)
-    assert drops_to_look_at(memory)
+    for known in ((), doubtful):
+        memory.connectors = known
+        assert drops_to_look_at(memory)
     look_from(1.0, 0.5, 0.2)
-    assert not drops_to_look_at(memory)
+    for known in ((), doubtful):
+        memory.connectors = known
+        assert not drops_to_look_at(memory)
+
+
+@pytest.mark.parametrize("height_m", [0.45, 1.0])
+def test_stairs_up_are_seen_by_a_low_robot_with_a_mast_too(height_m: float):
+    robot = Embodiment(body=BodyConfig(max_step_m=0.2, height_m=height_m))
+    boxes = [FLOOR, *stairs_up()]
+    memory = memory_after(boxes, *before_stairs(2.5, 2.0), robot=robot)
+    assert [one.goes_up for one in memory.connectors] == [True]
+    ground = memory.ground_around((FIRST_X - 2.0, MIDDLE_Y), down=True, under=True)
+    assert np.nanmax(np.where(ground.seen, ground.measured, np.nan)) <= height_m
 
 
 def test_behind_a_railing_the_floor_ends_for_nobody():

@@ -317,6 +317,13 @@ def test_an_axis_stays_that_tells_how_the_ground_fell():
     assert flight_underfoot(FLIGHT, FLIGHT, way, robot).axis == pytest.approx(FLIGHT.axis)
 
 
+def test_an_axis_that_leads_up_tells_nothing_of_a_way_down():
+    way = [(0.0, 0.0, 0.0), (0.4, 0.3, -0.26), (0.8, 0.0, -0.52), (1.2, 0.3, -0.78)]
+    back = replace(FLIGHT, axis=math.pi)
+    robot = Pose2(1.2, 0.3, 0.0)
+    assert flight_underfoot(back, FLIGHT, way, robot).axis == pytest.approx(0.0, abs=0.01)
+
+
 @pytest.mark.parametrize("askew_deg", [-50.0, -40.0, 40.0, 50.0])
 def test_steps_down_to_and_fro_tell_where_the_stairs_lead(askew_deg: float):
     """Each of them is nearly as far off the wrong axis as off the right one."""

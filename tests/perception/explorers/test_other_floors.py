@@ -11,7 +11,7 @@ from chat_models import Parrot
 from exploration_views import exploration_view
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import Destination, ExplorationView
-from hypernav.core.exploring.floors import KnownFloor, WayOut
+from hypernav.core.exploring.floors import Drop, KnownFloor, WayOut
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog
@@ -186,7 +186,7 @@ def test_a_floor_whose_stairs_are_out_of_reach_is_not_shown():
 
 
 def test_an_edge_of_the_floor_is_a_choice():
-    seen = replace(view(), drops=[Pose2(2.0, 0.6, 1.0)])
+    seen = replace(view(), drops=[Drop(2.0, 0.6, axis=1.0)])
     line = line_of(answered(seen, "1")[1], "the floor ends")
     destination, _ = answered(seen, number_in(line))
     assert destination.connector is None
@@ -202,7 +202,7 @@ def test_edges_that_were_visited_use_up_no_questions():
         (0.22,),
         Embodiment(),
     )
-    drops = [Pose2(x, 0.6, 0.0) for x in (-1.0, 0.5, 1.0, 1.5, 2.0)]
+    drops = [Drop(x, 0.6) for x in (-1.0, 0.5, 1.0, 1.5, 2.0)]
     visits = [one.xy for one in drops]
     destination = certain(explorer.next_destination(replace(view(), drops=drops, visits=visits)))
     assert "unknown in view" in destination.reason
@@ -212,7 +212,7 @@ def test_the_geometric_rule_goes_by_an_edge_of_the_floor():
     explorer = BlockExplorer(
         GeometricReasoner(ExchangeLog()), OverviewConfig(), MappingConfig(), (0.22,), Embodiment()
     )
-    destination = certain(explorer.next_destination(replace(view(), drops=[Pose2(1.0, 0.6, 0.0)])))
+    destination = certain(explorer.next_destination(replace(view(), drops=[Drop(1.0, 0.6)])))
     assert destination.xy == pytest.approx((1.0, 0.6), abs=0.3)
     assert "the floor ends" in destination.reason
 

@@ -142,10 +142,8 @@ def _goals(
     gaps_m = (nearest_m, config.approach_gap_m, *(_WIDER_M if must_do else ()))
     beside = [target.points_beside_in_sight(eye_level, gap_m) for gap_m in gaps_m]
     goals += [points for points in beside if len(points)]
-    view = target.nearest_view
-    is_nearer = target.distance_to(*view) < target.distance_to(*step.robot.xy)
-    if plan.approaching.steps_run_out and is_nearer:
-        goals.append(np.array([view]))
+    if plan.approaching.steps_run_out and len(target.views_beside):
+        goals.append(target.views_beside)
     return goals
 
 

@@ -77,14 +77,15 @@ def climb(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pla
     touching = _touches(step, plan, climbing)
     is_in_front = climbing.from_front or (touching and not footing.is_off_floor)
     climbing = replace(climbing, touching=touching, from_front=is_in_front)
-    climbing = climbing.after_step(abs(footing.z - memory.floor.z))
+    goes_up = connector.goes_up != climbing.is_back
+    climbing = climbing.after_step(footing.z if goes_up else -footing.z)
     patience = _PATIENCES if footing.is_off_floor else _PATIENCES_BEFORE
     if climbing.steps > patience * step.config.endurance_steps:
         return _given_up(step, memory, plan, climbing)
     has_turned = climbing.turned >= step.motion.turns_of_a_circle
     if (climbing.is_back or has_turned) and not footing.is_off_floor:
         return _given_up(step, memory, plan, climbing)
-    stairs = _around(step, memory, climbing, goes_up=connector.goes_up != climbing.is_back)
+    stairs = _around(step, memory, climbing, goes_up=goes_up)
     flight = _flight(step, memory, climbing, stairs, connector)
     climbing = replace(climbing, flight=flight)
     with step.clock("plan"):
@@ -123,7 +124,7 @@ def _connector(memory: Memory, climbing: Climbing) -> Connector:
 
 
 def _around(step: Step, memory: Memory, climbing: Climbing, *, goes_up: bool) -> _Stairs:
-    ground = memory.ground_around(step.robot.xy, down=not goes_up)
+    ground = memory.ground_around(step.robot.xy, down=not goes_up, under=not goes_up)
     footing = memory.footing
     on_slope = footing.is_off_floor and footing.is_on_slope
     on_slope = on_slope and not _is_lost(step, memory, climbing)
@@ -275,7 +276,6 @@ def _given_up(
     step.events.append("turning back on the stairs")
     connector = _connector(memory, climbing)
     flight = flight_from(connector, goes_up=not connector.goes_up)
-    away_m = abs(memory.footing.z - memory.floor.z)
-    back = Climbing(climbing.connector, is_back=True, gained_m=-away_m, flight=flight)
+    back = Climbing(climbing.connector, is_back=True, flight=flight)
     decision = Decision(Action.TURN_LEFT, Mode.CLIMB, "the stairs lead nowhere, turning back")
     return decision, replace(plan, climbing=back)

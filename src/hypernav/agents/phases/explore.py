@@ -210,7 +210,8 @@ def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
     known = (destination.xy, *plan.exploring.left)
     if math.dist(other.xy, destination.xy) <= near_m and other.connector == destination.connector:
         # Blocks are numbered anew, so the reason of before would name another one.
-        return plan.explore(destination=replace(destination, reason=other.reason))
+        same = replace(destination, reason=other.reason, face=other.face)
+        return plan.explore(destination=same)
     if any(math.dist(other.xy, one) <= near_m for one in known):
         return plan
     step.events.append("destination changed")
@@ -219,7 +220,7 @@ def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
 
 
 def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
-    """The plan without its destination, kept as a visit unless it is a sighting or a heading."""
+    """The plan without its destination, kept as a visit unless it is a sighting or a move."""
     destination, search = plan.destination, memory.search
     if destination is None:
         return plan
@@ -276,7 +277,7 @@ def _look_across(step: Step, memory: Memory, plan: Plan) -> Action | None:
     """At the destination, the turn towards what is still unexplored around it.
 
     A robot that comes to a door sideways has not yet looked through it. At an edge of the floor
-    this is what it turns to.
+    it turns to that alone.
     """
     destination, config, robot = plan.destination, step.config, step.robot
     if (

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from hypernav.core.exploring.floors import KnownFloor, WayOut
+from hypernav.core.exploring.floors import Drop, KnownFloor, WayOut
 from hypernav.core.exploring.insight import Insight
 from hypernav.core.exploring.overview import Block
 from hypernav.core.exploring.sightings import SeenThing
@@ -35,8 +35,8 @@ class ExplorationView:
             next floor. Others, and those to floors that it left before all was seen, are taken
             where the explorer has nothing left to offer.
         elsewhere: Other floors that the robot knows, those with the fewest stairs on the way first.
-        drops: Where the floor ends, with the heading in which it does: stairs down may begin there.
-            None where the robot knows a way to the next floor down.
+        drops: Where the floor ends, so that stairs down may begin there, and where stairs down seem
+            to. There are none where the robot knows a way to the next floor down.
         may_be_here: Whether a component has just said that the goal is where the robot is.
     """
 
@@ -50,7 +50,7 @@ class ExplorationView:
     notes: dict[str, Any] = field(default_factory=dict)
     ways_out: Sequence[WayOut] = ()
     elsewhere: Sequence[KnownFloor] = ()
-    drops: Sequence[Pose2] = ()
+    drops: Sequence[Drop] = ()
     may_be_here: bool = False
 
     @property

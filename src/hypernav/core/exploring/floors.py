@@ -34,6 +34,27 @@ class WayOut:
         return (self.x, self.y)
 
 
+@dataclass(frozen=True)
+class Drop:
+    """A place where the floor ends, as at the head of stairs.
+
+    Attributes:
+        x: Position along the x axis, ``map`` frame, metres.
+        y: Position along the y axis, ``map`` frame, metres.
+        axis: Direction in which stairs seemed to lead down there, ``map`` frame, radians; None if
+            no image has shown any.
+    """
+
+    x: float
+    y: float
+    axis: float | None = None
+
+    @property
+    def xy(self) -> tuple[float, float]:
+        """The position, metres."""
+        return (self.x, self.y)
+
+
 @dataclass(frozen=True, eq=False)
 class KnownFloor:
     """Another floor that the robot knows, and knows a way to.

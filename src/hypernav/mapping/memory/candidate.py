@@ -20,6 +20,8 @@ _PRIOR = -1.4
 _MOST_BY_LOOKS = 6.0
 """Largest shift of the log-odds by all looks together: a detector often makes the same mistake from
 all sides, so the candidate's form must still be able to refute it."""
+_BESIDE_M = 2.0
+"""Distance from an entry point, metres, up to which a view of the target is beside it."""
 _SAME_POSITION_M = 0.4
 _ANOTHER_SIDE_DEG = 45.0
 _SAME_VIEW = 0.5
@@ -139,6 +141,13 @@ class Candidate:
         positions = [one.position for one in self.looks if one.weight > 0.0]
         positions.append(self.best_view.robot.xy)
         return min(positions, key=lambda position: self.area.distance_to(*position))
+
+    @property
+    def views_beside(self) -> Float64[np.ndarray, "n 2"]:
+        """The same position, if it is so near that the goal may be reached there; else none."""
+        view = self.nearest_view
+        near = self.distance_to(*view) <= _BESIDE_M
+        return np.array([view] if near else []).reshape(-1, 2)
 
     def distance_to(self, x: float, y: float) -> float:
         """Straight distance from a position, metres, to the nearest entry point, metres."""

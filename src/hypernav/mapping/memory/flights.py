@@ -202,8 +202,9 @@ def _falls_towards(way: Sequence[_Place], axis: float | None) -> float | None:
         return None
     if axis is not None:
         ahead = points[:, :2] @ np.array([[math.cos(axis)], [math.sin(axis)]])
-        off_m = points[:, 2] - ahead @ np.linalg.lstsq(ahead, points[:, 2], rcond=None)[0]
-        if np.abs(off_m).max() <= _HEIGHT_ERROR_M:
+        (rise,) = np.linalg.lstsq(ahead, points[:, 2], rcond=None)[0]
+        off_m = points[:, 2] - rise * ahead[:, 0]
+        if rise <= -_STEEP and np.abs(off_m).max() <= _HEIGHT_ERROR_M:
             return None
     slope = np.linalg.lstsq(points[:, :2], points[:, 2], rcond=None)[0]
     return math.atan2(-slope[1], -slope[0])

@@ -242,10 +242,12 @@ class Memory:
         """Whether the robot, which looks for stairs, climbs: it is off the ground it walked on."""
         return self.elevation is not None and self.footing.is_off_ground
 
-    def ground_around(self, position: tuple[float, float], *, down: bool) -> Ground:
+    def ground_around(
+        self, position: tuple[float, float], *, down: bool, under: bool = False
+    ) -> Ground:
         """The ground that a climbing robot could walk to; see `ElevationMap.ground_from`."""
         assert self.elevation is not None, "only a robot that looks for stairs has an elevation map"
-        return self.elevation.ground_from(position, down=down)
+        return self.elevation.ground_from(position, down=down, under=under)
 
     @property
     def obstacles(self) -> OccupancyGrid:

@@ -7,8 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from hypernav.core.exploring.floors import KnownFloor, WayOut
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.exploring.floors import Drop, KnownFloor, WayOut
 from hypernav.mapping.distance import distance_from
 from hypernav.mapping.ground import reach
 from hypernav.mapping.memory.connectors import Connector
@@ -22,6 +21,10 @@ _EDGE_PATCHES = 2
 """Least number of patches in an edge at which stairs may begin."""
 _NEAR_M = 1.5
 """Distance from which the robot sees whether stairs begin at an edge, metres."""
+_BEFORE_M = 0.8
+"""Distance from stairs, metres, at which a robot stands before them."""
+_ALONG = math.radians(30.0)
+"""Angle from the direction of stairs up to which it looks along them."""
 _IN_SIGHT_M = 8.0
 """Distance from which images hardly show edges, metres."""
 _UNDERFOOT_M = 1.5
@@ -41,35 +44,38 @@ def ways_to_new_floors(memory: Memory) -> list[WayOut]:
     return [_way_over(memory, number) for number in leading_on if memory.connectors[number].is_new]
 
 
-def drops_to_look_at(memory: Memory) -> list[Pose2]:
+def drops_to_look_at(memory: Memory) -> list[Drop]:
     """Where the floor of a climbing robot ends, as it does at the head of stairs.
 
     From afar images show that floor is missing, but not whether stairs lead down there. What the
     robot has looked at from near is left out, and so are edges at stairs that it knows, up or down,
-    and those behind a railing. Stairs down that were seen too seldom to rely on are looked at, too.
-    There are none where it knows a way to the next floor down: most of them are the well of these
-    stairs.
+    and those behind a railing. Stairs down that were seen too seldom to rely on are looked at, too,
+    from before them. There are none where it knows a way to the next floor down: most of them are
+    the well of these stairs.
 
     Returns:
-        Where such stairs begin and how they lead on, and for each edge the position on it that is
-        nearest to where the robot has been, and the heading from there.
+        Such stairs, and for each edge the position on it that is nearest to where the robot has
+        been.
     """
     if _knows_next_floor(memory, memory.floor, goes_up=False):
         return []
     known = [one for one in memory.connectors if one.floor == memory.number]
-    doubtful = [one for one in known if one.is_doubtful and not one.goes_up]
-    before = np.array([one.approach for one in doubtful]).reshape(-1, 2)
-    is_near = _are_in_reach(memory, before)
+    stairs = [one for one in known if one.is_doubtful and not one.goes_up]
+    touches = _are_in_reach(memory, np.array([one.approach for one in stairs]).reshape(-1, 2))
     edges = [
-        edge
-        for edge in _new_edges(memory)
-        if all(edge.distance_to(*one.end) > _NEAR_M for one in known)
+        Drop(x, y)
+        for x, y in _new_edges(memory)
+        if all(math.dist((x, y), one.end) > _NEAR_M for one in known)
     ]
-    stairs = [Pose2(*one.end, one.axis) for one in doubtful]
-    return [one for one, near in zip(stairs, is_near, strict=True) if near] + edges
+    new = [
+        Drop(*one.end, one.axis)
+        for one, is_in_reach in zip(stairs, touches, strict=True)
+        if is_in_reach and not _was_looked_down(memory, one)
+    ]
+    return new + edges
 
 
-def _new_edges(memory: Memory) -> list[Pose2]:
+def _new_edges(memory: Memory) -> list[tuple[float, float]]:
     """For each edge that the robot has not looked at, the position nearest to where it has been."""
     edges = memory.floor.map.edges_to_drops()
     edges = np.unique(np.floor(edges[_are_in_reach(memory, edges)] / _PATCH_M), axis=0)
@@ -78,29 +84,28 @@ def _new_edges(memory: Memory) -> list[Pose2]:
         return []
     been_m = _distances_m(patches, memory.floor.trajectory)
     nearest = [patches[edge[been_m[edge].argmin()]] for edge in _edges(patches)]
-    return [_seen_edge(memory, _PATCH_M * (patch + 0.5)) for patch in nearest]
+    return [(float(_PATCH_M * (x + 0.5)), float(_PATCH_M * (y + 0.5))) for x, y in nearest]
 
 
-def _seen_edge(memory: Memory, position: Float64[np.ndarray, "2"]) -> Pose2:
-    """A position on an edge, with the heading from the place of the robot's that is nearest."""
-    away = position - np.array(memory.floor.trajectory)
-    nearest = away[np.hypot(away[:, 0], away[:, 1]).argmin()]
-    return Pose2(float(position[0]), float(position[1]), math.atan2(nearest[1], nearest[0]))
+def _was_looked_down(memory: Memory, stairs: Connector) -> bool:
+    """Whether the robot has stood before stairs in this search and looked along them."""
+    return any(
+        one.distance_to(*stairs.end) <= _BEFORE_M
+        and math.cos(one.yaw - stairs.axis) >= math.cos(_ALONG)
+        for one in memory.search.views
+    )
 
 
 def _seen_from_near(memory: Memory, places: Float64[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n"]:
     """Whether the robot has looked at each of some places, or been near it in an earlier search."""
-    views = memory.search.views
-    earlier = memory.floor.trajectory[: len(memory.floor.trajectory) - len(views)]
-    to_x, to_y = (
-        places[:, axis, None] - [*(one[axis] for one in earlier), *(one.xy[axis] for one in views)]
-        for axis in (0, 1)
-    )
-    is_near = np.asarray(np.hypot(to_x, to_y) <= _NEAR_M)
-    off = np.arctan2(to_y, to_x)[:, len(earlier) :] - [one.yaw for one in views]
+    been, views = np.array(memory.floor.trajectory).reshape(-1, 2), memory.search.views
+    to_x, to_y = (places[:, axis, None] - been[:, axis] for axis in (0, 1))
+    looked = np.asarray(np.hypot(to_x, to_y) <= _NEAR_M)
+    first = len(been) - len(views)
+    off = np.arctan2(to_y, to_x)[:, first:] - [one.yaw for one in views]
     half = math.radians(memory.embodiment.camera.hfov_deg) / 2.0
-    is_near[:, len(earlier) :] &= np.cos(off) >= math.cos(half)
-    return np.asarray(is_near.any(axis=1))
+    looked[:, first:] &= np.cos(off) >= math.cos(half)
+    return np.asarray(looked.any(axis=1))
 
 
 def _are_in_reach(memory: Memory, places: Float64[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n"]:
