@@ -2,7 +2,7 @@ from collections import Counter
 from collections.abc import Callable
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from hypernav.core.errors import (
@@ -95,6 +95,7 @@ def slow_until_the_end(time: Time) -> Callable[[Deadline], str]:
     st.floats(0.1, 20.0),
     st.sampled_from([ChatTransportError("lost"), ChatTimeoutError("slow")]),
 )
+@example(0.1 + 0.2, 0.1, 0.1, ChatTransportError("lost"))  # nothing is left after the waits
 def test_gives_up_within_the_patience(limit: float, first: float, longest: float, error: Exception):
     time = Time()
     with pytest.raises(ModelUnavailableError, match="gave no answer in"):

@@ -12,6 +12,8 @@ from hypernav.models.chat.config import ChatConfig
 
 _Result = TypeVar("_Result")
 _log = logging.getLogger(__name__)
+_LEAST_S = 0.001
+"""Time that must be left for another attempt, seconds: waits add up with rounding errors."""
 
 
 class RetryLaterError(ChatTransportError):
@@ -86,7 +88,7 @@ class Retry:
                 asked_for = error.wait_s if isinstance(error, RetryLaterError) else None
                 # A server may ask for a longer wait than ours, never for a shorter one.
                 pause = min(max(wait, asked_for or 0.0), config.longest_wait_s)
-                if pause >= patience.seconds_left:
+                if pause + _LEAST_S >= patience.seconds_left:
                     attempts = lost.total()
                     times = f"{attempts} {'attempt' if attempts == 1 else 'attempts'}"
                     if config.patience_s > 0.0:
