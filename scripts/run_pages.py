@@ -8,7 +8,7 @@ Each page is followed from its top to its end in an empty folder of its own:
 - a ``console`` block holds commands after ``$`` and what they print, with ``… s`` for times. A line
   with ``…`` alone stands for any number of lines. ``--write`` puts in what they print now.
 
-All other blocks are only shown.
+All other blocks are only shown. As many pages are followed side by side as the machine has cores.
 
 Run: python scripts/run_pages.py [--write] PAGE…
 """
@@ -20,6 +20,9 @@ import re
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from itertools import chain
 from pathlib import Path
 
 _MOST_S = 600.0
@@ -40,12 +43,16 @@ def main() -> int:
     parser.add_argument("pages", nargs="+", type=Path)
     parser.add_argument("--write", action="store_true", help="write what the commands print")
     arguments = parser.parse_args()
-    return max(_run(page, write=arguments.write) for page in arguments.pages)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        faults = list(pool.map(partial(_faults, write=arguments.write), arguments.pages))
+    for fault in chain.from_iterable(faults):
+        print(fault)
+    return 1 if any(faults) else 0
 
 
-def _run(page: Path, *, write: bool) -> int:
-    """Follow a page; 1 if it is wrong."""
-    text, faults = page.read_text("utf-8"), 0
+def _faults(page: Path, *, write: bool) -> list[str]:
+    """What is wrong with a page."""
+    text, faults = page.read_text("utf-8"), list[str]()
     with tempfile.TemporaryDirectory() as folder:
         for block in _BLOCK.finditer(text):
             kind, body = block.groups()
@@ -54,18 +61,17 @@ def _run(page: Path, *, write: bool) -> int:
                 if write:
                     page.write_text(page.read_text("utf-8").replace(body, printed), "utf-8")
                 elif not _agree(body, printed):
-                    faults += 1
                     diff = difflib.unified_diff(body.splitlines(), printed.splitlines(), str(page))
-                    print(*diff, sep="\n")
+                    faults.append("\n".join(diff))
             elif name := _FILE.match(body):
                 (Path(folder) / name[1]).write_text(body, "utf-8")
             else:
                 command = [sys.executable, "-c"] if kind == "python" else ["bash", "-euc"]
                 done = _call([*command, body], folder)
                 if done.returncode:
-                    faults += 1
-                    print(f"{page}: a block fails with {done.returncode}\n{body}\n{done.stdout}")
-    return min(faults, 1)
+                    said = f"{page}: a block fails with {done.returncode}"
+                    faults.append(f"{said}\n{body}\n{done.stdout}")
+    return faults
 
 
 def _console(body: str, folder: str) -> str:
