@@ -18,8 +18,9 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode, ModuleClock
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.drops import drops_to_look_at
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.ways import drops_to_look_at, known_floors, ways_to_new_floors
+from hypernav.mapping.memory.ways import known_floors, ways_to_new_floors
 from hypernav.perception.image_ranking import ImageRanking
 from hypernav.perception.image_recall import ImageRecall
 from hypernav.perception.local.local_perception import LocalPerception

@@ -19,11 +19,11 @@ from hypernav.mapping.memory.connectors import (
     relied_on,
     with_sightings,
 )
+from hypernav.mapping.memory.drops import drops_to_look_at
 from hypernav.mapping.memory.index import ConnectorRecord
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.stair_edges import without_sides
 from hypernav.mapping.memory.ways import (
-    drops_to_look_at,
     known_floors,
     ways_out,
     ways_to_new_floors,
