@@ -22,6 +22,7 @@ CONFIG = with_changes(preset("default"), {"embodiment": {"body": {"max_step_m": 
         ("3061-23", 330),  # a railing stands before the middle of the stairs' head
         ("3152-14", 500),  # the floor above the second flight seems to close it
         ("3172-17", 420),  # at the foot of the stairs it touches something, whatever it tries
+        ("3175-14", 330),  # it comes along the railing of L-shaped stairs, whose head is askew
         ("3209-17", 400),  # its stairs were seen in one image alone, from beside their railing
     ],
 )

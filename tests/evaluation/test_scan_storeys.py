@@ -82,7 +82,4 @@ def test_it_goes_up_and_down_in_open_stairwells(in_a_tower, number, seen):
     outcome, known, levels = search(in_a_tower[number], STAIR_CLIMB_M)
     assert outcome is Outcome.FOUND
     assert len(levels) == 3
-    reached = [min(range(3), key=lambda k, z=z: abs(levels[k] - z)) for z in known]
-    assert known == pytest.approx([levels[k] for k in reached], abs=_LEVEL_M)
-    assert len(set(reached)) == len(reached)
-    assert set(seen) <= set(reached)  # it may have been elsewhere, too
+    assert known == pytest.approx([levels[k] for k in seen], abs=_LEVEL_M)

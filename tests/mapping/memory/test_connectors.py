@@ -12,9 +12,11 @@ from hypernav.core.exploring.floors import Drop
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.ground import Ground, UnseenGround, reach
 from hypernav.mapping.memory.connectors import (
     Connector,
     Passage,
+    connectors_in,
     reliable,
     relied_on,
     with_sightings,
@@ -127,9 +129,43 @@ def test_what_turns_out_to_be_the_side_of_a_stairwell_counts_no_longer():
     grid.cells[grid.mask_of(along)] = Cell.OCCUPIED
     (now,) = without_sides([side], 0, ground, 0.0, grid)
     assert not now.is_usable
+    assert not now.is_doubtful
     assert ConnectorRecord.of(now).connector() == now  # as a memory keeps it
     taken = replace(side, passage=Passage.USED)
     assert without_sides([taken], 0, ground, 0.0, grid) == (taken,)
+
+
+def test_floor_that_nobody_saw_beyond_a_railing_is_not_before_the_stairs():
+    """Stairs lead from the floor at x = 4.2 towards -x, below the railing at y = 2."""
+    shape, cell_m = (70, 110), 0.05
+    unseen, is_presumed = np.zeros(shape, dtype=bool), np.zeros(shape, dtype=bool)
+    heights = np.zeros(shape, dtype=np.float32)
+    cells = np.full(shape, Cell.FREE, dtype=np.uint8)
+    cells[40:43, :72] = cells[63:] = Cell.OCCUPIED
+    is_presumed[43:63, :72] = True
+    is_presumed[48:53, 40:52], unseen[48:53, 40:52] = False, True
+    for k in range(2):
+        tread = slice(84 - 6 * (k + 1), 84 - 6 * k)
+        heights[40:63, tread] = -RISE_M * (k + 1)
+    unseen[43:63, 70:72], is_presumed[43:63, 70:72] = True, False
+    grid = OccupancyGrid(cells, cell_m, (0.0, 0.0))
+    around = np.where(is_presumed | unseen, np.nan, heights).astype(np.float32)
+    around[:, 70:72] = -3.0 * RISE_M
+    seen = ~(is_presumed | unseen)
+    ground = Ground(
+        grid,
+        np.where(unseen, np.nan, heights),
+        seen,
+        reach(grid, (2.0, 1.0), 0.1),
+        is_presumed,
+        0.1,
+        UnseenGround(unseen, around),
+        np.zeros(shape, dtype=bool),
+    )
+    (found,) = connectors_in(ground, 0, 0.0)
+    assert not found.goes_up
+    assert math.dist(found.end, (4.2, 2.6)) < 0.5
+    assert math.cos(found.axis - math.pi) > math.cos(math.radians(20.0))
 
 
 def test_one_image_is_not_enough_to_rely_on_stairs():

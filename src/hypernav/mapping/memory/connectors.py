@@ -66,7 +66,7 @@ class Connector:
         axis: Direction in which it leads away from there, radians.
         passage: What is known of the way.
         other_floor: Number of the floor at its other end; None if it is not known.
-        sightings: Number of images that showed it.
+        sightings: Number of images that showed it, since one showed that no stairs begin there.
     """
 
     floor: int
@@ -85,7 +85,7 @@ class Connector:
     @property
     def is_doubtful(self) -> bool:
         """Whether it was seen too seldom to rely on, and nobody has tried it."""
-        return self.passage is Passage.UNTRIED and not self.is_usable
+        return self.passage is Passage.UNTRIED and 0 < self.sightings < _SIGHTINGS
 
     @property
     def is_new(self) -> bool:
@@ -254,6 +254,8 @@ def connectors_in(ground: Ground, floor: int, floor_z: float) -> list[Connector]
         above = reached & ground.seen & (heights >= floor_z + LEVEL_M)
         below = reached & (ground.presumed | (ground.seen & (heights <= floor_z - LEVEL_M)))
         high, low = heights >= floor_z + STAIRS_M, ground.seen & (heights <= floor_z - STAIRS_M)
+        if below.any():  # unseen spots that lie lower join what was seen around them
+            below |= reached & ground.unseen.cells & (ground.heights <= floor_z - LEVEL_M)
     found = list[Connector]()
     for part in _parts(above):
         if min(ground.area_m2(part & high), ground.area_m2(part & ~high)) >= _LEAST_M2:
@@ -275,6 +277,7 @@ def _connector(
 ) -> list[Connector]:
     """The connector of a part of the ground; empty if it does not begin on the floor."""
     level = ground.between(floor_z - LEVEL_M, floor_z + LEVEL_M) & ~ground.presumed
+    level = _joined(level, ground.seen)  # what is unseen beyond steps may be a part of the well
     edge = level & _grown(_first_step(ground, part, floor_z) if goes_up else part)
     if goes_up and not edge.any():
         high = part & (ground.heights >= floor_z + _HIGH_M)
@@ -306,9 +309,15 @@ def _with_unseen_steps(
     """Steps up with those right before them that the camera does not see from so near."""
     side = 2 * math.ceil(_UNSEEN_M / ground.grid.resolution_m) + 1
     unseen = ground.reached & ~ground.seen & _grown(part, side)
-    joined = part | (unseen & (ground.heights >= floor_z + LEVEL_M))
-    parts = cv2.connectedComponents(joined.view(np.uint8), connectivity=8)[1]
-    return np.isin(parts, np.unique(parts[part]))
+    return _joined(part | (unseen & (ground.heights >= floor_z + LEVEL_M)), part)
+
+
+def _joined(
+    mask: Bool[np.ndarray, "rows columns"], some: Bool[np.ndarray, "rows columns"]
+) -> Bool[np.ndarray, "rows columns"]:
+    """The connected parts of a mask that hold cells of another."""
+    parts = cv2.connectedComponents(mask.view(np.uint8), connectivity=8)[1]
+    return np.isin(parts, np.unique(parts[mask & some]))
 
 
 def _grown(

@@ -125,7 +125,7 @@ class ConnectorRecord(_Record):
     axis: float
     passage: Passage
     other_floor: int | None = Field(ge=0)
-    sightings: int = Field(ge=1)
+    sightings: int = Field(ge=0)
 
     @staticmethod
     def of(connector: Connector) -> "ConnectorRecord":

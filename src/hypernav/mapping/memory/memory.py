@@ -27,6 +27,7 @@ from hypernav.mapping.memory.connectors import (
     with_crossing,
     with_sightings,
 )
+from hypernav.mapping.memory.flights import landing_z
 from hypernav.mapping.memory.floor import Floor, SearchMemory, counted_from
 from hypernav.mapping.memory.footing import ANOTHER_M, Footing
 from hypernav.mapping.memory.key_images import KeyImages
@@ -141,16 +142,14 @@ class Memory:
             self.number = self._known_or_new(z)
         self.footing = footing.on_floor(self.floor.z)
         if shows_steps and not self.on_stairs:
-            ground = self.ground_around(here, down=True)
-            seen = connectors_in(ground, self.number, self.footing.ground_z)
-            seen = reliable(seen, self.connectors, here, ground, self.footing.ground_z)
-            self.connectors = without_sides(
-                with_sightings(self.connectors, seen),
-                self.number,
-                ground,
-                self.footing.ground_z,
-                self.floor.map.grid,
-            )
+            ground, level_z = self.ground_around(here, down=True), self.footing.ground_z
+            if level_z != self.floor.z:  # where stairs begin, a simulated robot's height errs
+                level_z = landing_z(ground, observation.robot, level_z)
+            seen = connectors_in(ground, self.number, level_z)
+            seen = reliable(seen, self.connectors, here, ground, level_z)
+            known = with_sightings(self.connectors, seen)
+            grid = self.floor.map.grid
+            self.connectors = without_sides(known, self.number, ground, level_z, grid)
         return self.floor
 
     def begin_at(self, observation: Observation) -> Floor:

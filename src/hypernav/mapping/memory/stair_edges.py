@@ -15,8 +15,6 @@ EDGE_M = 1.5
 """Distance to both sides of the end of stairs, metres, in which their edge is looked for."""
 _BEFORE_EDGE_M, _BEYOND_EDGE_M = 0.15, 0.3
 """Distances before and beyond it at which there is floor, and none."""
-_LONG_M = 1.6
-"""Length of an edge, metres, from which it may be the side of a stairwell."""
 _HEADROOM_M = np.arange(0.5, 1.5, 0.05)
 """Distances beyond the head of stairs down, metres, at which nothing is above them."""
 _ACROSS_M = np.arange(-0.3, 0.3, 0.05)
@@ -30,9 +28,8 @@ def without_sides(
 ) -> tuple[Connector, ...]:
     """The known connectors, of which none may be relied on that is the long side of a stairwell.
 
-    It is an edge of the floor, too, but longer than stairs are wide, no steps were seen there, and
-    soon beyond it there is floor again, or a wall: the floor above a flight is open until people
-    can walk below it.
+    It is an edge of the floor, too, but no steps were seen there, and soon beyond it there is floor
+    again, or a wall: the floor above a flight is open until people can walk below it.
 
     Args:
         known: The connectors.
@@ -42,11 +39,11 @@ def without_sides(
         grid: Map of that floor.
     """
     return tuple(
-        replace(one, sightings=1)
+        replace(one, sightings=0)
         if one.floor == floor
         and one.passage is Passage.UNTRIED
         and not one.goes_up
-        and sum(edge_beside(ground, one, floor_z)) >= _LONG_M
+        and sum(edge_beside(ground, one, floor_z)) > 0.0
         and not shows_steps(ground, one, floor_z)
         and not _has_headroom(one, ground, floor_z, grid)
         else one
