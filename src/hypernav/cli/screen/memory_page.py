@@ -12,7 +12,7 @@ from hypernav.mapping.memory.connectors import Connector
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.key_images import KeyImage
 from hypernav.mapping.memory.memory_folder import MemoryFolder
-from hypernav.mapping.memory.thing import Thing
+from hypernav.mapping.memory.thing import MOST_CHANCE, Thing
 from hypernav.show.climbs import StairsMark
 from hypernav.show.drawing.map_painter import MapPainter
 from hypernav.show.drawing.map_view import MapView
@@ -45,6 +45,7 @@ def memory_page(home: MemoryFolder) -> str:
         name=home.folder.resolve().name,
         building="" if home.place is None else home.place.building,
         left_out=home.left_out,
+        most_chance=MOST_CHANCE,
         floors=[
             _floor(number, floor, _stairs(memory.connectors, number), images)
             for number, floor in enumerate(memory.floors)

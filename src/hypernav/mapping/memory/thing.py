@@ -31,6 +31,8 @@ score and times the share of the images, of those that should show it, in which 
 Fitted to YOLOX-nano in eight training houses; in eight others 33 % of 440 remembered things were
 right, 11 % of those with scores below 0.4 and 88 % from 0.9 on (docs/results/memory.md). A detector
 errs the same way from every side, so that many images of a low score are no better than one."""
+MOST_CHANCE = 1.0 / (1.0 + math.exp(-(_AT_NOTHING + _AT_SCORE + _AT_RECALL)))
+"""Greatest chance of a thing, that of a score of 1 in each image which should show it: 0.89."""
 _RECALL = (0.3, 0.95)
 """Limits of how often a detector is believed to see a thing that is there."""
 _REFUTED = 0.4
