@@ -26,10 +26,11 @@ _MOST_CLOSED = 0.35
 def without_sides(
     known: Sequence[Connector], floor: int, ground: Ground, floor_z: float, grid: OccupancyGrid
 ) -> tuple[Connector, ...]:
-    """The known connectors, of which none may be relied on that is the long side of a stairwell.
+    """The known connectors, of which none counts that is the side of a stairwell.
 
     It is an edge of the floor, too, but no steps were seen there, and soon beyond it there is floor
-    again, or a wall: the floor above a flight is open until people can walk below it.
+    again, or a wall: the floor above a flight is open until people can walk below it. Such a one is
+    neither relied on nor looked at until new images show it as stairs.
 
     Args:
         known: The connectors.
