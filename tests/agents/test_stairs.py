@@ -419,7 +419,7 @@ def test_a_robot_looks_at_what_is_unseen_before_it_takes_stairs_to_a_thing():
 @pytest.mark.slow
 @pytest.mark.parametrize("is_sent", [True, False])
 def test_what_is_meant_on_another_floor_is_not_taken_for_one_of_this_as_steps_run_out(is_sent):
-    trace, memory = search_above_for_the_sofa(is_sent=is_sent, two_sofas=True, steps=24)
+    trace, memory = search_above_for_the_sofa(is_sent=is_sent, two_sofas=True, steps=16)
     assert memory.number == 1
     assert (trace[-1].action is Action.STOP) is not is_sent
 

@@ -40,6 +40,8 @@ _WHOLE_M = 1.0
 _SAME_AXIS = 0.35
 """Greatest difference between the directions of two sightings of one edge, radians."""
 _SPECK_CELLS = 10
+_GAP_CELLS = 5
+"""Width of a gap between steps, cells, from which it parts them."""
 _STAYED_M = 1.0
 """Greatest length of the last action of a search, up or down stairs, metres."""
 _SIGHTINGS = 2
@@ -254,8 +256,9 @@ def connectors_in(ground: Ground, floor: int, floor_z: float) -> list[Connector]
         above = reached & ground.seen & (heights >= floor_z + LEVEL_M)
         below = reached & (ground.presumed | (ground.seen & (heights <= floor_z - LEVEL_M)))
         high, low = heights >= floor_z + STAIRS_M, ground.seen & (heights <= floor_z - STAIRS_M)
-        if below.any():  # unseen spots that lie lower join what was seen around them
-            below |= reached & ground.unseen.cells & (ground.heights <= floor_z - LEVEL_M)
+        if below.any():  # narrow unseen spots that lie lower part no steps
+            lower = reached & ground.unseen.cells & (ground.heights <= floor_z - LEVEL_M)
+            below |= lower & _closed(below)
     found = list[Connector]()
     for part in _parts(above):
         if min(ground.area_m2(part & high), ground.area_m2(part & ~high)) >= _LEAST_M2:
@@ -325,6 +328,12 @@ def _grown(
 ) -> Bool[np.ndarray, "rows columns"]:
     """A mask with the cells around it, in squares of so many cells a side."""
     return cv2.dilate(mask.view(np.uint8), np.ones((side, side), np.uint8)) > 0
+
+
+def _closed(mask: Bool[np.ndarray, "rows columns"]) -> Bool[np.ndarray, "rows columns"]:
+    """A mask with its narrow gaps."""
+    square = np.ones((_GAP_CELLS, _GAP_CELLS), np.uint8)
+    return cv2.morphologyEx(mask.view(np.uint8), cv2.MORPH_CLOSE, square) > 0
 
 
 def _parts(mask: Bool[np.ndarray, "rows columns"]) -> list[Bool[np.ndarray, "rows columns"]]:
