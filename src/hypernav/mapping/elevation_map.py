@@ -16,7 +16,7 @@ from hypernav.mapping.elevation_kernels import (
     sort_ground,
     survey,
 )
-from hypernav.mapping.ground import Ground, UnseenGround, reach
+from hypernav.mapping.ground import Ground, UnseenGround, closed, reach
 
 SIDE_CELLS = 256
 """Number of rows and columns of the map, whose middle stays near the robot."""
@@ -151,8 +151,8 @@ class ElevationMap:
             measured = (known >= robot_z - _SAME_STOREY_M) & (known <= robot_z + highest_m)
             near_level = np.abs(known - robot_z) < _NEAR_LEVEL_M
         around = np.where(near_level, known, np.float32(np.nan))
-        seen = _closed(measured, 3)  # gaps of one cell, as at risers, are ground
-        spots = _closed(seen, self._spot_cells)
+        seen = closed(measured, 3)  # gaps of one cell, as at risers, are ground
+        spots = closed(seen, self._spot_cells)
         # What lies lower may be joined to the robot by steps that it does not see.
         step_m = body.max_step_m + _STEP_SLACK_M
         to_robot = (origin[0] - position[0], origin[1] - position[1], self._cell_m)
@@ -227,12 +227,6 @@ class ElevationMap:
         self._heights[window][is_other] = floor_z
         self._stood_z[window][is_other] = floor_z
         self._robot_z = floor_z
-
-
-def _closed(mask: Bool[np.ndarray, "rows columns"], side: int) -> Bool[np.ndarray, "rows columns"]:
-    """The mask with its gaps that a square of so many cells doesn't fit into."""
-    square = np.ones((side, side), np.uint8)
-    return cv2.morphologyEx(mask.view(np.uint8), cv2.MORPH_CLOSE, square) > 0
 
 
 def _without_pits(

@@ -136,6 +136,12 @@ def reach(
     return fits == _REACHED
 
 
+def closed(mask: Bool[np.ndarray, "rows columns"], side: int) -> Bool[np.ndarray, "rows columns"]:
+    """The mask with its gaps that a square of so many cells doesn't fit into."""
+    square = np.ones((side, side), np.uint8)
+    return cv2.morphologyEx(mask.view(np.uint8), cv2.MORPH_CLOSE, square) > 0
+
+
 def _disc(radius: float) -> UInt8[np.ndarray, "rows columns"]:
     """Square of cells, 1 where the middle is at most so many cells away."""
     side = np.arange(-int(radius), int(radius) + 1)

@@ -17,7 +17,7 @@ from jaxtyping import Bool
 
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.mapping.config import STAIRS_M
-from hypernav.mapping.ground import Ground
+from hypernav.mapping.ground import Ground, closed
 
 LEVEL_M = 0.08
 """Greatest height above or below a floor, metres, that belongs to it: rugs and sills do."""
@@ -258,7 +258,7 @@ def connectors_in(ground: Ground, floor: int, floor_z: float) -> list[Connector]
         high, low = heights >= floor_z + STAIRS_M, ground.seen & (heights <= floor_z - STAIRS_M)
         if below.any():  # narrow unseen spots that lie lower part no steps
             lower = reached & ground.unseen.cells & (ground.heights <= floor_z - LEVEL_M)
-            below |= lower & _closed(below)
+            below |= lower & closed(below, _GAP_CELLS)
     found = list[Connector]()
     for part in _parts(above):
         if min(ground.area_m2(part & high), ground.area_m2(part & ~high)) >= _LEAST_M2:
@@ -328,12 +328,6 @@ def _grown(
 ) -> Bool[np.ndarray, "rows columns"]:
     """A mask with the cells around it, in squares of so many cells a side."""
     return cv2.dilate(mask.view(np.uint8), np.ones((side, side), np.uint8)) > 0
-
-
-def _closed(mask: Bool[np.ndarray, "rows columns"]) -> Bool[np.ndarray, "rows columns"]:
-    """A mask with its narrow gaps."""
-    square = np.ones((_GAP_CELLS, _GAP_CELLS), np.uint8)
-    return cv2.morphologyEx(mask.view(np.uint8), cv2.MORPH_CLOSE, square) > 0
 
 
 def _parts(mask: Bool[np.ndarray, "rows columns"]) -> list[Bool[np.ndarray, "rows columns"]]:
