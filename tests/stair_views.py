@@ -1,9 +1,17 @@
-"""Stairs out of boxes: up from a room, and down from the edge of its floor."""
+"""Stairs out of boxes: up from a room, and down from the edge of its floor; and views of them."""
 
-from box_views import SolidBox
+from box_views import SolidBox, view_of
+from hypernav.core.embodiment import BodyConfig, Embodiment
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.config import MappingConfig
+from hypernav.mapping.memory.connectors import Connector
+from hypernav.mapping.memory.memory import Memory
 
 TREAD_M, RISE_M, STEPS = 0.28, 0.18, 10
 FIRST_X, SIDES_Y = 4.0, (1.4, 2.6)
+CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
+CAMERA = CLIMBER.camera.intrinsics
+MIDDLE_Y = sum(SIDES_Y) / 2.0
 
 
 def stairs_up(*, storey_m: float = STEPS * RISE_M) -> list[SolidBox]:
@@ -58,3 +66,35 @@ def stairs_down() -> list[SolidBox]:
         ((FIRST_X, -10.0, -3.0), (12.0, low, 2.5)),
         ((FIRST_X, high, -3.0), (12.0, 10.0, 2.5)),
     ]
+
+
+def memory_after(
+    boxes: list[SolidBox], *poses: Pose2, robot: Embodiment = CLIMBER, z: float = 0.0
+) -> Memory:
+    """What a robot that looks for stairs knows after views of boxes, from so high above the floor.
+
+    Args:
+        boxes: The boxes.
+        poses: Where it takes the views.
+        robot: The robot.
+        z: Its height, metres.
+    """
+    height_m = robot.camera.height_m + z
+    memory = Memory(MappingConfig(), robot)
+    memory.begin_search(sees_stairs=True)
+    for pose in poses:
+        memory.follow(view_of(boxes, pose, camera=CAMERA, height_m=height_m))
+    return memory
+
+
+def before_stairs(*distances_m: float, yaw: float = 0.0) -> list[Pose2]:
+    return [Pose2(FIRST_X - away_m, MIDDLE_Y, yaw) for away_m in distances_m]
+
+
+def usable(memory: Memory) -> list[Connector]:
+    return [one for one in memory.connectors if one.is_usable]
+
+
+def edge(axis: float, *, x: float = 0.0) -> Connector:
+    """Stairs down at a position on the x axis, seen once."""
+    return Connector(0, False, (x, 0.0), axis)

@@ -7,10 +7,8 @@ import numpy as np
 import pytest
 
 from box_views import FLOOR, SolidBox, view_of
-from hypernav.core.embodiment import BodyConfig, Embodiment
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.connectors import Connector, connectors_in
+from hypernav.mapping.memory.connectors import Connector
 from hypernav.mapping.memory.flights import (
     first_ahead,
     first_flight,
@@ -22,22 +20,21 @@ from hypernav.mapping.memory.flights import (
     on_flight,
     stairs_ahead,
 )
-from hypernav.mapping.memory.memory import Memory
-from stair_views import FIRST_X, RISE_M, SIDES_Y, TREAD_M, stairs_down, stairs_up
+from hypernav.mapping.memory.seen_connectors import connectors_in
+from stair_views import (
+    CLIMBER,
+    FIRST_X,
+    MIDDLE_Y,
+    RISE_M,
+    SIDES_Y,
+    TREAD_M,
+    memory_after,
+    stairs_down,
+    stairs_up,
+)
 
-CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
-MIDDLE_Y = sum(SIDES_Y) / 2.0
 HEAD = Pose2(FIRST_X - 0.3, MIDDLE_Y, 0.0)
 FLIGHT = Connector(0, False, (FIRST_X, MIDDLE_Y), 0.0)
-
-
-def seen_from(boxes: list[SolidBox], *poses: Pose2, z: float = 0.0) -> Memory:
-    memory = Memory(MappingConfig(), CLIMBER)
-    memory.begin_search(sees_stairs=True)
-    camera, height_m = CLIMBER.camera.intrinsics, CLIMBER.camera.height_m
-    for pose in poses:
-        memory.follow(view_of(boxes, pose, camera=camera, height_m=height_m + z))
-    return memory
 
 
 def before_the_edge() -> list[Pose2]:
@@ -50,7 +47,7 @@ def open_stairs() -> list[SolidBox]:
 
 
 def test_beside_the_axis_of_a_flight_down_is_no_ground():
-    memory = seen_from(open_stairs(), *before_the_edge())
+    memory = memory_after(open_stairs(), *before_the_edge())
     ground = memory.ground_around(HEAD.xy, down=True)
     beside_m = np.abs(ground.positions(ground.reached & ~ground.seen)[:, 1] - MIDDLE_Y)
     assert beside_m.max() > 1.0
@@ -63,7 +60,7 @@ def test_beside_the_axis_of_a_flight_down_is_no_ground():
 
 
 def test_the_way_down_does_not_lead_up_again():
-    memory = seen_from([FLOOR, *stairs_up()], *(Pose2(x, MIDDLE_Y, 0.0) for x in (2.0, 2.5)))
+    memory = memory_after([FLOOR, *stairs_up()], *(Pose2(x, MIDDLE_Y, 0.0) for x in (2.0, 2.5)))
     robot = Pose2(2.5, MIDDLE_Y, 0.0)
     ground = memory.ground_around(robot.xy, down=True)
     assert ground.between(0.4, 2.0).any()
@@ -76,7 +73,7 @@ def test_the_way_down_does_not_lead_up_again():
 def test_a_landing_is_as_high_as_it_looks(off_m: float):
     poses = [Pose2(0.0, 0.0, yaw) for yaw in np.arange(0.0, 2.0 * math.pi, math.pi / 6.0)]
     wall: SolidBox = ((2.0, -9.0, 0.0), (2.1, 9.0, 2.0))
-    memory = seen_from([FLOOR, wall], *poses, Pose2(1.0, 0.0, 0.0), z=off_m)
+    memory = memory_after([FLOOR, wall], *poses, Pose2(1.0, 0.0, 0.0), z=off_m)
     robot = Pose2(1.0, 0.0, 0.0)
     ground = memory.ground_around(robot.xy, down=True)
     assert landing_z(ground, robot, memory.footing.z) == pytest.approx(0.0, abs=0.03)
@@ -88,7 +85,7 @@ def test_where_the_robot_has_stood_tells_not_how_high_a_landing_is(off_m: float)
     around = [Pose2(0.0, 0.0, yaw) for yaw in np.arange(0.0, 2.0 * math.pi, math.pi / 6.0)]
     walk = [Pose2(0.1 * k, y, math.pi / 2.0) for y in (-0.4, -0.2, 0.0, 0.2) for k in range(-3, 10)]
     wall: SolidBox = ((-9.0, 1.2, 0.0), (9.0, 1.3, 2.0))
-    memory = seen_from([FLOOR, wall], *around, *walk, z=off_m)
+    memory = memory_after([FLOOR, wall], *around, *walk, z=off_m)
     robot = walk[-1]
     ground = memory.ground_around(robot.xy, down=True)
     assert (ground.seen & ground.stood).sum() > 100
@@ -97,7 +94,7 @@ def test_where_the_robot_has_stood_tells_not_how_high_a_landing_is(off_m: float)
 
 @pytest.mark.parametrize("quarters", [-1, 0, 1, 2])
 def test_the_next_flight_is_parallel_or_at_right_angles_to_the_first(quarters: int):
-    memory = seen_from(stairs_down(), *before_the_edge()[:2])
+    memory = memory_after(stairs_down(), *before_the_edge()[:2])
     robot = before_the_edge()[1]
     ground = memory.ground_around(robot.xy, down=True)
     first = replace(FLIGHT, end=(9.0, 9.0), axis=quarters * math.pi / 2.0 + 0.1)
@@ -109,7 +106,7 @@ def test_the_next_flight_is_parallel_or_at_right_angles_to_the_first(quarters: i
 
 
 def test_a_flight_that_begins_here_is_not_taken_for_another_one():
-    memory = seen_from(stairs_down(), *before_the_edge()[:2])
+    memory = memory_after(stairs_down(), *before_the_edge()[:2])
     robot = before_the_edge()[1]
     ground = memory.ground_around(robot.xy, down=True)
     here = replace(FLIGHT, end=(robot.x, robot.y - 1.2), axis=-math.pi / 2.0)
@@ -119,7 +116,7 @@ def test_a_flight_that_begins_here_is_not_taken_for_another_one():
 
 
 def test_a_spot_that_is_lowest_does_not_hide_the_tread_above_it():
-    ground = seen_from([FLOOR], HEAD).ground_around(HEAD.xy, down=False)
+    ground = memory_after([FLOOR], HEAD).ground_around(HEAD.xy, down=False)
     ahead_m, beside_m = ground.along(HEAD.xy, 0.0)
     measured = ground.measured.copy()
     tread = ground.seen & ground.reached & (np.abs(ahead_m - 2.0) < 0.14) & (beside_m < 0.5)
@@ -133,7 +130,7 @@ def test_a_spot_that_is_lowest_does_not_hide_the_tread_above_it():
 
 
 def test_a_flight_that_leads_towards_the_robot_is_not_the_next_one():
-    memory = seen_from(stairs_down(), *before_the_edge()[:2])
+    memory = memory_after(stairs_down(), *before_the_edge()[:2])
     robot = before_the_edge()[1]
     ground = memory.ground_around(robot.xy, down=True)
     (edge,) = [one for one in connectors_in(ground, 0, 0.0) if not one.goes_up]
@@ -143,7 +140,7 @@ def test_a_flight_that_leads_towards_the_robot_is_not_the_next_one():
 
 
 def test_a_flight_that_the_robot_has_passed_on_level_ground_is_none():
-    memory = seen_from(stairs_down(), *before_the_edge()[:2])
+    memory = memory_after(stairs_down(), *before_the_edge()[:2])
     robot = before_the_edge()[1]
     ground = memory.ground_around(robot.xy, down=True)
     across = replace(FLIGHT, end=robot.ahead(0.5).xy, axis=math.pi / 2.0)
@@ -155,7 +152,7 @@ def test_a_flight_that_the_robot_has_passed_on_level_ground_is_none():
 
 
 def test_from_a_landing_presumed_stairs_count_beside_the_few_steps_that_are_seen():
-    memory = seen_from(stairs_down(), *before_the_edge()[:2])
+    memory = memory_after(stairs_down(), *before_the_edge()[:2])
     robot = before_the_edge()[1]
     ground = memory.ground_around(robot.xy, down=True)
     presumed = ground.presumed & ground.reached
@@ -175,7 +172,7 @@ def test_from_a_landing_presumed_stairs_count_beside_the_few_steps_that_are_seen
 @pytest.mark.parametrize("count", [5, 30])
 def test_a_spot_off_the_floor_is_no_stairs(count: int, goes_up: bool):
     """Where heights err, a corner of a landing may look as much lower as a tread does."""
-    ground = seen_from([FLOOR], HEAD).ground_around(HEAD.xy, down=False)
+    ground = memory_after([FLOOR], HEAD).ground_around(HEAD.xy, down=False)
     few = np.zeros_like(ground.seen)
     few[tuple(np.argwhere(ground.seen & ground.reached)[-count:].T)] = True
     height = np.float32(0.2 if goes_up else -0.2)
@@ -199,7 +196,7 @@ def test_a_robot_between_two_treads_can_go_on():
         ((FIRST_X + hole, low, -3.0), (FIRST_X + 3.0, high, -0.36)),
         ((-10.0, -10.0, -3.0), (20.0, 10.0, -2.0)),
     ]
-    memory = seen_from(boxes)
+    memory = memory_after(boxes)
     camera, height_m = CLIMBER.camera.intrinsics, CLIMBER.camera.height_m
     for x, z, pitch_deg in ((FIRST_X - 0.5, 0.0, 30.0), (FIRST_X + hole / 2.0, -0.1, 0.0)):
         pose = Pose2(x, MIDDLE_Y, 0.0)
@@ -214,7 +211,7 @@ def test_a_robot_between_two_treads_can_go_on():
 def test_a_floor_counts_at_the_height_at_which_the_robot_walks_on_it():
     floor_z = -3.09
     boxes: list[SolidBox] = [((-30.0, -30.0, -4.0), (30.0, 30.0, floor_z))]
-    memory = seen_from(boxes)
+    memory = memory_after(boxes)
     camera, height_m = CLIMBER.camera.intrinsics, CLIMBER.camera.height_m
     for k, z in enumerate((-2.93, -2.97, -3.0, -3.0, -3.0)):
         pose = Pose2(0.5 * k, 0.0, 0.0)
@@ -229,7 +226,7 @@ def test_a_floor_counts_at_the_height_at_which_the_robot_walks_on_it():
 
 def test_the_way_on_is_ahead_where_there_is_one():
     robot = Pose2(0.0, 0.0, 0.0)
-    memory = seen_from([((-30.0, -30.0, -1.0), (30.0, 30.0, 0.0))], robot)
+    memory = memory_after([((-30.0, -30.0, -1.0), (30.0, 30.0, 0.0))], robot)
     ground = memory.ground_around(robot.xy, down=False)
     away = ground.distances_m(robot.xy)
     clear = ground.reached & (away >= 0.8)
@@ -243,13 +240,13 @@ def test_the_way_on_is_ahead_where_there_is_one():
 
 @pytest.mark.parametrize(("below_m", "is_away"), [(1.5, False), (2.5, True)])
 def test_a_storey_lies_farther_down_than_a_landing(below_m: float, is_away: bool):
-    memory = seen_from([FLOOR], Pose2(0.0, 0.0, 0.0), z=-below_m)
+    memory = memory_after([FLOOR], Pose2(0.0, 0.0, 0.0), z=-below_m)
     assert memory.footing.is_storey_away == is_away
 
 
 @pytest.mark.parametrize("quarters", [-1, 0, 1])
 def test_the_first_flight_leads_where_most_of_it_was_seen(quarters: int):
-    memory = seen_from(stairs_down(), *before_the_edge())
+    memory = memory_after(stairs_down(), *before_the_edge())
     ground = memory.ground_around(HEAD.xy, down=True)
     askew = replace(FLIGHT, axis=quarters * math.pi / 2.0)
     assert first_flight(ground, askew, 0.0).axis == pytest.approx(0.0)
@@ -259,7 +256,7 @@ def test_the_first_flight_leads_where_most_of_it_was_seen(quarters: int):
 @pytest.mark.parametrize("goes_up", [True, False])
 def test_the_first_flight_begins_in_the_middle_of_the_edge_before_it(off_m: float, goes_up: bool):
     boxes = [FLOOR, *stairs_up()] if goes_up else stairs_down()
-    memory = seen_from(boxes, *before_the_edge()[:3])
+    memory = memory_after(boxes, *before_the_edge()[:3])
     ground = memory.ground_around(HEAD.xy, down=not goes_up)
     first = Connector(0, goes_up, (FIRST_X - 0.05, MIDDLE_Y + off_m), 0.0)
     assert first_flight(ground, first, 0.0).end[1] == pytest.approx(MIDDLE_Y, abs=0.11)
@@ -268,14 +265,14 @@ def test_the_first_flight_begins_in_the_middle_of_the_edge_before_it(off_m: floa
 def test_on_a_platform_without_sides_it_begins_where_it_was_seen():
     platform: SolidBox = ((-10.0, -10.0, -3.0), (FIRST_X, 10.0, 0.0))
     below: SolidBox = ((FIRST_X, -10.0, -3.0), (30.0, 10.0, -1.8))
-    memory = seen_from([platform, below], *before_the_edge()[:3])
+    memory = memory_after([platform, below], *before_the_edge()[:3])
     ground = memory.ground_around(HEAD.xy, down=True)
     first = replace(FLIGHT, end=(FIRST_X - 0.05, MIDDLE_Y + 0.3))
     assert first_flight(ground, first, 0.0).end == first.end
 
 
 def test_from_the_front_a_robot_does_not_go_over_the_side_of_the_first_steps():
-    memory = seen_from([FLOOR, *stairs_up()], *before_the_edge()[:3])
+    memory = memory_after([FLOOR, *stairs_up()], *before_the_edge()[:3])
     ground = memory.ground_around(HEAD.xy, down=False)
     flight = Connector(0, True, (FIRST_X, MIDDLE_Y), 0.0)
     way = from_front(ground, HEAD, flight)
@@ -285,7 +282,7 @@ def test_from_the_front_a_robot_does_not_go_over_the_side_of_the_first_steps():
 
 
 def test_a_flight_is_none_where_the_landing_was_seen_to_go_on():
-    memory = seen_from(stairs_down(), *before_the_edge()[:2])
+    memory = memory_after(stairs_down(), *before_the_edge()[:2])
     robot = before_the_edge()[1]
     ground = memory.ground_around(robot.xy, down=True)
     level = replace(FLIGHT, end=(FIRST_X - 0.3, MIDDLE_Y), axis=math.pi / 2.0)
@@ -339,7 +336,7 @@ def test_steps_down_to_and_fro_tell_where_the_stairs_lead(askew_deg: float):
 def test_a_robot_said_to_stand_higher_than_it_does_is_not_cut_off(off_m: float):
     """A navigation mesh may lie two steps above the stairs."""
     boxes = [FLOOR, *stairs_up()]
-    memory = seen_from(boxes, *(Pose2(x, MIDDLE_Y, 0.0) for x in (2.0, 2.5, 3.0, 3.5)))
+    memory = memory_after(boxes, *(Pose2(x, MIDDLE_Y, 0.0) for x in (2.0, 2.5, 3.0, 3.5)))
     camera, height_m = CLIMBER.camera.intrinsics, CLIMBER.camera.height_m
     treads = [Pose2(FIRST_X + (k + 0.5) * TREAD_M, MIDDLE_Y, 0.0) for k in range(3)]
     for k, tread in enumerate(treads):
@@ -353,7 +350,7 @@ def test_a_robot_said_to_stand_higher_than_it_does_is_not_cut_off(off_m: float):
 
 
 def test_on_a_landing_the_way_on_leads_away_from_where_the_robot_has_looked():
-    memory = seen_from([FLOOR], Pose2(0.0, 0.0, 0.0), Pose2(0.5, 0.0, 0.0))
+    memory = memory_after([FLOOR], Pose2(0.0, 0.0, 0.0), Pose2(0.5, 0.0, 0.0))
     ground = memory.ground_around((0.5, 0.0), down=False)
     looked = (1.5, 0.0)
     way_on = ground.positions(memory.footing.way_on(ground, 0.0, 0.8, [looked]))

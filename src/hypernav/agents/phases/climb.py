@@ -12,7 +12,7 @@ from hypernav.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.core.actions import Action
 from hypernav.core.trace import Mode
 from hypernav.mapping.ground import Ground
-from hypernav.mapping.memory.connectors import LEVEL_M, Connector, Passage
+from hypernav.mapping.memory.connectors import Connector, Passage
 from hypernav.mapping.memory.flights import (
     ahead_of,
     first_ahead,
@@ -26,6 +26,7 @@ from hypernav.mapping.memory.flights import (
     stairs_ahead,
 )
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.memory.seen_connectors import LEVEL_M
 from hypernav.mapping.memory.stair_walls import along_walls
 from hypernav.planning.bump_sensor import is_cut_short
 from hypernav.planning.stair_steps import step_over_ground

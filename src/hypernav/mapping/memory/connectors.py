@@ -1,47 +1,18 @@
-"""Connectors between the floors of a building: stairs and ramps, seen without training.
-
-Stairs are told from furniture by what they are for: a robot that takes their steps could walk on
-them from the floor to far above or below it. Stairs down are mostly out of a level camera's sight.
-They are told by an open edge of the floor, wide enough for the robot, beyond which the camera sees
-below the floor.
-"""
+"""Connectors between the floors of a building, stairs or ramps: what a robot knows of them."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-import cv2
-import numpy as np
-from jaxtyping import Bool
-
 from hypernav.core.geometry.transforms import wrap_angle
-from hypernav.mapping.config import STAIRS_M
-from hypernav.mapping.ground import Ground, closed
 
-LEVEL_M = 0.08
-"""Greatest height above or below a floor, metres, that belongs to it: rugs and sills do."""
-_LEAST_M2 = 0.1
-"""Ground that far from the floor's height, within the robot's reach, square metres."""
-_HIGH_M = 0.65
-"""Height, metres, to which steps are seen at least that count without the first one."""
-_UNSEEN_M = 0.6
-"""Greatest length of steps up before those that are seen, metres: two treads."""
-_DROP_M2 = 0.25
-"""Presumed stairs down, within the robot's reach, square metres."""
-_ALONG_M = 1.0
-"""Length of the stairs from their end, metres, that tells their direction."""
 _SAME_M = 1.0
 """Distance between the ends of two sightings of one connector, metres."""
 _SAME_REFUTED_M = 0.5
 """The same for a connector that was refuted: the true head of stairs may be beside a railing."""
-_WHOLE_M = 1.0
-"""Distance from which the edge of a floor is seen whole, metres."""
 _SAME_AXIS = 0.35
 """Greatest difference between the directions of two sightings of one edge, radians."""
-_SPECK_CELLS = 10
-_GAP_CELLS = 5
-"""Width of a gap between steps, cells, from which it parts them."""
 _STAYED_M = 1.0
 """Greatest length of the last action of a search, up or down stairs, metres."""
 _SIGHTINGS = 2
@@ -120,6 +91,10 @@ class Connector:
             and math.dist(self.end, other.end) <= same_m
         )
 
+    def leads_along(self, other: "Connector") -> bool:
+        """Whether it leads in about the same direction as another."""
+        return abs(wrap_angle(self.axis - other.axis)) <= _SAME_AXIS
+
 
 @dataclass(frozen=True)
 class UnderWay:
@@ -136,45 +111,6 @@ class UnderWay:
     def is_at(self, position: tuple[float, float, float]) -> bool:
         """Whether a robot that begins a search there has stayed where the last one ended."""
         return math.dist(self.position, position) <= _STAYED_M
-
-
-def reliable(
-    seen: Sequence[Connector],
-    known: Sequence[Connector],
-    position: tuple[float, float],
-    ground: Ground,
-    floor_z: float,
-) -> list[Connector]:
-    """The sightings without those of edges of the floor that are too near to be seen whole.
-
-    Of these a camera sees the ends only. They count if ground below the floor was seen
-    near them, from farther away, or if they lead where a known connector does.
-
-    Args:
-        seen: The sightings.
-        known: The known connectors.
-        position: The robot ``(x, y)``, metres.
-        ground: Ground around the robot.
-        floor_z: Height of the floor, metres.
-    """
-    return [
-        one
-        for one in seen
-        if one.goes_up
-        or math.dist(one.end, position) >= _WHOLE_M
-        or shows_steps(ground, one, floor_z)
-        or any(
-            one.is_same(other) and abs(wrap_angle(one.axis - other.axis)) <= _SAME_AXIS
-            for other in known
-        )
-    ]
-
-
-def shows_steps(ground: Ground, down: Connector, floor_z: float) -> bool:
-    """Whether ground below the floor was seen near the end of stairs down."""
-    with np.errstate(invalid="ignore"):
-        below = ground.reached & ground.seen & (ground.measured <= floor_z - LEVEL_M)
-    return ground.area_m2(below & (ground.distances_m(down.end) <= _ALONG_M)) >= _LEAST_M2
 
 
 def with_sightings(known: Sequence[Connector], seen: Sequence[Connector]) -> tuple[Connector, ...]:
@@ -194,9 +130,9 @@ def with_sightings(known: Sequence[Connector], seen: Sequence[Connector]) -> tup
 
 def _mean_axis(known: Connector, seen: Connector) -> float:
     """The axis of a known connector with one more sighting; the new one if they do not agree."""
-    turned = wrap_angle(seen.axis - known.axis)
-    if abs(turned) > _SAME_AXIS:
+    if not known.leads_along(seen):
         return seen.axis
+    turned = wrap_angle(seen.axis - known.axis)
     return wrap_angle(known.axis + turned / (known.sightings + 1))
 
 
@@ -241,98 +177,3 @@ def with_crossing(
         replace(seen, passage=Passage.USED, other_floor=there.floor, sightings=_SIGHTINGS)
     ]
     return tuple(connectors)
-
-
-def connectors_in(ground: Ground, floor: int, floor_z: float) -> list[Connector]:
-    """The connectors that begin within reach on a floor.
-
-    Args:
-        ground: Ground around the robot, which is on that floor; unseen steps down presumed.
-        floor: Number of the floor.
-        floor_z: Its height, metres.
-    """
-    reached, heights = ground.reached, ground.measured
-    with np.errstate(invalid="ignore"):
-        above = reached & ground.seen & (heights >= floor_z + LEVEL_M)
-        below = reached & (ground.presumed | (ground.seen & (heights <= floor_z - LEVEL_M)))
-        high, low = heights >= floor_z + STAIRS_M, ground.seen & (heights <= floor_z - STAIRS_M)
-        if below.any():  # narrow unseen spots that lie lower part no steps
-            lower = reached & ground.unseen.cells & (ground.heights <= floor_z - LEVEL_M)
-            below |= lower & closed(below, _GAP_CELLS)
-    found = list[Connector]()
-    for part in _parts(above):
-        if min(ground.area_m2(part & high), ground.area_m2(part & ~high)) >= _LEAST_M2:
-            found += _connector(ground, part, floor, floor_z, goes_up=True)
-    for part in _parts(below):
-        presumed = part & ground.presumed
-        if ground.area_m2(part & low) >= _LEAST_M2 or ground.area_m2(presumed) >= _DROP_M2:
-            found += _connector(ground, part, floor, floor_z, goes_up=False)
-    return found
-
-
-def _connector(
-    ground: Ground,
-    part: Bool[np.ndarray, "rows columns"],
-    floor: int,
-    floor_z: float,
-    *,
-    goes_up: bool,
-) -> list[Connector]:
-    """The connector of a part of the ground; empty if it does not begin on the floor."""
-    level = ground.between(floor_z - LEVEL_M, floor_z + LEVEL_M) & ~ground.presumed
-    level = _joined(level, ground.seen)  # what is unseen beyond steps may be a part of the well
-    edge = level & _grown(_first_step(ground, part, floor_z) if goes_up else part)
-    if goes_up and not edge.any():
-        high = part & (ground.heights >= floor_z + _HIGH_M)
-        if ground.area_m2(high) >= _LEAST_M2:
-            part = _with_unseen_steps(ground, part, floor_z)
-            edge = level & _grown(_first_step(ground, part, floor_z))
-    if not edge.any():
-        return []
-    points, steps = ground.positions(edge), ground.positions(part)
-    end = points[ground.clearance_m[edge].argmax()]  # in the middle between railings
-    away = steps[np.linalg.norm(steps - end, axis=1) <= _ALONG_M].mean(axis=0) - end
-    beside = points[np.linalg.norm(points - end, axis=1) <= _ALONG_M / 2.0] - end
-    along = np.linalg.svd(beside)[2][0]  # stairs lead away at right angles to their first edge
-    ahead = away - (away @ along) * along
-    axis = math.atan2(ahead[1], ahead[0])
-    return [Connector(floor, goes_up, (float(end[0]), float(end[1])), axis)]
-
-
-def _first_step(
-    ground: Ground, part: Bool[np.ndarray, "rows columns"], floor_z: float
-) -> Bool[np.ndarray, "rows columns"]:
-    """The part of steps up that the robot can get onto from the floor: not their side."""
-    return part & (ground.heights <= floor_z + STAIRS_M)
-
-
-def _with_unseen_steps(
-    ground: Ground, part: Bool[np.ndarray, "rows columns"], floor_z: float
-) -> Bool[np.ndarray, "rows columns"]:
-    """Steps up with those right before them that the camera does not see from so near."""
-    side = 2 * math.ceil(_UNSEEN_M / ground.grid.resolution_m) + 1
-    unseen = ground.reached & ~ground.seen & _grown(part, side)
-    return _joined(part | (unseen & (ground.heights >= floor_z + LEVEL_M)), part)
-
-
-def _joined(
-    mask: Bool[np.ndarray, "rows columns"], some: Bool[np.ndarray, "rows columns"]
-) -> Bool[np.ndarray, "rows columns"]:
-    """The connected parts of a mask that hold cells of another."""
-    parts = cv2.connectedComponents(mask.view(np.uint8), connectivity=8)[1]
-    return np.isin(parts, np.unique(parts[mask & some]))
-
-
-def _grown(
-    mask: Bool[np.ndarray, "rows columns"], side: int = 3
-) -> Bool[np.ndarray, "rows columns"]:
-    """A mask with the cells around it, in squares of so many cells a side."""
-    return cv2.dilate(mask.view(np.uint8), np.ones((side, side), np.uint8)) > 0
-
-
-def _parts(mask: Bool[np.ndarray, "rows columns"]) -> list[Bool[np.ndarray, "rows columns"]]:
-    """The connected parts of a mask, without specks."""
-    if mask.sum() <= _SPECK_CELLS:
-        return []
-    count, parts, stats, _ = cv2.connectedComponentsWithStats(mask.view(np.uint8), connectivity=8)
-    return [parts == k for k in range(1, count) if stats[k, cv2.CC_STAT_AREA] > _SPECK_CELLS]

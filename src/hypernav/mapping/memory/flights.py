@@ -14,7 +14,8 @@ from jaxtyping import Bool
 
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.mapping.ground import Ground
-from hypernav.mapping.memory.connectors import LEVEL_M, Connector, connectors_in
+from hypernav.mapping.memory.connectors import Connector
+from hypernav.mapping.memory.seen_connectors import LEVEL_M, connectors_in
 from hypernav.mapping.memory.stair_edges import EDGE_M, edge_beside
 
 _Place = tuple[float, float, float]

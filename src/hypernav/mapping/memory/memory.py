@@ -21,8 +21,6 @@ from hypernav.mapping.memory.connectors import (
     Connector,
     Passage,
     UnderWay,
-    connectors_in,
-    reliable,
     relied_on,
     with_crossing,
     with_sightings,
@@ -31,6 +29,7 @@ from hypernav.mapping.memory.flights import landing_z
 from hypernav.mapping.memory.floor import Floor, SearchMemory, counted_from
 from hypernav.mapping.memory.footing import ANOTHER_M, Footing
 from hypernav.mapping.memory.key_images import KeyImages
+from hypernav.mapping.memory.seen_connectors import connectors_in, reliable
 from hypernav.mapping.memory.stair_edges import without_sides
 from hypernav.mapping.top_down.top_down_map import TopDownMap
 

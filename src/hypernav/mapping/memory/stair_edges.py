@@ -9,7 +9,8 @@ from jaxtyping import Bool, Float64
 
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.mapping.ground import Ground
-from hypernav.mapping.memory.connectors import LEVEL_M, Connector, Passage, shows_steps
+from hypernav.mapping.memory.connectors import Connector, Passage
+from hypernav.mapping.memory.seen_connectors import LEVEL_M, shows_steps
 
 EDGE_M = 1.5
 """Distance to both sides of the end of stairs, metres, in which their edge is looked for."""
