@@ -159,7 +159,8 @@ def test_a_terminal_that_goes_cuts_no_end_short(tmp_path):
         "def run(_):\n"
         "    with UninterruptedEnd(robot(), 'waiting'), console.status('searching'):\n"
         "        console.print('ready')\n"
-        "        time.sleep(100)\n"
+        "        for _ in range(1000):\n"  # right before a long one a signal would wait
+        "            time.sleep(0.1)\n"
         "line.run_command = run\n"
         "main.main([])\n"
     )
