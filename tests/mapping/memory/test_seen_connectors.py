@@ -104,6 +104,39 @@ def test_a_few_steps_down_to_a_wall_or_a_lower_floor_are_stairs(steps: int):
     assert math.dist(found.end, (4.0, 2.0)) < 0.4
 
 
+@pytest.mark.parametrize("landing_m", [0.9, 1.1])
+def test_a_head_of_stairs_that_was_seen_whole_stays_where_it_is(landing_m: float):
+    """From 0.6 m away only its ends are in sight, and one may seem to be all of it."""
+    low, high, far = *SIDES_Y, FIRST_X + 5 * TREAD_M
+    treads: list[SolidBox] = [
+        (
+            (FIRST_X + k * TREAD_M, low, -3.0),
+            (FIRST_X + (k + 1) * TREAD_M, high, -(k + 1) * RISE_M),
+        )
+        for k in range(5)
+    ]
+    onwards: list[SolidBox] = [
+        (
+            (far, high + k * TREAD_M, -3.0),
+            (far + landing_m, high + (k + 1) * TREAD_M, -(k + 7) * RISE_M),
+        )
+        for k in range(8)
+    ]
+    boxes: list[SolidBox] = [
+        ((-8.0, -8.0, -3.0), (FIRST_X, 8.0, 0.0)),
+        *treads,
+        ((far, low, -3.0), (far + landing_m, high, -6 * RISE_M)),
+        *onwards,
+        ((FIRST_X, -8.0, -3.0), (FIRST_X + 0.1, low, 2.5)),
+        ((FIRST_X, high, -3.0), (far, 8.0, 0.0)),
+        ((far - 0.05, high, -3.0), (far, 8.0, 2.5)),
+        ((FIRST_X, low - 0.1, -3.0), (far + landing_m, low, 2.5)),
+        ((far + landing_m, -8.0, -3.0), (far + landing_m + 0.1, 8.0, 2.5)),
+    ]
+    (found,) = usable(memory_after(boxes, *before_stairs(4.0, 3.0, 2.2, 1.8, 1.4, 1.0, 0.6)))
+    assert math.dist(found.end, (FIRST_X, MIDDLE_Y)) < 0.4
+
+
 def test_what_turns_out_to_be_the_side_of_a_stairwell_counts_no_longer():
     memory = memory_after(stairwell(beyond_m=4.0), *(Pose2(3.0, y, 1.57) for y in (0.0, 0.3)))
     (side,) = usable(memory)
@@ -207,10 +240,10 @@ def test_stairs_up_are_seen_by_a_low_robot_with_a_mast_too(height_m: float):
     assert np.nanmax(np.where(ground.seen, ground.measured, np.nan)) <= height_m
 
 
-def test_an_edge_that_is_too_near_to_be_seen_whole_counts_if_it_agrees_with_what_is_known():
+def test_an_edge_that_is_too_near_to_be_seen_whole_counts_as_what_is_known_there():
     known, near, far = [edge(0.0)], (0.5, 0.0), (2.0, 0.0)
     ground = memory_after([FLOOR], Pose2(0.5, 0.0, 0.0)).ground_around(near, down=True)
-    assert reliable([edge(0.2), edge(1.0)], known, near, ground, 0.0) == [edge(0.2)]
+    assert reliable([edge(0.2, x=0.1), edge(1.0)], known, near, ground, 0.0) == known
     assert reliable([edge(0.2), edge(1.0)], known, far, ground, 0.0) == [edge(0.2), edge(1.0)]
     assert reliable([edge(0.0, x=3.0)], known, (3.0, 0.5), ground, 0.0) == []
     up = Connector(0, True, (0.0, 0.0), 0.0)

@@ -8,6 +8,7 @@ below the floor.
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -72,8 +73,9 @@ def reliable(
 ) -> list[Connector]:
     """The sightings without those of edges of the floor that are too near to be seen whole.
 
-    Of these a camera sees the ends only. They count if ground below the floor was seen
-    near them, from farther away, or if they lead where a known connector does.
+    Of these a camera sees the ends only. They count if ground below the floor was seen near them,
+    from farther away. If they lead where a known connector does, they count as that one, whose
+    place they don't change.
 
     Args:
         seen: The sightings.
@@ -82,14 +84,15 @@ def reliable(
         ground: Ground around the robot.
         floor_z: Height of the floor, metres.
     """
-    return [
-        one
-        for one in seen
-        if one.goes_up
-        or math.dist(one.end, position) >= _WHOLE_M
-        or shows_steps(ground, one, floor_z)
-        or any(one.is_same(other) and one.leads_along(other) for other in known)
-    ]
+    counted = list[Connector]()
+    for one in seen:
+        is_whole = math.dist(one.end, position) >= _WHOLE_M
+        if one.goes_up or is_whole or shows_steps(ground, one, floor_z):
+            counted.append(one)
+        else:
+            there = (k for k in known if k.is_same(one) and k.leads_along(one))
+            counted += [replace(one, end=k.end, axis=k.axis) for k in there][:1]
+    return counted
 
 
 def shows_steps(ground: Ground, down: Connector, floor_z: float) -> bool:
