@@ -106,6 +106,7 @@ def test_the_last_action_and_the_state_go_into_the_next_step_and_reset_forgets_b
     assert {told["goal"] for told in network.told} == {3}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("choice", ["sample", "mode"])
 def test_looking_up_and_down_is_never_chosen(choice):
     agent, room = agent_of(Favourite(5), choice=choice), BoxRoom(embodiment=TRAINED)

@@ -64,6 +64,7 @@ def building() -> SimulatedWorld:
     return colourless_world(replace(scene, vertices=vertices, storeys=(LOW_M, 0.0)), CONFIG)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "start", [Pose2(2.6, 2.0, 0.0), Pose2(2.6, 2.0, 0.4), Pose2(3.2, 1.5, -0.4)]
 )

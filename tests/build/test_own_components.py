@@ -160,6 +160,7 @@ def test_a_detector_of_ones_own_finds_the_bed(folder: Path):
     assert result["parts"]["detector"] == "own_parts:Sees"
 
 
+@pytest.mark.slow
 def test_a_detector_of_ones_own_is_evaluated_in_processes_of_its_own(folder: Path):
     glb = room_glb(folder / "room.glb")
     dataset, quick = f"scene:{glb}#1", ("--workers", "1", "--max-steps", "40", "--quiet")

@@ -65,6 +65,7 @@ def test_a_run_leaves_its_episodes_and_its_configuration(runs):
     assert session["peak_memory_mb"]["0"] > 50
 
 
+@pytest.mark.slow
 def test_a_run_does_not_go_on_with_other_weights_in_the_same_file(
     room, test_data, tmp_path, capsys
 ):
@@ -100,6 +101,7 @@ def test_saved_episodes_have_a_page_and_colours_change_no_result(runs, room, tmp
     assert [line | {"saved": ""} for line in lines] == unseen
 
 
+@pytest.mark.slow
 def test_only_failures_are_saved_if_one_says_so(runs, room, tmp_path):
     taken = [line["steps"] for line in timeless_lines(runs / "hypernav")]
     between = str(sum(taken) // 2)  # enough for one of the two
@@ -220,6 +222,7 @@ def test_a_plan_by_an_exam_runs_nothing_and_tells_the_cost(room, tmp_path, capsy
     assert "210 calls of the model, 105 in a search" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_plan_without_an_exam_keeps_its_ten_episodes(room, tmp_path, capsys):
     run = ("eval", f"scene:{room}#6", *QUICK, "--max-steps", "3", "--out", tmp_path)
     assert hypernav(*run, "--plan") == 0

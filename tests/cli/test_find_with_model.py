@@ -57,6 +57,7 @@ def test_a_model_finds_the_bed_and_the_books_agree(
     assert "Is there a bed in this picture?" in page
 
 
+@pytest.mark.slow
 def test_a_recording_replays_to_the_same_bytes(glb: Path, tmp_path: Path, server: ScriptedServer):
     book, live, again = tmp_path / "book.jsonl", tmp_path / "live", tmp_path / "again"
     find(glb, live, "--vlm", server.spec, "--record", book, "--quiet")
@@ -68,6 +69,7 @@ def test_a_recording_replays_to_the_same_bytes(glb: Path, tmp_path: Path, server
     assert (live / "trace.jsonl").read_bytes() == (again / "trace.jsonl").read_bytes()
 
 
+@pytest.mark.slow
 def test_a_question_that_was_not_recorded_is_one_line(
     glb: Path, tmp_path: Path, server: ScriptedServer, capsys: pytest.CaptureFixture[str]
 ):
@@ -164,6 +166,7 @@ def test_answers_of_no_use_are_counted_in_one_line(
     assert "no answer of the model could be used: 3 × no box in the answer" in said
 
 
+@pytest.mark.slow
 def test_an_exam_decides_who_is_asked_and_is_kept_in_the_results(
     glb: Path, tmp_path: Path, server: ScriptedServer
 ):

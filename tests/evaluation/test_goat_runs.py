@@ -90,6 +90,7 @@ def test_the_report_has_both_rules_and_says_what_is_left_out(tmp_path):
     assert BENCHMARKS["goat"].caveats[0] in page
 
 
+@pytest.mark.slow
 def test_a_run_says_what_it_leaves_out_and_keeps_it(benchmark_data, tmp_path, capsys):
     out, options = tmp_path / "run", ("--workers", "1", "--max-steps", "3", *SMALL)
     command = ("eval", f"goat:{benchmark_data}#val_unseen", "--out", out, *options)

@@ -68,6 +68,7 @@ def test_a_process_of_its_own_keeps_to_the_same_rules(folder):
     check(wait(start(["fnd", "bed"], folder)), 2, "did you mean 'find'?")
 
 
+@pytest.mark.slow
 def test_a_process_that_takes_too_long_is_noticed(folder):
     ended = wait(start(["find", "bed", "--agent", "greedy:Sleepy"], folder), seconds=3)
     assert ended.status == -signal.SIGKILL

@@ -37,6 +37,7 @@ def test_it_leaves_no_kernel_of_navigation_meshes_to_be_compiled():
     assert ended.stdout.split() == ["wall_distance"]  # which no search asks for
 
 
+@pytest.mark.slow
 def test_a_first_search_compiles_no_kernel_of_the_warm_up_for_other_types(tmp_path):
     script = (
         "import sys\n"

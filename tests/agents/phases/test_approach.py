@@ -61,6 +61,7 @@ def test_without_it_the_goal_is_left():
     assert Mode.EXPLORE in {step.mode for step in steps[seen:]}
 
 
+@pytest.mark.slow
 def test_a_gap_that_fails_by_centimetres_is_looked_at_before_it_counts_as_closed():
     steps, _ = search_for_the_screen(board_m=0.8, aisle_m=0.32)
     looks = [step for step in steps if "looking from near" in step.reason]
@@ -70,6 +71,7 @@ def test_a_gap_that_fails_by_centimetres_is_looked_at_before_it_counts_as_closed
     assert len({step.step for step in closed}) < 10  # remembered: none is looked at for ever
 
 
+@pytest.mark.slow
 def test_no_gap_is_looked_at_for_what_is_not_believed_in():
     steps, _ = search_for_the_screen(board_m=0.8, aisle_m=0.32, detector=Doubtful())
     assert any(step.goal_area for step in steps)

@@ -181,6 +181,7 @@ def test_a_thing_is_gone_to_on_the_side_that_it_was_seen_from():
         assert (there[0] > 4.5) == (x > 4.5)
 
 
+@pytest.mark.slow
 def test_what_cannot_be_come_near_is_gone_to_where_it_is_in_sight():
     """Not as far as where it was seen best, which may be at the other end of the hall."""
     tables = [

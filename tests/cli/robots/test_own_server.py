@@ -13,6 +13,7 @@ def test_an_address_that_is_given_is_taken_as_it_is():
         assert url == "http://robot.invalid:1"
 
 
+@pytest.mark.slow
 def test_without_one_a_server_answers_until_the_end():
     with server_at(None) as url, urllib.request.urlopen(f"{url}/v1/openapi.json") as answer:
         assert answer.status == 200

@@ -38,6 +38,7 @@ def plan(tmp_path: Path) -> PlanAgent:
     return lost
 
 
+@pytest.mark.slow
 def test_a_second_robot_finds_its_start_in_the_memory_of_the_first(tmp_path, plan, capsys):
     with robot_server(tmp_path / "state", plan) as link:
         first = searched(tmp_path, link.port, 1.0, 2.0, 0.0)
@@ -58,6 +59,7 @@ def test_a_second_robot_finds_its_start_in_the_memory_of_the_first(tmp_path, pla
     assert last["action"] == 0
 
 
+@pytest.mark.slow
 def test_a_robot_that_is_stopped_while_it_turns_has_made_no_step_with_the_memory(
     tmp_path, plan, monkeypatch
 ):

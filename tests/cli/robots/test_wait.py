@@ -31,6 +31,7 @@ def test_a_server_that_is_not_there_is_named_again_and_again(tmp_path, monkeypat
     assert "trying again" in said
 
 
+@pytest.mark.slow
 def test_it_keeps_its_place_in_the_memory_from_search_to_search(tmp_path, monkeypatch):
     glb, home = write_room(tmp_path / "room.glb"), tmp_path / "home"
     goals = iter([GivenGoal(goal="bed", key=f"key-of-search-{k}") for k in range(2)])

@@ -50,6 +50,7 @@ def without(monkeypatch):
     return take_away
 
 
+@pytest.mark.slow
 def test_a_recorded_search_has_the_trace_of_an_unrecorded_one(glb, tmp_path):
     search = ("find", "bed", "--scene", glb, "--seed", 5, "--quiet", "--max-steps", 15)
     plain = hypernav(*search, "--out", tmp_path / "a", *SMALL)
@@ -68,6 +69,7 @@ def test_two_recordings_never_share_a_file(tmp_path):
         opening.check_views(ViewOptions(rrd=tmp_path / "a.rrd", mcap=same))
 
 
+@pytest.mark.slow
 def test_ctrl_c_leaves_files_that_open(glb, tmp_path):
     files = ("--mcap", str(tmp_path / "a.mcap"), "--rrd", str(tmp_path / "a.rrd"))
     options = ("piano", "--scene", str(glb), "--out", str(tmp_path / "out"), "--pace", "10")
@@ -165,6 +167,7 @@ def test_a_search_waits_for_foxglove_and_sends_it_every_step(glb, tmp_path, monk
     assert steps[-1]["ending"] == "found"
 
 
+@pytest.mark.slow
 def test_stop_on_the_page_ends_the_search_as_ctrl_c_does(glb, tmp_path):
     options = ("piano", "--scene", str(glb), "--out", str(tmp_path / "out"), "--view", "page")
     with _started(*options) as process:

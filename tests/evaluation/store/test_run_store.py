@@ -103,6 +103,7 @@ def test_a_folder_that_is_none_of_a_run_is_named(tmp_path):
         read_configuration(tmp_path)
 
 
+@pytest.mark.slow
 @given(cut=st.integers(min_value=1))
 def test_a_last_line_cut_anywhere_costs_only_its_episode(tmp_path_factory, cut):
     folder = tmp_path_factory.mktemp("cut")

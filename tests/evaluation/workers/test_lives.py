@@ -166,6 +166,7 @@ def test_a_fault_of_the_simulator_ends_the_life(tmp_path, monkeypatch):
     assert [r.episode_id for r in records] == ["a.0", "a.1", "a.2"]
 
 
+@pytest.mark.slow
 def test_the_memory_makes_no_difference_to_the_first_goal_but_to_the_others(tmp_path):
     life, config = life_in(tmp_path), small_config()
 

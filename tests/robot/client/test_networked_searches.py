@@ -155,6 +155,7 @@ def test_without_an_address_a_server_is_started_for_the_search(small_house):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_a_search_over_the_network_is_recorded_for_the_viewers(tmp_path):
     glb, out = room_glb(tmp_path / "room.glb"), tmp_path / "out"
     files = ["--mcap", str(tmp_path / "a.mcap"), "--rrd", str(tmp_path / "a.rrd")]

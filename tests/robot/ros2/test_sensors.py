@@ -166,6 +166,7 @@ def test_frames_of_a_robot_in_a_namespace_are_heard(networks):
             Ros2Sensors(ours, configured(*NAMED[:3], *NAMED[4:], "timing.find_s=4"))
 
 
+@pytest.mark.slow
 def test_of_several_cameras_one_must_be_named(networks):
     theirs, ours = networks
     with legged_robot(theirs, cameras=("front", "rear")):
@@ -217,6 +218,7 @@ def test_images_wait_for_the_odometry_of_their_time(networks):
             assert (base.depth_view().depth == 1.5).all()
 
 
+@pytest.mark.slow
 def test_odometry_that_lags_too_far_behind_images_is_nothing_to_drive_by(networks):
     theirs, ours = networks
     config = configured(*NAMED, "timing.patience_s=2")

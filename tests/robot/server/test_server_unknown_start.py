@@ -303,6 +303,7 @@ def test_a_robot_that_goes_away_while_it_turns_leaves_the_memory_as_it_was(
     assert files_of(home) == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("steps", [3, TURNS + 2])
 def test_a_restarted_server_goes_on_with_the_turn_and_the_frame(tmp_path, plan, home, house, steps):
     before, replies, starts = files_of(home), list[list[dict[str, Any]]](), list[Any]()
@@ -348,6 +349,7 @@ def test_a_restart_leaves_the_start_as_it_was_decided(tmp_path, plan, home, hous
     assert robot.in_scene()[0] < 2.5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("steps", [3, TURNS + 2])
 def test_a_restarted_server_mixes_no_frames_of_two_memories(tmp_path, plan, home, house, steps):
     robot = Lost(house, BEDROOM)
@@ -394,6 +396,7 @@ def test_a_search_that_began_anew_goes_on_after_a_restart_without_the_memory(tmp
     assert files_of(home) == before
 
 
+@pytest.mark.slow
 def test_others_search_with_a_memory_that_a_search_has_left(tmp_path, plan, home, house):
     with robot_server(tmp_path / "state", plan) as link:
         anew = opened(link, "bed")

@@ -11,6 +11,7 @@ from scan_writers.episodes import HASH, SCENE
 SCRIPT = Path(__file__).parents[3] / "benchmarks" / "render.py"
 
 
+@pytest.mark.slow
 def test_habitat_draws_the_views_of_the_benchmark_beside_ours(
     benchmark_data: Path, monkeypatch: pytest.MonkeyPatch
 ):

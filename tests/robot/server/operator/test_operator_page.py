@@ -526,6 +526,7 @@ def test_the_page_asks_for_stairs_when_a_climb_begins_or_ends(page, driver):
     assert asked == 2
 
 
+@pytest.mark.slow
 def test_the_page_notes_which_things_have_no_way_and_says_that_the_memory_is_broken(page, tmp_path):
     home = tmp_path / "home"
     with robot_server(
@@ -560,6 +561,7 @@ def test_the_page_notes_which_things_have_no_way_and_says_that_the_memory_is_bro
         assert buttons() == []
 
 
+@pytest.mark.slow
 def test_the_page_says_what_became_of_a_start_that_the_robot_did_not_know(page, tmp_path):
     def plan(request: OpenSearch) -> AgentPlan:
         return replace(real_plan(request), memory=tmp_path / "home", relocalize=True)
