@@ -102,6 +102,22 @@ def test_a_search_goes_up_to_the_goal():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("steps", [10, 13])
+@pytest.mark.parametrize("start", [Pose2(11.5, 3.0, math.pi), Pose2(11.5, 2.5, math.pi / 2.0)])
+def test_where_the_mesh_floats_above_the_upper_floor_a_search_goes_down_to_the_goal(start, steps):
+    world, agent = split_level(steps), build_search(CONFIG, GroundTruthDetector())
+    above_m = steps * RISE_M
+    episode = episode_from(start, "sofa", start_z=above_m)
+    world.reset(episode)
+    assert world.position[2] - above_m >= 0.09
+    trace = searched(agent, world, episode, most_steps=90)
+    assert trace[-1].action is Action.STOP
+    assert len(agent.memory.floors) == 2
+    (left, _) = agent.memory.connectors
+    assert left.passage is Passage.USED
+
+
+@pytest.mark.slow
 def test_without_stairs_a_search_stays_on_its_floor():
     trace, memory = search("bed", use_stairs=False)
     assert trace[-1].action is not Action.STOP

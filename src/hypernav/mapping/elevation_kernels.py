@@ -93,7 +93,7 @@ def survey(depth, across, down, start, lens, here, sizes, arrays, scratch):
                 continue  # ground is below the camera
             d = depth[v, u]
             if not is_measured(d, lens[0], lens[1]):
-                if on_floor[u] and d == 0.0:
+                if on_floor[u] and not 0.0 < d <= lens[0]:  # nothing within range comes back
                     d = (floor_z - start[2]) / fall
                     if d < _EXPECTED * lens[1]:
                         i = int((start[1] + d * (across[u, 1] + down[v, 1]) - y0) / side)

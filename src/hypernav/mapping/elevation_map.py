@@ -42,6 +42,11 @@ _STEP_SLACK_M = 0.04
 """Addition to the highest step, metres, for errors of measured heights."""
 _CLEARANCE = 0.65
 """Distance from edges and obstacles that a climbing robot's middle keeps, by its radius."""
+_AROUND_M = 0.5
+"""Distance beyond what the camera doesn't see of the ground before the robot, metres, within which
+the ground tells how high the robot stands."""
+_POSE_ERROR_M = 0.3
+"""Greatest error of the height at which the robot is said to be, metres."""
 _LEAST_ANGLE = 0.01
 """Angle below the horizon, radians, under which a camera sees no ground."""
 
@@ -78,7 +83,7 @@ class ElevationMap:
             np.zeros(shape, dtype=np.uint8),
             np.zeros(SIDE_CELLS * SIDE_CELLS, dtype=np.int32),
         )
-        self._robot_z = 0.0
+        self._ground_z = 0.0
         self._corner: tuple[int, int] | None = None
         camera = embodiment.camera
         lens = camera.intrinsics
@@ -86,8 +91,21 @@ class ElevationMap:
         begins_m = camera.height_m / math.tan(min(max(lowest, _LEAST_ANGLE), math.pi / 2.0))
         self._blind_m = min(begins_m, camera.max_depth_m) + 2 * cell_size_m
 
-    def integrate(self, observation: Observation) -> bool:
+    @property
+    def ground_z(self) -> float:
+        """Height of the ground that the robot stands on, as images show it, metres.
+
+        Where none has shown it yet, and on stairs, it is where the robot is said to be. That may be
+        wrong: meshes float above floors, odometry drifts, a camera is mounted lower than it should.
+        """
+        return self._ground_z
+
+    def integrate(self, observation: Observation, *, on_stairs: bool = False) -> bool:
         """Add a frame, whose heights are those of the ``map`` frame.
+
+        Args:
+            observation: The frame.
+            on_stairs: Whether the robot climbs, so that the ground around it lies at many heights.
 
         Returns:
             Whether it shows enough ground a step or two above or below the robot's, or depth
@@ -99,15 +117,17 @@ class ElevationMap:
         x, y = camera.ray_slopes()
         across = x[:, None] * pose.rotation[:, 0]
         down = y[:, None] * pose.rotation[:, 1] + pose.rotation[:, 2]
-        floor_z = float(pose.translation[2]) - sensor.height_m
-        self._stand(observation.robot.xy, floor_z)
+        said_z = float(pose.translation[2]) - sensor.height_m
+        self._stand(observation.robot.xy, said_z)
+        ground_z = said_z if on_stairs else self._seen_z(observation.robot.xy, said_z)
+        self._ground_z = float(np.float32(round(ground_z, 2)))  # a value that the map can hold
         off_level = survey(
             np.require(observation.depth, np.float32, ["C", "W"]),
             across.astype(np.float32),
             down.astype(np.float32),
             tuple(pose.translation.tolist()),
             sensor.depth_limits_m,
-            (floor_z, body.height_m, body.max_step_m + _STEP_SLACK_M),
+            (self._ground_z, body.height_m, body.max_step_m + _STEP_SLACK_M),
             (*self._origin, self._cell_m),
             (self._heights, self._hits, self._hit_z, self._hit_top, self._below),
             self._scratch,
@@ -141,7 +161,7 @@ class ElevationMap:
             under: Whether what is higher than the robot is tall is none, since it goes under that.
         """
         body = self._embodiment.body
-        robot_z = self._robot_z
+        robot_z = self._ground_z
         window, origin = self._window(position)
         maps = (self._heights, self._hits, self._hit_z, self._hit_top, self._below)
         known, hits, hit_z, hit_top, below = (one[window] for one in maps)
@@ -226,7 +246,24 @@ class ElevationMap:
             is_other = ~(np.abs(self._heights[window] - floor_z) <= _OTHER_M)
         self._heights[window][is_other] = floor_z
         self._stood_z[window][is_other] = floor_z
-        self._robot_z = floor_z
+
+    def _seen_z(self, position: tuple[float, float], said_z: float) -> float:
+        """The height of the level ground around the robot, as images show it, metres.
+
+        Args:
+            position: The robot ``(x, y)``, metres.
+            said_z: The height at which it is said to be, metres.
+        """
+        row0, column0 = self._corner or (0, 0)
+        row = math.floor(position[1] / self._cell_m) - row0
+        column = math.floor(position[0] / self._cell_m) - column0
+        reach = math.ceil((self._blind_m + _AROUND_M) / self._cell_m)
+        rows, columns = (slice(max(i - reach, 0), i + reach + 1, 2) for i in (row, column))
+        heights = self._heights[rows, columns]  # every other row and column tells enough
+        with np.errstate(invalid="ignore"):
+            near = np.abs(heights - np.float32(said_z)) <= _POSE_ERROR_M
+        near &= heights != self._stood_z[rows, columns]
+        return float(np.median(heights[near])) if near.any() else said_z
 
 
 def _without_pits(

@@ -69,6 +69,54 @@ def test_stairs_down_are_seen_by_a_robot_that_is_not_as_high_as_it_is_said_to_be
     assert math.dist(found.end, (FIRST_X, MIDDLE_Y)) < 0.4
 
 
+@pytest.mark.parametrize("goes_up", [True, False])
+@pytest.mark.parametrize("off_m", [-0.13, -0.05, 0.05, 0.09, 0.13, 0.19])
+def test_stairs_are_seen_from_a_floor_that_is_lower_than_the_robot_is_said_to_stand(
+    goes_up: bool, off_m: float
+):
+    """As on a mesh that floats, or sinks, all the time, or with a camera that is mounted wrong."""
+    memory = memory_after([])
+    boxes = [FLOOR, *stairs_up()] if goes_up else stairs_down()
+    height_m = CLIMBER.camera.height_m + off_m
+    for x in np.linspace(0.5, 3.0 if goes_up else 2.4, 7):
+        for yaw in (-0.5, 0.0, 0.5):
+            seen = view_of(boxes, Pose2(x, MIDDLE_Y, yaw), camera=CAMERA, height_m=height_m)
+            at = seen.camera_to_map
+            lower = replace(at, translation=at.translation - np.array([0.0, 0.0, off_m]))
+            memory.follow(replace(seen, camera_to_map=lower))
+    (found,) = memory.connectors
+    assert found.is_usable
+    assert found.goes_up is goes_up
+    assert math.dist(found.end, (FIRST_X, MIDDLE_Y)) < 0.2
+
+
+@pytest.mark.parametrize("drift_m", [-0.3, -0.1, 0.1, 0.3])
+def test_stairs_are_seen_while_odometry_drifts_up_or_down(drift_m: float):
+    memory = memory_after([])
+    for k, x in enumerate(np.linspace(0.5, 2.4, 21)):
+        yaw = (-0.5, 0.0, 0.5)[k % 3]
+        seen = view_of(stairs_down(), Pose2(x, MIDDLE_Y, yaw), camera=CAMERA)
+        at = seen.camera_to_map
+        off = replace(at, translation=at.translation + np.array([0.0, 0.0, drift_m * k / 21]))
+        memory.follow(replace(seen, camera_to_map=off))
+    (found,) = memory.connectors
+    assert found.is_usable
+    assert math.dist(found.end, (FIRST_X, MIDDLE_Y)) < 0.2
+
+
+@pytest.mark.parametrize("nothing_m", [0.0, math.nan, math.inf, 5.0, 9.0])
+def test_stairs_down_are_seen_whatever_a_sensor_says_where_nothing_in_range_comes_back(
+    nothing_m: float,
+):
+    memory = memory_after([])
+    for pose in before_stairs(2.6, 2.3, 2.0, 1.7):
+        seen = view_of(stairs_down(), pose, camera=CAMERA)
+        dark = np.where(seen.depth == 0.0, np.float32(nothing_m), seen.depth)
+        memory.follow(replace(seen, depth=dark))
+    (found,) = usable(memory)
+    assert math.dist(found.end, (FIRST_X, MIDDLE_Y)) < 0.4
+
+
 def test_the_long_side_of_a_stairwell_is_no_head_of_stairs():
     beside = [Pose2(3.0, y, yaw) for y in (0.0, 0.3, 0.6) for yaw in (1.2, math.pi / 2.0, 1.9)]
     assert not usable(memory_after(stairwell(), *beside))

@@ -25,7 +25,6 @@ from hypernav.mapping.memory.connectors import (
     with_crossing,
     with_sightings,
 )
-from hypernav.mapping.memory.flights import landing_z
 from hypernav.mapping.memory.floor import Floor, SearchMemory, counted_from
 from hypernav.mapping.memory.footing import ANOTHER_M, Footing
 from hypernav.mapping.memory.key_images import KeyImages
@@ -133,17 +132,17 @@ class Memory:
             self.under_way = None
         moved_m = math.dist(self.way[-1], here) if self.way else 0.0
         self.way.append(here)
-        shows_steps = self.elevation is not None and self.elevation.integrate(observation)
+        shows_steps = self.elevation is not None and self.elevation.integrate(
+            observation, on_stairs=self.on_stairs
+        )
         footing = self.footing.after(observation.robot, z, moved_m)
         if footing.may_be_another_floor and (
             self.elevation is None or footing.has_room(self.ground_around(here, down=False))
         ):
             self.number = self._known_or_new(z)
         self.footing = footing.on_floor(self.floor.z)
-        if shows_steps and not self.on_stairs:
-            ground, level_z = self.ground_around(here, down=True), self.footing.ground_z
-            if level_z != self.floor.z:  # where stairs begin, a simulated robot's height errs
-                level_z = landing_z(ground, observation.robot, level_z)
+        if self.elevation is not None and shows_steps and not self.on_stairs:
+            ground, level_z = self.ground_around(here, down=True), self.elevation.ground_z
             seen = connectors_in(ground, self.number, level_z)
             seen = reliable(seen, self.connectors, here, ground, level_z)
             known = with_sightings(self.connectors, seen)
