@@ -13,7 +13,7 @@ from hypernav.cli.screen.memory_page import ways
 from hypernav.core.errors import OutputError
 from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.geometry.transforms import Pose2
-from memory_folders import files_of
+from memory_folders import change_index, files_of
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
 
@@ -107,6 +107,17 @@ def test_a_robot_that_finds_its_start_says_where_it_is(searched, home, tmp_path,
     assert f"the robot is at ({x:.1f}, {y:.1f}) on floor 1 of" in capsys.readouterr().err
     assert "found on floor 1 by one turn" in (tmp_path / "out" / "index.html").read_text()
     assert [one["outcome"] for one in index["history"]] == ["found", "found"]
+
+
+def test_the_page_does_not_count_the_steps_of_a_search_that_was_killed(home):
+    index = json.loads((home / "memory.json").read_text())
+    killed = index["history"][0] | {"search": 2, "outcome": "", "steps": 0}
+    change_index(home, history=[*index["history"], killed])
+    assert hypernav("memory", home) == 0
+    rows = re.findall(r'<tr data-kind="search".*?</tr>', (home / "index.html").read_text())
+    steps = [re.findall(r"<td[^>]*>([^<]*)</td>", row)[-3:] for row in rows]
+    assert steps[0] == ["under way, or killed", "–", "0"]
+    assert steps[1][1].isdigit()
 
 
 @pytest.mark.parametrize(

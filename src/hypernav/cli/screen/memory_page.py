@@ -68,7 +68,7 @@ def memory_page(home: MemoryFolder) -> str:
                 "goal": one.goal,
                 "began": one.began.replace("T", " ")[:16],
                 "outcome": _OUTCOMES.get(one.outcome, one.outcome),
-                "steps": one.steps,
+                "steps": one.steps if one.outcome else "–",  # they are counted at its end
                 "refuted": len(one.refuted),
             }
             for one in reversed(home.history)
