@@ -1,4 +1,4 @@
-"""`hypernav robot simulate` beside a server that finds the robot's start in its memory."""
+"""`hypernav robot simulate` beside a server with a memory."""
 
 import json
 from dataclasses import replace
@@ -8,7 +8,9 @@ from typing import Any
 import pytest
 
 from box_scenes import room_glb
+from hypernav.build.data.scenes import load_scene
 from hypernav.cli.main import main
+from hypernav.mapping.memory.reading import read_index
 from hypernav.robot.server.agents import AgentPlan, PlanAgent
 from hypernav.robot.wire.requests import OpenSearch
 from servers.robots import real_plan, robot_server
@@ -36,6 +38,33 @@ def plan(tmp_path: Path) -> PlanAgent:
         return replace(real_plan(request), memory=tmp_path / "home", relocalize=True)
 
     return lost
+
+
+@pytest.mark.slow
+def test_robots_from_all_starts_share_one_memory_in_the_frame_of_the_building(tmp_path):
+    room_glb(tmp_path / "room.glb")
+
+    def remembering(request: OpenSearch) -> AgentPlan:
+        return replace(real_plan(request), memory=tmp_path / "home")
+
+    with robot_server(tmp_path / "state", remembering) as link:
+        searched(tmp_path, link.port, 1.0, 2.0, 0.0)
+        after_one = things(tmp_path / "home")
+        searched(tmp_path, link.port, 2.5, 2.5, 200.0)
+    after_two = things(tmp_path / "home")
+    assert [label for label, _ in after_two] == [label for label, _ in after_one]
+    scene = load_scene(str(tmp_path / "room.glb"))
+    (bed,) = [one for one in scene.instances if one.label and one.label.category == "bed"]
+    (at,) = [middle for label, middle in after_two if label == "bed"]
+    assert all(bed.box_min[k] <= at[k] <= bed.box_max[k] for k in range(2))
+
+
+def things(folder: Path) -> list[tuple[str, tuple[float, ...]]]:
+    """Label and middle of all that is remembered, ``map`` frame of the memory, metres."""
+    index = read_index(folder)
+    assert index is not None
+    known = [one.thing() for floor in index.floors for one in floor.things]
+    return sorted((one.label, tuple(one.position)) for one in known)
 
 
 @pytest.mark.slow

@@ -368,3 +368,14 @@ def test_a_memory_opens_after_any_kill(tmp_path):
             assert memory.left_out == ()
             assert memory.memory.floor.map.grid.explored.any()
             assert memory.history[-1].goal == "piano"
+
+
+def test_a_first_search_that_begins_high_in_its_frame_begins_on_its_floor(tmp_path):
+    world = two_rooms()
+    world.keep_map_frame(Transform(np.eye(3), np.array([0.0, 0.0, -6.0])))
+    with open_memory(tmp_path / "high", CONFIG) as home:
+        run(home, world=world)
+        assert [one.z for one in home.memory.floors] == [pytest.approx(6.0)]
+        (bed,) = [one for one in home.memory.floor.things.known if one.label == "bed"]
+    assert home.history[-1].outcome == "found"
+    assert 0.0 < bed.position[2] < 1.0

@@ -15,6 +15,7 @@ from hypernav.core.goal import Goal
 from hypernav.robot.client.links import Link
 from hypernav.robot.client.robot_client import ClientStep, RobotClient
 from hypernav.robot.driving.driven_robot import DrivenRobot
+from hypernav.robot.motion.velocity import Velocity
 from hypernav.robot.simulation.base import MishapConfig, SimulatedBase
 from hypernav.robot.simulation.faulty_link import FaultyLink, NetworkFaults
 from hypernav.robot.simulation.person import PersonConfig
@@ -84,6 +85,26 @@ def test_it_finds_the_bed(continuous):
     assert [step.reply.sequence for step in searched.steps] == list(range(len(searched.steps)))
     # Driving is timed by the clock: on a busy machine a command comes late, and safety stops it.
     assert continuous or not any(step.blocked for step in searched.steps)
+
+
+@pytest.mark.parametrize("error_m", [None, 0.0])
+def test_a_robot_that_localises_itself_gives_poses_in_the_frame_of_the_building(error_m):
+    scene, config = two_rooms().scene, small_config()
+    renderer = CpuRenderer(scene, RenderConfig(threads=1))
+    world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
+    camera = config.embodiment.camera
+    with closing(world):
+        base = SimulatedBase(world, renderer, MishapConfig(localisation_error_m=error_m))
+        base.place(episode_from(Pose2(2.0, 1.0, 2.0)), np.random.default_rng(0))
+        unlocalised = base.sense().observation(camera.intrinsics, camera.camera_to_base)
+        assert np.allclose([*unlocalised.robot.xy, unlocalised.robot.yaw], 0.0)
+        base.localise()
+        base.drive(Velocity(0.5, 0.3), 1.0)
+        seen = base.sense().observation(camera.intrinsics, camera.camera_to_base)
+        true = base.pose.to_transform(base.position[2]) @ camera.camera_to_base
+    assert base.path_length_m > 0.3
+    assert np.allclose(seen.camera_to_map.matrix, true.matrix, atol=1e-9)
+    assert np.allclose(seen.robot.xy, base.pose.xy)
 
 
 def test_on_hold_it_stands_still_and_asks_again():

@@ -104,6 +104,8 @@ def run(options: Simulate) -> int:
                 key=uuid.uuid4().hex,
             )
         )
+        if opened.earlier_searches is not None:
+            base.localise()
         link = FaultyLink(_link(options, server.address, opened), faults, rng)
         continuous = options.motion == "continuous"
         client = RobotClient(DrivenRobot(base), link, continuous=continuous)
@@ -145,6 +147,8 @@ def run(options: Simulate) -> int:
                 views.finish(result)
                 status.stop()
                 _say(console, options, result)
+                if ending is SearchEnding.FAILED and told is not None:
+                    console.print(f"  {escape(told.detail)}", soft_wrap=True)
                 if found is not None:
                     console.print(f"  start {escape(found.words)}", soft_wrap=True)
                 views.stay(console)

@@ -114,6 +114,8 @@ def _search(
             key=given.key,
         )
     )
+    if opened.earlier_searches is not None:
+        base.localise()
     client = RobotClient(DrivenRobot(base), HttpLink(address, opened.id))
     ending = None
     with StopListener(address, opened.id, client.stop):

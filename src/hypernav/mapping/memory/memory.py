@@ -40,7 +40,7 @@ class Memory:
 
     Attributes:
         floors: Floors in the order in which the robot came to know them; the first is the floor of
-            the start, whose height is 0.
+            the first start, whose height is 0 unless the robot's frame begins elsewhere.
         number: Number of the floor that the robot is on: its index in `floors`.
         mapping: Cells, evidence and height band of the maps.
         embodiment: The robot; the height of its camera tells that of the floor.
@@ -151,8 +151,9 @@ class Memory:
         return self.floor
 
     def begin_at(self, observation: Observation) -> Floor:
-        """The floor that the first frame is taken on; a memory from disk begins there.
+        """The floor that the first frame is taken on; a search with a memory on disk begins there.
 
+        The first one of all makes it the first floor, however high it is in a given ``map`` frame.
         A robot that has stayed where the last search ended on stairs is still on the floor that
         they begin on.
         """
@@ -161,6 +162,8 @@ class Memory:
             self.number = self.connectors[self.under_way.connector].floor
             self.footing = Footing.on_stairs(robot, z, self.floor.z)
         else:
+            if self.searches == 0 and self.number_at(z) is None:
+                self.floors = [self._new_floor(z)]
             self.number = self._known_or_new(z)
             self.footing = Footing.on_level_ground(robot, z, self.floor.z)
         return self.floor

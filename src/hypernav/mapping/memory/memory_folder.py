@@ -175,11 +175,10 @@ class MemoryFolder:
             self.place = self.place or Place.of(building, map_to_scene)
         else:
             check_is_of_robot(self.folder, self.place)
-        if not self._is_new:
-            if not self.memory.is_still_under_way(observation):
-                sure = map_to_scene is not None
-                check_start(self.memory, observation, self.folder, trusts_height=sure)
-            self.memory.begin_at(observation)
+        if not (self._is_new or self.memory.is_still_under_way(observation)):
+            sure = map_to_scene is not None
+            check_start(self.memory, observation, self.folder, trusts_height=sure)
+        self.memory.begin_at(observation)
         self._is_new, self._is_searching = False, True
         self.history.append(
             GoalRecord(

@@ -13,7 +13,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.depth import is_measured
-from hypernav.core.geometry.transforms import Pose2, wrap_angle
+from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.core.observation import LabelledPixels
 from hypernav.core.world import Position, RenderedView
 from hypernav.robot.client.robot import Sensed
@@ -115,12 +115,23 @@ class SimulatedBase:
         self.world.reset(episode, rng)
         self._rng = rng
         self._pose, self._position = self.world.pose, self.world.position
-        self._odometry = Pose2(0.0, 0.0, 0.0)
+        self._map_to_scene = self.world.map_to_scene
+        self._odometry = self._odometry_in_map = Pose2(0.0, 0.0, 0.0)
         self._errors = self._drawn_errors()
         person = self._mishaps.person
         self.person = None if person is None else Person(person, self.world.walkable, rng)
         self.smallest_gap_m = math.inf
         self.path_length_m = self.odometry_length_m = self.now_s = 0.0
+
+    def localise(self) -> None:
+        """From now on give poses in the scene frame, instead of one that begins at the start.
+
+        So they are in one frame in every search, as those of a robot that knows where it is in a
+        map that lasts.
+        """
+        start = self.world.map_to_scene
+        x, y, _ = start.translation.tolist()
+        self._map_to_scene, self._odometry_in_map = Transform.identity(), Pose2(x, y, start.yaw)
 
     @property
     def embodiment(self) -> Embodiment:
@@ -148,14 +159,14 @@ class SimulatedBase:
         self._renderer.colours = True
         view = self._view(self.embodiment.camera.intrinsics)
         labels = LabelledPixels(view.instance_ids, self._labels)
-        above_start = self._position[2] - float(self.world.map_to_scene.translation[2])
+        height_m = self._position[2] - float(self._map_to_scene.translation[2])
         return Sensed(
             rgb=view.rgb,
             depth=self._measured(view),
             odometry=self._odometry,
             stamp_s=self.now_s,
             odom_to_map=self._odom_to_map(),
-            height_m=above_start,
+            height_m=height_m,
             truth=labels if self.world.config.labels else None,
         )
 
@@ -227,9 +238,9 @@ class SimulatedBase:
         """The pose of the odometry frame by localisation, with its errors."""
         error_m = self._mishaps.localisation_error_m
         if error_m is None:
-            return Pose2(0.0, 0.0, 0.0)
+            return self._odometry_in_map
         floor = self._pose.to_transform(self._position[2])
-        base_to_map = self.world.map_to_scene.inverse() @ floor
+        base_to_map = self._map_to_scene.inverse() @ floor
         dx, dy = (error_m * self._rng.standard_normal(2)).tolist()
         found = base_to_map @ self._odometry.to_transform().inverse()
         x, y, _ = found.translation
