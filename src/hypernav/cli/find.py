@@ -37,7 +37,13 @@ from hypernav.cli.screen.warnings_shown import (
 from hypernav.core.components.abilities import check_remembers
 from hypernav.core.config import check_option
 from hypernav.core.episodes.episode import MAX_STEPS, Episode, Outcome
-from hypernav.core.errors import ConfigError, ModelSetupError, ModelUnavailableError, OutputError
+from hypernav.core.errors import (
+    ConfigError,
+    MemoryStartError,
+    ModelSetupError,
+    ModelUnavailableError,
+    OutputError,
+)
 from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -146,7 +152,8 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
             stopped_by = _search(search, views, console, status, goal.text)
             status.update("writing the page …")
             with interruptions_put_off():
-                is_stopped = isinstance(stopped_by, KeyboardInterrupt | OutputError)
+                early = KeyboardInterrupt | OutputError | MemoryStartError
+                is_stopped = isinstance(stopped_by, early)
                 outcome = search.result(interrupted=is_stopped and not search.trial.is_over)
                 result = {
                     "goal": goal.text,
@@ -222,7 +229,7 @@ def start_pose(
 
 def _search(
     search: EpisodeRun, views: Views, console: Terminal, status: Status, goal: str
-) -> KeyboardInterrupt | ModelSetupError | OutputError | None:
+) -> KeyboardInterrupt | MemoryStartError | ModelSetupError | OutputError | None:
     """Run the search to its end; returns the error that stopped it, if any."""
     try:
         views.await_watchers(status)
@@ -233,7 +240,7 @@ def _search(
                     views.add(step.trace, step.grid, step.observation)
                 status.update(escape(live_line(step, goal)))
                 views.keep_pace()
-    except (KeyboardInterrupt, ModelSetupError, OutputError) as stop:
+    except (KeyboardInterrupt, MemoryStartError, ModelSetupError, OutputError) as stop:
         return stop
     return None
 

@@ -194,6 +194,8 @@ class EpisodeRun:
 
         Raises:
             ModelSetupError: A model cannot be asked until its URL, key or name is corrected.
+            MemoryStartError: What the robot has seen since the start contradicts the memory, which
+                stays as it was.
             OutputError: The memory can't be saved.
         """
         try:
@@ -215,6 +217,8 @@ class EpisodeRun:
 
     def _step(self) -> EpisodeStep:
         observation = self.trial.observation
+        if self._folder is not None and self.trial.steps > 0:
+            self._folder.check(observation)
         goal_in_view = (
             self._sight is not None
             and observation.truth is not None

@@ -1,5 +1,6 @@
 """A memory on disk: the same after loading, whole after a kill, bounded, and for one process."""
 
+import itertools
 import json
 import os
 import shutil
@@ -14,8 +15,10 @@ import pytest
 
 from hypernav.build.agents import build_search
 from hypernav.build.memories import open_memory
+from hypernav.core.actions import Action
 from hypernav.core.errors import MemoryFolderError, MemoryStartError, RunFolderError
 from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.mapping.memory.key_images import KeyImages
@@ -290,6 +293,35 @@ def test_a_robot_that_was_moved_unnoticed_is_refused(home):
         memory.place = memory.place.model_copy(update={"start": (2.5, 1.0, -1.6)})
         with pytest.raises(MemoryStartError, match="is not what"):
             run(memory, LIVING_ROOM)
+
+
+def test_a_start_that_is_contradicted_later_leaves_the_memory_as_it_was(home):
+    before, world = files_of(home), two_rooms()
+    first = world.reset(episode_from(LIVING_ROOM, "bed"))
+    world.reset(episode_from(DOOR, "bed"))
+    with MemoryFolder(
+        home, CONFIG.mapping, CONFIG.embodiment, clock=itertools.count(0.0, 100.0).__next__
+    ) as memory:
+        known, place = len(memory.history), memory.place
+        assert place is not None
+        begun = memory.begin(
+            Goal("bed"), first, building=place.building, map_to_scene=place.map_to_scene
+        )
+        begun.begin_search(lasts=True)
+
+        def step() -> None:
+            seen = world.step(Action.TURN_LEFT)
+            memory.check(seen)
+            begun.follow(seen).integrate(seen)
+            memory.keep()
+
+        with pytest.raises(MemoryStartError, match="is not what"):
+            [step() for _ in range(11)]
+        memory.end("found", steps=5)
+        assert len(memory.history) == known
+        assert files_of(home) == before
+        assert run(memory)[-1][0] is Action.STOP
+    assert [one.outcome for one in memory.history] == ["found", "found"]
 
 
 def test_the_size_is_bounded_whatever_is_seen(tmp_path):

@@ -27,6 +27,7 @@ from hypernav.robot.server.agents import AgentPlan, PlanAgent
 from hypernav.robot.server.state.journal import Journal
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.worlds.box_room import BoxRoom
+from memory_folders import files_of
 from servers.robots import RobotLink, body_of, drive, real_plan, robot_server, scripted_plan
 
 FACING_AWAY = Pose2(2.0, 0.0, math.pi)
@@ -192,6 +193,25 @@ def test_a_robot_that_stands_elsewhere_is_told_so(tmp_path, plan):
         reply = link.observe(search, body).json
         assert (reply["action"], reply["ending"]) == (Action.STOP, "failed")
         assert "is not what" in link.call("GET", search).json["detail"]
+
+
+def test_a_robot_that_turns_out_to_stand_elsewhere_leaves_the_memory_as_it_was(tmp_path, plan):
+    with robot_server(tmp_path / "state", plan) as link:
+        drive(link, link.open(), BoxRoom())
+        search = link.open()  # waits for the memory
+        before = files_of(tmp_path / "home")
+        (reply,) = drive(link, search, BoxRoom(), most=1)
+        before_a_wall, said = BoxRoom(Pose2(2.5, 0.0, 0.0)), {"x": 0.0, "y": 0.0, "yaw": 0.0}
+        for sequence in range(1, 12):
+            assert reply["ending"] is None
+            body = body_of(sequence, before_a_wall, base_to_odom=said, blocked=True)
+            reply = link.observe(search, body).json
+            if reply["done"]:
+                break
+        assert (reply["action"], reply["ending"]) == (Action.STOP, "failed")
+        assert "let --relocalize find" in link.call("GET", search).json["detail"]
+        link.open()  # waits for the memory
+    assert files_of(tmp_path / "home") == before
 
 
 def test_another_robot_is_refused_when_it_opens_a_search(tmp_path, plan):

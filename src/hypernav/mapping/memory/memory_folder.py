@@ -13,7 +13,7 @@ from datetime import datetime
 from pathlib import Path
 
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.errors import MemoryFolderError
+from hypernav.core.errors import MemoryFolderError, MemoryStartError
 from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.goal import Goal
@@ -28,7 +28,7 @@ from hypernav.mapping.memory.reading import (
     check_usable,
     read_memory,
 )
-from hypernav.mapping.memory.start import check_start
+from hypernav.mapping.memory.start import StartCheck
 from hypernav.mapping.memory.writing import Writer
 
 MOST_MEGABYTES = 50.0
@@ -89,19 +89,24 @@ class MemoryFolder:
         self._clock = clock
         with ExitStack() as opened:
             opened.enter_context(folder_lock(folder, option="--memory", patience_s=patience_s))
-            contents = read_memory(folder, mapping, embodiment, most_bytes=self._most_bytes)
-            if contents is None:
-                images = KeyImages(self._most_bytes)
-                contents = Contents(Memory(mapping, embodiment, images=images))
-            self.memory: Memory = contents.memory
-            self.place: Place | None = contents.place
-            self.history: list[GoalRecord] = list(contents.history)
-            self.left_out: tuple[str, ...] = contents.left_out
-            self._is_new = contents.index is None
-            self._writer = Writer(folder, contents.index, damaged=contents.damaged)
+            self._load(mapping, embodiment)
             self._open = opened.pop_all()
-        self._saved_s = clock()
+
+    def _load(self, mapping: MappingConfig, embodiment: Embodiment) -> None:
+        """Begin with what is in the folder."""
+        contents = read_memory(self.folder, mapping, embodiment, most_bytes=self._most_bytes)
+        if contents is None:
+            images = KeyImages(self._most_bytes)
+            contents = Contents(Memory(mapping, embodiment, images=images))
+        self.memory: Memory = contents.memory
+        self.place: Place | None = contents.place
+        self.history: list[GoalRecord] = list(contents.history)
+        self.left_out: tuple[str, ...] = contents.left_out
+        self._is_new = contents.index is None
+        self._writer = Writer(self.folder, contents.index, damaged=contents.damaged)
+        self._saved_s = self._clock()
         self._is_searching = False
+        self._start: StartCheck | None = None
 
     def __enter__(self) -> "MemoryFolder":
         """The opened memory."""
@@ -175,9 +180,10 @@ class MemoryFolder:
             self.place = self.place or Place.of(building, map_to_scene)
         else:
             check_is_of_robot(self.folder, self.place)
+        self._start = None
         if not (self._is_new or self.memory.is_still_under_way(observation)):
             sure = map_to_scene is not None
-            check_start(self.memory, observation, self.folder, trusts_height=sure)
+            self._start = StartCheck(self.memory, observation, self.folder, trusts_height=sure)
         self.memory.begin_at(observation)
         self._is_new, self._is_searching = False, True
         self.history.append(
@@ -190,13 +196,35 @@ class MemoryFolder:
         del self.history[:-_MOST_GOALS]
         return self.memory
 
+    def check(self, observation: Observation) -> None:
+        """Compare a frame after the first with what was known at the start; before every step.
+
+        Args:
+            observation: The frame, in the ``map`` frame of the memory.
+
+        Raises:
+            MemoryStartError: What the search has seen so far contradicts the map. The search is
+                over, and the memory is again what it was when it was saved last.
+        """
+        if self._start is None:
+            return
+        try:
+            self._start.look(observation)
+        except MemoryStartError:
+            self._load(self.memory.mapping, self.memory.embodiment)
+            raise
+        if self._start.is_over:
+            self._start = None
+
     def keep(self) -> None:
         """Save if the last save was long ago; called after every step.
+
+        Nothing is saved as long as what is seen may yet contradict the map.
 
         Raises:
             OutputError: The disk is full, or the folder can't be written.
         """
-        if self._clock() - self._saved_s >= SAVE_EVERY_S:
+        if self._start is None and self._clock() - self._saved_s >= SAVE_EVERY_S:
             self.save()
 
     def end(self, outcome: str, *, steps: int) -> None:

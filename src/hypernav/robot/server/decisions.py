@@ -100,7 +100,7 @@ class Decisions:
         Raises:
             ModelUnavailableError: A model did not answer.
             ModelSetupError: A model can never answer.
-            MemoryStartError: What the robot sees first contradicts the memory.
+            MemoryStartError: What the robot sees at first contradicts the memory.
             HyPerNavError: The agent cannot go on.
         """
         step, grid = self._decided(packed, seen)
@@ -119,6 +119,8 @@ class Decisions:
             return StepRecord(reply=_reply_looking_around(number, self._robot), trace=None), None
         if self._steps == 0:
             seen = self._begin(packed.header, seen)
+        elif self._memory is not None:
+            self._memory.check(seen)
         self._built.agent.act(seen)
         self._steps += 1
         grid, trace = self._agent.grid, self._agent.last_step
