@@ -9,6 +9,7 @@ from hypernav.core.labels import (
     ObjectLabel,
     asked_place,
     canonical,
+    label_for,
     names_of,
     normalise,
     same_name,
@@ -162,6 +163,73 @@ def test_of_names_no_room_unless_an_article_follows():
     dresser = ObjectLabel("dresser", attributes=("wooden",), room="bedroom")
     assert dresser.satisfies(Goal("wooden chest of drawers"))
     assert dresser.satisfies(Goal("wooden chest of drawers in the bedroom"))
+
+
+@pytest.mark.parametrize(
+    ("goal", "place"),
+    [
+        ("the sofa that is grey", AskedPlace("sofa")),
+        ("sofa with cushions next to a side table", AskedPlace("sofa", beside="side table")),
+        ("This is a grey sofa. It stands under the window.", AskedPlace("grey sofa")),
+        (
+            "The couch is located near the window and is surrounded by two plants.",
+            AskedPlace("couch", beside="window"),
+        ),
+        (
+            "A white refrigerator in the kitchen, next to the oven",
+            AskedPlace("white refrigerator", room="kitchen"),
+        ),
+        (
+            "The sink is in the bathroom to the left of the mirror.",
+            AskedPlace("sink", room="bathroom"),
+        ),
+        (
+            "A pillow lies on the sofa in the living room.",
+            AskedPlace("pillow", room="living room", beside="sofa"),
+        ),
+    ],
+)
+def test_of_a_description_the_place_is_read_up_to_its_end(goal, place):
+    assert asked_place(Goal(goal)) == place
+
+
+@pytest.mark.parametrize(
+    ("label", "goal", "words"),
+    [
+        ("sofa", "It is a grey sofa located to the left of the table lamp", 1),
+        ("table lamp", "It is a grey sofa located to the left of the table lamp", 0),
+        ("tv stand", "This is a grey sofa. It stands under the window.", 0),
+        ("tv stand", "two tv stands", 2),
+        ("cushion", "sofa with cushions next to a side table", 0),
+        ("side table", "The side table has a lamp on it", 2),
+        ("stool", "the black stool with wheels", 1),
+        ("dresser", "There is a wooden chest of drawers which is near the bed.", 3),
+    ],
+)
+def test_a_description_names_the_thing_that_it_is_about(label, goal, words):
+    assert ObjectLabel(label).named_words(Goal(goal)) == words
+
+
+def test_what_a_description_says_besides_must_be_known_to_be_true():
+    sofa = ObjectLabel("sofa", attributes=("grey",), room="living room")
+    assert sofa.satisfies(Goal("There is a grey sofa in the living room."))
+    assert sofa.satisfies(Goal("Find the object: a grey sofa"))
+    assert not sofa.satisfies(Goal("It is a red sofa"))
+    assert not sofa.satisfies(Goal("This is a grey sofa. It stands under the window."))
+    assert not sofa.satisfies(Goal("The sofa has two cushions"))
+
+
+@pytest.mark.parametrize(
+    ("goal", "label"),
+    [
+        ("TV", "TV"),
+        ("the L-shaped sofa", "the L-shaped sofa"),
+        ("the chair in the office", "chair"),
+        ("It is a grey sofa near the window.", "grey sofa"),
+    ],
+)
+def test_a_thing_taken_for_a_description_is_called_by_the_name_in_it(goal, label):
+    assert label_for(Goal(goal)) == label
 
 
 def test_all_names_of_a_thing_are_known_the_given_one_first():

@@ -10,6 +10,7 @@ from functools import lru_cache
 
 from hypernav.core.goal import Goal
 from hypernav.core.other_names import other_names
+from hypernav.core.text.noun_phrase import first_sentence, noun_phrase, without_lead_in
 
 _SYNONYMS: tuple[tuple[str, ...], ...] = (
     ("sofa", "couch", "settee", "loveseat"),
@@ -87,7 +88,7 @@ class AskedPlace:
     """Where a goal's words say that it is.
 
     Attributes:
-        before: The words before, which say what it is, as `normalise` gives them.
+        before: The words before, which say what it is; see `noun_phrase`.
         room: Room that it is in; empty if none is said.
         beside: What it is beside; empty if nothing is said.
     """
@@ -99,13 +100,20 @@ class AskedPlace:
 
 @lru_cache(maxsize=4096)
 def asked_place(goal: Goal) -> AskedPlace:
-    """Read "WHAT [beside the THING] [in the ROOM]"."""
-    text, room, beside = normalise(goal.text), "", ""
+    """Read "WHAT [beside the THING] [in the ROOM]", or the first sentence of a description."""
+    text, room, beside = first_sentence(without_lead_in(normalise(goal.text))), "", ""
+    before = noun_phrase(text)
     if (match := _IN_ROOM.search(text)) is not None:
-        text, room = text[: match.start()], match[1]
+        text, room = text[: match.start()], noun_phrase(match[1])
     if (match := _BESIDE.search(text)) is not None:
-        text, beside = text[: match.start()], match[1]
-    return AskedPlace(text, room, beside)
+        beside = noun_phrase(match[1])
+    return AskedPlace(before, room, beside)
+
+
+def label_for(goal: Goal) -> str:
+    """What a thing is called that was taken for a goal: its text, or the name in a description."""
+    name = asked_place(goal).before
+    return goal.text if name == normalise(goal.text) else name
 
 
 @dataclass(frozen=True)
@@ -151,6 +159,7 @@ class ObjectLabel:
         text = normalise(goal.text)
         if self.is_named(text):
             return True
+        text = without_lead_in(text)
         if (match := _IN_ROOM.search(text)) is not None:
             if not self.room or canonical(match[1]) != canonical(self.room):
                 return False

@@ -99,6 +99,10 @@ def test_another_label_is_visible_and_counted(view: Observation):
         ("sofa", "L-shaped sofa", True),
         ("window curtain", "shower curtain", False),
         ("table", "bed", False),
+        ("couch", "The couch is located near the window.", True),
+        ("window", "The couch is located near the window.", False),
+        ("chair", "the chair beside the desk", True),
+        ("desk", "the chair beside the desk", False),
     ],
 )
 def test_labels(label: str, goal: str, agree: bool):

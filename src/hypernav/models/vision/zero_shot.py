@@ -13,6 +13,7 @@ from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
+from hypernav.core.labels import label_for
 from hypernav.core.observation import Observation
 from hypernav.models.torch_device import (
     EXTRA,
@@ -93,7 +94,7 @@ class ZeroShotDetector:
         for score, corners in zip(found["scores"].tolist(), found["boxes"].tolist(), strict=True):
             box = Box(*corners).clipped(width, height)
             if min(box.x_max - box.x_min, box.y_max - box.y_min) >= _MIN_SIDE_PX:
-                detections.append(Detection(box, min(max(score, 0.0), 1.0), goal.text))
+                detections.append(Detection(box, min(max(score, 0.0), 1.0), label_for(goal)))
         return sorted(detections, key=lambda detection: -detection.score)
 
     @property

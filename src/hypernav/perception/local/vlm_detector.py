@@ -11,7 +11,7 @@ from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.labels import ObjectLabel, asked_place, label_for
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import FamilyName, VlmFamily, family_named, family_of
@@ -162,7 +162,7 @@ class VlmDetector:
         )
         remarks = self._remarks(answer, grounding, goal)
         self._log.record(exchange_of(question, answer, remarks=remarks))
-        found = [replace(one, label=one.label or goal.text) for one in grounding.boxes]
+        found = [replace(one, label=one.label or label_for(goal)) for one in grounding.boxes]
         return self._looked_at(found, observation, goal)
 
     def _looked_at(
@@ -202,9 +202,10 @@ def labels_agree(label: str, goal: Goal) -> bool:
     """Whether a model's label can mean the goal: the same name, or a wider or narrower one.
 
     "sofa" agrees with the goal "L-shaped sofa", "corner sofa" with the goal "sofa"; a "window
-    curtain" is no "shower curtain".
+    curtain" is no "shower curtain". Of a description its name alone counts.
     """
-    return ObjectLabel(label).satisfies(goal) or ObjectLabel(goal.text).is_named(label)
+    wanted = ObjectLabel(asked_place(goal).before)
+    return ObjectLabel(label).satisfies(goal) or wanted.is_named(label)
 
 
 def _says_nothing(text: str) -> bool:
