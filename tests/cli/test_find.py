@@ -91,6 +91,8 @@ def test_screen_result_and_page_say_what_stands_in_for_the_papers_segmenter(glb,
         (["find", "potted", "plant"], 'one name go in quotes, as in "potted plant"'),
         (["find", "bed", "--scene", "house:7"], "did you mean 'houses:7'?"),
         (["find", "bed", "--scene", "bultin"], "did you mean 'builtin'?"),
+        (["find", "bed", "--scene", "storeys-train#3024"], "say 'storeys:3024', for its searches"),
+        (["find", "bed", "--scene", "houses-val"], "say 'houses:1000', for its searches run hyp"),
     ],
 )
 def test_bad_input_is_one_line_with_the_remedy(arguments, words, capsys):

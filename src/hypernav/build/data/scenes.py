@@ -1,6 +1,7 @@
 """Loads scenes by name."""
 
 import difflib
+import os
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -45,15 +46,31 @@ def load_scene(spec: str) -> Scene:
         SceneError: The file cannot be used, or there is no such building.
     """
     if not is_no_file(spec):
-        name, colon, number = spec.partition(":")
-        close = difflib.get_close_matches(name, SCENES.names, n=1)
-        if close and not Path(spec).suffix and not Path(spec).exists():
-            raise SceneError(
-                f"there is no scene '{spec:.40}'; did you mean '{close[0]}{colon}{number:.20}'?"
-            )
+        if not os.path.exists(spec):  # unlike Path.exists, it accepts any name
+            _refuse_other_names(spec)
         return open_scene(Path(spec))
     choice = SCENES.find(spec)
     return choice.load()(*choice.arguments)
+
+
+def _refuse_other_names(spec: str) -> None:
+    """Refuse the name of a split, and one that is almost that of a scene."""
+    # imported here, so that a search in one building loads no code of episodes
+    from hypernav.houses.episodes.splits import SPLITS
+
+    if split := SPLITS.get(spec.partition("#")[0]):
+        number = spec.partition("#")[2].partition(":")[0]
+        building = f"{split.kind}:{number if is_whole_number(number) else split.numbers.start}"
+        raise SceneError(
+            f"'{spec:.40}' is a split of many searches, no scene; for one of its buildings say "
+            f"'{building}', for its searches run hypernav eval '{spec:.40}'"
+        )
+    name, colon, number = spec.partition(":")
+    close = difflib.get_close_matches(name, SCENES.names, n=1)
+    if close and not Path(spec).suffix:
+        raise SceneError(
+            f"there is no scene '{spec:.40}'; did you mean '{close[0]}{colon}{number:.20}'?"
+        )
 
 
 def builtin_house() -> Scene:
