@@ -96,6 +96,8 @@ def test_a_search_goes_up_to_the_goal():
     assert climbing
     assert all(one.reason.startswith("on the stairs up") for one in climbing)
     assert {one.passage for one in memory.connectors} == {Passage.USED}
+    assert [trace[0].z, trace[-1].z] == pytest.approx([0.0, ABOVE_M], abs=0.1)
+    assert [one.z for one in climbing] == sorted(one.z for one in climbing)
     on_stairs_x = [one.pose[0] + START_X for one in climbing]
     assert max(x for x, _ in memory.floors[0].trajectory) + START_X < FIRST_X + 2.0 * TREAD_M
     assert max(on_stairs_x) > HEAD_X - TREAD_M

@@ -78,6 +78,17 @@ def test_the_trajectory_has_a_line_a_step_with_unit_quaternions(recorded):
         assert sum(value**2 for value in row[4:]) == pytest.approx(1.0)
 
 
+def test_the_trajectory_has_the_robots_height(tmp_path):
+    heights_m = [0.0, 0.17, 3.012]
+    with recorder(tmp_path) as files:
+        for step, z in zip(episode(), heights_m, strict=False):
+            raised = step.trace.model_copy(update={"z": z})
+            files.add(raised, step.grid, step.observation)
+        files.finish({"goal": "bed", "outcome": "interrupted"})
+    rows = (tmp_path / "trajectory.tum").read_text().splitlines()
+    assert [float(row.split()[3]) for row in rows] == heights_m
+
+
 def test_the_ros_map_is_named_in_its_yaml(recorded):
     folder, _ = recorded
     assert yaml.safe_load((folder / "map.yaml").read_text())["image"] == "map.pgm"

@@ -10,6 +10,7 @@ from hypernav.show.climbs import (
     StairsMark,
     climb_words,
     climbs,
+    floor_heights_m,
     floor_words,
     stairs_by_step,
     stairs_on,
@@ -103,6 +104,13 @@ def test_a_floor_is_as_high_as_the_robot_in_the_middle_of_its_stay_there(
     stretches = [(Mode.EXPLORE, None, 4), (Mode.CLIMB, None, 2), (Mode.EXPLORE, 2, 3)]
     assert typical_steps(walk(make_step, *stretches)) == {1: 2, 2: 7}
     assert typical_steps([]) == {}
+
+
+def test_floors_are_as_high_as_the_robot_was_off_the_stairs(make_step: MakeStep) -> None:
+    steps = walk(make_step, (Mode.EXPLORE, None, 3), (Mode.CLIMB, None, 2), (Mode.EXPLORE, 2, 3))
+    heights_m = [0.0, 0.03, 0.03, 1.0, 2.0, 2.9, 3.0, 3.0]
+    pairs = zip(steps, heights_m, strict=True)
+    assert floor_heights_m(one.model_copy(update={"z": z}) for one, z in pairs) == {1: 0.03, 2: 3.0}
 
 
 @pytest.mark.parametrize(

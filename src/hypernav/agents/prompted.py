@@ -134,6 +134,7 @@ class PromptedAgent:
         self._trace = StepTrace(
             step=len(floor.trajectory) - 1,
             pose=(observation.robot.x, observation.robot.y, observation.robot.yaw),
+            z=self._embodiment.camera.base_z(observation.camera_to_map),
             action=action,
             mode=Mode.EXPLORE if ending is None else Mode.STOP,
             reason=reason,

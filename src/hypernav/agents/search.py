@@ -172,6 +172,7 @@ class SearchAgent:
         return StepTrace(
             step=step.number,
             pose=(robot.x, robot.y, robot.yaw),
+            z=memory.footing.z,
             action=decision.action,
             mode=decision.mode,
             reason=decision.reason,

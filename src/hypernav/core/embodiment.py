@@ -116,6 +116,10 @@ class CameraConfig(RoomConfig):
         """Pose of the camera on the robot: the transform from the optical to the base frame."""
         return optical_to_base(self.height_m, self.pitch_deg)
 
+    def base_z(self, camera_to_map: Transform) -> float:
+        """Height of the robot below its camera, ``map`` frame, metres."""
+        return float(camera_to_map.translation[2]) - self.height_m
+
 
 class MotionConfig(RoomConfig):
     """Effect of the actions, by default as in the paper.

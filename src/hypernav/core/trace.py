@@ -7,9 +7,10 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from enum import StrEnum
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
@@ -18,6 +19,9 @@ from pydantic import (
 
 from hypernav.core.actions import Action
 from hypernav.core.exploring.insight import Insight
+
+_UNEVEN_M = 0.05
+"""Height, metres, from which a robot is off the level of the start."""
 
 
 class Mode(StrEnum):
@@ -114,12 +118,18 @@ class Exchange(_Record):
     remarks: list[str] = Field(default_factory=list)
 
 
+def _height(z: float) -> float:
+    return 0.0 if abs(z) < _UNEVEN_M else round(z, 3)
+
+
 class StepTrace(_Record):
     """Knowledge, decision and action of an agent in one step. Metres, radians, ``map`` frame.
 
     Attributes:
         step: Number of the step, from 0.
         pose: Pose of the robot ``(x, y, yaw)`` before the action.
+        z: Height of the robot then; 0, and left out of the JSON, less than 5 cm above or below the
+            level of the start, as on rugs and sills. Traces from before have none.
         action: Action of the step; None in the last step of a search that was given up.
         mode: Mode of the agent.
         reason: Reason for the action, in one short sentence for people.
@@ -140,6 +150,7 @@ class StepTrace(_Record):
 
     step: int
     pose: tuple[float, float, float]
+    z: Annotated[float, AfterValidator(_height)] = 0.0
     action: Action | None
     mode: Mode
     reason: str = ""
@@ -160,6 +171,8 @@ class StepTrace(_Record):
         values = content(self)
         if self.insight is None:
             values.pop("insight", None)
+        if not self.z:
+            values.pop("z", None)
         if self.floor is None:
             values.pop("floor", None)
         return values

@@ -243,6 +243,7 @@ class EpisodeRun:
         return StepTrace(
             step=self.trial.steps,
             pose=(robot.x, robot.y, robot.yaw),
+            z=self.trial.world.embodiment.camera.base_z(observation.camera_to_map),
             action=action,
             mode=mode,
             ending=Ending.of(action),

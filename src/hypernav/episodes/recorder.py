@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from hypernav.core.errors import OutputError
 from hypernav.core.files.append_only import AppendOnlyFile
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
-from hypernav.core.trace import Mode, StepTrace, floor_of
+from hypernav.core.trace import StepTrace, floor_of
 from hypernav.core.view import json_values
 from hypernav.mapping.ros_map import save_ros_map
 from hypernav.perception.exchanges import unusable_answers
@@ -81,7 +80,6 @@ class EpisodeRecorder:
         self.steps: list[StepTrace] = []
         self._grid: OccupancyGrid | None = None
         self._maps: dict[int, OccupancyGrid] = {}
-        self._heights_m: dict[int, list[float]] = {}
         with _written_to(folder):
             folder.mkdir(parents=True, exist_ok=True)
             # An unnamed file reserves disk space for result and page until they are written.
@@ -124,9 +122,6 @@ class EpisodeRecorder:
         self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
     ) -> None:
         """Record a step with what the camera saw; see `record`."""
-        if observation is not None and step.mode is not Mode.CLIMB:
-            camera_z = float(observation.camera_to_map.translation[2])
-            self._heights_m.setdefault(floor_of(step), []).append(camera_z)
         self.record(step, grid, None if observation is None else observation.rgb)
 
     def record(
@@ -154,7 +149,7 @@ class EpisodeRecorder:
                 self._video.pass_over(step)
             else:
                 self._grid = self._maps[floor_of(step)] = grid
-                self._video.add(image, step, grid, self._floor_heights_m())
+                self._video.add(image, step, grid)
 
     def finish(self, result: Mapping[str, Any]) -> None:
         """Write the files that are complete only at the end of the episode.
@@ -219,10 +214,6 @@ class EpisodeRecorder:
         if self._grid is not None:
             write_map_png(self.folder / "map.png", self._grid, self.steps)
 
-    def _floor_heights_m(self) -> dict[int, float]:
-        """Heights of the camera on the floors so far, metres."""
-        return {floor: median(seen) for floor, seen in self._heights_m.items()}
-
     def _write_page(self, result: Mapping[str, Any]) -> None:
         page = partial(
             write_page,
@@ -230,7 +221,6 @@ class EpisodeRecorder:
             result,
             self.steps,
             self._maps,
-            heights_m=self._floor_heights_m(),
             frame_counts=self._video.frame_counts,
         )
         try:
@@ -258,4 +248,4 @@ def _written_to(folder: Path) -> Iterator[None]:
 def _tum_line(step: StepTrace) -> str:
     x, y, yaw = step.pose
     qz, qw = math.sin(yaw / 2.0), math.cos(yaw / 2.0)
-    return f"{step.step} {x:.6f} {y:.6f} 0 0 0 {qz:.9f} {qw:.9f}\n"
+    return f"{step.step} {x:.6f} {y:.6f} {step.z:g} 0 0 {qz:.9f} {qw:.9f}\n"

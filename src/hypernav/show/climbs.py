@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from statistics import median
 
 from hypernav.core.trace import Mode, StepTrace, floor_of
 
@@ -162,6 +163,15 @@ def typical_steps(steps: Iterable[StepTrace]) -> dict[int, int]:
         if step.mode is not Mode.CLIMB:
             numbers.setdefault(floor_of(step), []).append(step.step)
     return {floor: on_it[len(on_it) // 2] for floor, on_it in numbers.items()}
+
+
+def floor_heights_m(steps: Iterable[StepTrace]) -> dict[int, float]:
+    """Heights of the floors on which the robot was off the stairs, metres, by number."""
+    seen = dict[int, list[float]]()
+    for step in steps:
+        if step.mode is not Mode.CLIMB:
+            seen.setdefault(floor_of(step), []).append(step.z)
+    return {floor: median(heights) for floor, heights in seen.items()}
 
 
 def floor_words(floor: int, start: int, heights_m: Mapping[int, float]) -> str:

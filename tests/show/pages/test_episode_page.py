@@ -162,21 +162,20 @@ def test_what_models_and_people_write_cannot_become_markup(
 
 
 def over_two_floors(make_step: MakeStep) -> list[StepTrace]:
-    """Two steps on floor 1, two on the stairs, two on floor 2."""
+    """Two steps on floor 1, two on the stairs, two on floor 2, 3 m higher."""
     modes = [Mode.EXPLORE, Mode.EXPLORE, Mode.CLIMB, Mode.CLIMB, Mode.EXPLORE, Mode.EXPLORE]
-    floors = [None, None, None, None, 2, 2]
+    floors, heights_m = [None, None, None, None, 2, 2], [0.1, 0.1, 0.2, 1.6, 3.1, 3.1]
     return [
-        make_step(k, mode=mode, floor=floor)
-        for k, (mode, floor) in enumerate(zip(modes, floors, strict=True))
+        make_step(k, mode=mode, floor=floor, z=z)
+        for k, (mode, floor, z) in enumerate(zip(modes, floors, heights_m, strict=True))
     ]
 
 
 def test_every_floor_has_its_map_and_the_robot_is_on_one_of_them(
     make_step: MakeStep, result: dict[str, Any], room: OccupancyGrid, tmp_path: Path
 ) -> None:
-    maps, heights_m = {1: room, 2: room}, {1: 0.9, 2: 3.9}
     steps = over_two_floors(make_step)
-    page = read(write_page(tmp_path, result, steps, maps, heights_m=heights_m))
+    page = read(write_page(tmp_path, result, steps, {1: room, 2: room}))
     data = player(page)
     assert data["floors"] == [1, 1, 1, 1, 2, 2]
     assert all(robot is not None for robot in data["robots"])
@@ -285,7 +284,7 @@ def test_on_stairs_the_page_says_so_beside_the_map(
         return shown, browser.find_element(By.CSS_SELECTOR, ".moment.current strong").text
 
     assert go_to(1) == ("Floor 1 (start)", "Floor 1 (start)")
-    stairs = "Over the stairs from floor 1 to floor 2"
+    stairs = "Up the stairs from floor 1 to floor 2 (3.0 m above the start)"
     assert go_to(3) == ("Floor 1 (start); the robot is on the stairs", stairs)
     assert go_to(1) == ("Floor 1 (start)", "Floor 1 (start)")
 

@@ -13,7 +13,14 @@ import yaml
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import Mode, StepTrace, floor_of
 from hypernav.show import captions
-from hypernav.show.climbs import climb_words, climbs, floor_words, names_floors, whereabouts
+from hypernav.show.climbs import (
+    climb_words,
+    climbs,
+    floor_heights_m,
+    floor_words,
+    names_floors,
+    whereabouts,
+)
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.map_images import draw_result, final_view
 from hypernav.show.pages import episode_story, episode_summary
@@ -39,7 +46,6 @@ def write_page(
     steps: Sequence[StepTrace],
     maps: Mapping[int, OccupancyGrid],
     *,
-    heights_m: Mapping[int, float] | None = None,
     video: Path | None = None,
     frame_counts: Sequence[int] | None = None,
     embed_limit_bytes: int = EMBED_LIMIT_BYTES,
@@ -51,7 +57,6 @@ def write_page(
         result: Content of ``result.json``; missing entries show as a dash.
         steps: Trace of the episode; may be empty.
         maps: Last map of every floor, by its number; empty if there is none.
-        heights_m: Heights of the floors, metres, as far as they are known.
         video: Video of the episode; by default ``episode.mp4`` in the folder, if it exists.
         frame_counts: Number of video frames of each step; by default that of a video of all steps.
         embed_limit_bytes: Largest video that is embedded; the page links to a larger one.
@@ -69,9 +74,9 @@ def write_page(
         facts=_facts(result),
         told_truth=captions.is_ground_truth(str(result.get("detector"))),
         video=_video_source(folder, video, embed_limit_bytes) if video is not None else "",
-        maps=[_map(floor, maps[floor], steps, heights_m or {}) for floor in sorted(maps)],
+        maps=[_map(floor, maps[floor], steps) for floor in sorted(maps)],
         map_size=_MAP_SIZE,
-        floors=_floors(steps, heights_m or {}),
+        floors=_floors(steps),
         figures=_metrics(result, steps),
         phases=[_band(phase, len(steps)) for phase in episode_summary.phases(steps)],
         shares=episode_summary.mode_shares(steps),
@@ -101,25 +106,23 @@ def _video_source(folder: Path, video: Path, embed_limit_bytes: int) -> str:
     return data_uri(video.read_bytes(), "video/mp4")
 
 
-def _map(
-    floor: int, grid: OccupancyGrid, steps: Sequence[StepTrace], heights_m: Mapping[int, float]
-) -> dict[str, Any]:
+def _map(floor: int, grid: OccupancyGrid, steps: Sequence[StepTrace]) -> dict[str, Any]:
     # The robot is drawn by the page itself, so that it can follow the video.
     image = draw_result(grid, steps, size=_MAP_SIZE, robot=False, floor=floor)
-    words = floor_words(floor, floor_of(steps[0]) if steps else 1, heights_m)
+    words = floor_words(floor, floor_of(steps[0]) if steps else 1, floor_heights_m(steps))
     return {"floor": floor, "uri": image_uri(image), "words": words}
 
 
-def _floors(steps: Sequence[StepTrace], heights_m: Mapping[int, float]) -> dict[str, Any]:
+def _floors(steps: Sequence[StepTrace]) -> dict[str, Any]:
     """Floors and stairs as a band below the timeline, and as the chapters of the story.
 
     Both are empty for a search that knew of one floor only and was on no stairs.
     """
     if not names_floors(steps):
         return {"stays": [], "chapters": []}
-    start = floor_of(steps[0])
-    names = {floor: floor_words(floor, start, heights_m) for floor in map(floor_of, steps)}
-    climb_at = {one.first: climb_words(one, start, heights_m) for one in climbs(steps)}
+    start, heights = floor_of(steps[0]), floor_heights_m(steps)
+    names = {floor: floor_words(floor, start, heights) for floor in map(floor_of, steps)}
+    climb_at = {one.first: climb_words(one, start, heights) for one in climbs(steps)}
     if steps[-1].mode is Mode.CLIMB:
         climb_at[max(climb_at)] += "; the search ended on them"
     return {

@@ -11,7 +11,14 @@ from hypernav.core.exploring.insight import ThingGraph, ValueImage
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Mode, StepTrace, floor_of, on_last_floor
-from hypernav.show.climbs import Climb, climbs, floor_words, names_floors, stairs_on
+from hypernav.show.climbs import (
+    Climb,
+    climbs,
+    floor_heights_m,
+    floor_words,
+    names_floors,
+    stairs_on,
+)
 from hypernav.show.drawing.map_images import draw_map, draw_result
 from hypernav.show.drawing.map_view import SteadyView
 from hypernav.show.video.end_card import draw_end_card
@@ -159,7 +166,6 @@ class EpisodeVideo:
         self._values: ValueImage | None = None
         self._graph: ThingGraph | None = None
         self._grid: OccupancyGrid | None = None
-        self._heights_m: Mapping[int, float] = {}
         self._closed = False
 
     def __enter__(self) -> "EpisodeVideo":
@@ -180,7 +186,6 @@ class EpisodeVideo:
         image: UInt8[np.ndarray, "height width 3"],
         step: StepTrace,
         grid: OccupancyGrid,
-        heights_m: Mapping[int, float] | None = None,
     ) -> None:
         """Add a step.
 
@@ -188,9 +193,8 @@ class EpisodeVideo:
             image: Camera image of the step, RGB.
             step: Trace of the step.
             grid: Map after the observation was integrated.
-            heights_m: Heights of the floors, metres, as far as they are known.
         """
-        self._grid, self._heights_m = grid, heights_m or {}
+        self._grid = grid
         self._note(step, frame_count(step))
         frame = draw_frame(self._title, step, image, self._map_image(step, grid), self._decision)
         self._file.write(frame, frame_count(step))
@@ -261,5 +265,5 @@ class EpisodeVideo:
         """The floor that a map shows; the robot is on it, or on stairs from it."""
         if not names_floors([step]):
             return ""
-        words = floor_words(floor_of(step), floor_of(self._steps[0]), self._heights_m)
+        words = floor_words(floor_of(step), floor_of(self._steps[0]), floor_heights_m(self._steps))
         return f"{words}, robot on the stairs" if step.mode is Mode.CLIMB else words
