@@ -1,16 +1,20 @@
 import json
 import shutil
+from dataclasses import replace
 
 import av
+import numpy as np
 import pytest
 import yaml
 
 from hypernav.build.agents import build_search
 from hypernav.core.errors import OutputError
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog, StepTrace
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.episodes.recorder import EpisodeRecorder
+from hypernav.mapping.ros_map import load_ros_map
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
@@ -92,6 +96,38 @@ def test_the_trajectory_has_the_robots_height(tmp_path):
 def test_the_ros_map_is_named_in_its_yaml(recorded):
     folder, _ = recorded
     assert yaml.safe_load((folder / "map.yaml").read_text())["image"] == "map.pgm"
+
+
+def steps_over_floors(*floors):
+    """Steps of a search, each on a floor of its own number."""
+    return [
+        replace(step, trace=step.trace.model_copy(update={"floor": floor}))
+        for step, floor in zip(episode(), floors, strict=False)
+    ]
+
+
+def test_every_floor_leaves_its_map(tmp_path):
+    with recorder(tmp_path) as files:
+        for width, step in enumerate(steps_over_floors(None, None, 2, 3), start=1):
+            grid = OccupancyGrid(np.full((1, width), Cell.FREE, np.uint8), 0.05, (0.0, 0.0))
+            files.add(step.trace, grid, step.observation)
+        files.finish({"goal": "bed", "outcome": "interrupted"})
+    widths = {
+        name: load_ros_map(tmp_path / f"{name}.yaml").cells.shape[1]
+        for name in ("map_floor_1", "map_floor_2", "map_floor_3", "map")
+    }
+    assert widths == {"map_floor_1": 2, "map_floor_2": 3, "map_floor_3": 4, "map": 4}
+    assert all((tmp_path / f"{name}.png").is_file() for name in widths)
+
+
+def test_maps_of_floors_of_an_earlier_search_are_gone(tmp_path):
+    for floors in ((1, 2), (1, 1)):
+        with recorder(tmp_path) as files:
+            for step in steps_over_floors(*floors):
+                files.add(step.trace, step.grid, step.observation)
+            files.finish({"goal": "bed", "outcome": "interrupted"})
+    assert not list(tmp_path.glob("map_floor_*"))
+    assert (tmp_path / "map.yaml").is_file()
 
 
 def test_leaving_early_keeps_trace_and_a_playable_video(tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
@@ -30,6 +31,8 @@ OUTPUT_FILES = (
     *("map.yaml", "result.json", "index.html"),
 )
 """Names of the files that a recorder writes to its folder."""
+_FLOOR_MAP = re.compile(r"map_floor_\d+\.(png|pgm|yaml)")
+"""Names of the maps of floors, which only a search over several floors has."""
 _RESERVE_BYTES = 2_000_000
 
 
@@ -46,8 +49,9 @@ class EpisodeRecorder:
     ``timings.jsonl``            seconds per module, one line for each step
     ``trajectory.tum``           ``step x y z qx qy qz qw`` in the ``map`` frame
     ``episode.mp4``              camera image, map and decision of every step
-    ``map.png``                  the final map with the whole trajectory
+    ``map.png``                  the final map with the trajectory on it
     ``map.pgm``, ``map.yaml``    the final map for ROS
+    ``map_floor_N.*``            the same three of floor N, if the robot was on several floors
     ``result.json``              outcome, measures, times and configuration
     ``index.html``               all of it on one page
     ============================ =====================================================
@@ -89,6 +93,9 @@ class EpisodeRecorder:
             self._timings = AppendOnlyFile(folder / "timings.jsonl")
             self._trace.cut(0)
             self._timings.cut(0)
+            for path in folder.iterdir():
+                if _FLOOR_MAP.fullmatch(path.name):
+                    path.unlink()
             self._video = EpisodeVideo(
                 folder / "episode.mp4",
                 goal,
@@ -170,6 +177,7 @@ class EpisodeRecorder:
                 ("trajectory.tum", self._write_trajectory),
                 ("map.pgm", self._write_ros_map),
                 ("map.png", self._write_map),
+                *self._maps_of_floors(),
                 ("index.html", lambda: self._write_page(result)),
             )
             if not self._attempt(name, write)
@@ -213,6 +221,14 @@ class EpisodeRecorder:
     def _write_map(self) -> None:
         if self._grid is not None:
             write_map_png(self.folder / "map.png", self._grid, self.steps)
+
+    def _maps_of_floors(self) -> Iterator[tuple[str, Callable[[], object]]]:
+        """Names of the maps of single floors, with what writes each; none for one floor."""
+        for floor, grid in sorted(self._maps.items()) if len(self._maps) > 1 else ():
+            name = f"map_floor_{floor}"
+            yield f"{name}.pgm", partial(save_ros_map, grid.cropped(), self.folder, name)
+            path = self.folder / f"{name}.png"
+            yield path.name, partial(write_map_png, path, grid, self.steps, floor=floor)
 
     def _write_page(self, result: Mapping[str, Any]) -> None:
         page = partial(

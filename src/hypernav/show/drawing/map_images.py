@@ -147,26 +147,32 @@ def _trajectory(steps: Sequence[StepTrace], floor: int | None) -> list[XY]:
 
 
 def write_map_png(
-    path: Path, grid: OccupancyGrid, steps: Sequence[StepTrace], *, size: int = _MAP_SIZE
+    path: Path,
+    grid: OccupancyGrid,
+    steps: Sequence[StepTrace],
+    *,
+    size: int = _MAP_SIZE,
+    floor: int | None = None,
 ) -> Path:
-    """Write the map at the end of an episode as a PNG, with a legend below it.
+    """Write the map of a floor at the end of an episode as a PNG, with a legend below it.
 
     Args:
         path: The file; missing folders are created.
-        grid: The last map.
+        grid: The last map of the floor.
         steps: The whole trace; may be empty.
         size: Width of the image, pixels.
+        floor: Number of the floor; by default that of the end.
 
     Returns:
         The path.
     """
     image = np.full((size + _LEGEND_HEIGHT, size, 3), palette.PAPER, dtype=np.uint8)
-    image[:size] = draw_result(grid, steps, size=size)
+    image[:size] = draw_result(grid, steps, size=size, floor=floor)
     layers = [Layer.FREE, Layer.OCCUPIED, Layer.UNKNOWN]
     if steps:
-        layers += [Layer.START, Layer.TRAJECTORY, Layer.ROBOT]
-    if steps and steps[-1].goal_area:
-        layers.append(Layer.GOAL)
+        layers += [Layer.START, Layer.TRAJECTORY]
+    if steps and floor in (None, floor_of(steps[-1])):
+        layers += [Layer.ROBOT, Layer.GOAL] if steps[-1].goal_area else [Layer.ROBOT]
     draw_legend(image, layers, left=20, middle=size + _LEGEND_HEIGHT / 2, size=17)
     path.parent.mkdir(parents=True, exist_ok=True)
     Image.fromarray(image).save(path, optimize=True)
