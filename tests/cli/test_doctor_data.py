@@ -55,6 +55,7 @@ def test_missing_scenes_are_named_with_where_to_get_them(data, capsys):
     assert f"0 of 1 scenes; missing: {SCENE}" in line_of(lines, "hm3d v1/val scenes:")
     remedies = lines[lines.index("what to change:") :]
     assert any("matterport.com" in line for line in remedies)
+    assert not any("goat-bench" in line or "DATASETS.md" in line for line in remedies)
 
 
 def test_a_split_that_is_missing_is_a_note_where_others_are_there(data, capsys):
@@ -68,7 +69,39 @@ def test_scenes_without_episodes_are_a_fault(data, capsys):
     shutil.rmtree(data / "datasets" / "objectnav" / "mp3d")
     status, lines = examine(capsys, data)
     assert status == 1
-    assert "no episodes of val" in line_of(lines, "mp3d episodes:")
+    assert "no episodes for the scenes in" in line_of(lines, "mp3d episodes:")
+
+
+def test_scenes_that_benchmarks_share_need_the_episodes_of_one(data, capsys):
+    shutil.rmtree(data / "datasets")
+    status, lines = examine(capsys, data)
+    said = line_of(lines, "hm3d or ovon or goat episodes:")
+    assert status == 1
+    assert f"no episodes for the scenes in {data / 'scene_datasets' / 'hm3d'}" in said
+    assert str(data / "datasets" / "goat_bench") in said
+
+
+@pytest.mark.parametrize("kind", ["goat_bench", "ovon", "objectnav/hm3d"])
+def test_a_benchmark_without_the_others_is_whole(data, capsys, kind):
+    others = data.with_name("others")
+    (data / "datasets").rename(others)
+    shutil.copytree(others / kind, data / "datasets" / kind)
+    shutil.rmtree(data / "scene_datasets" / "mp3d")
+    status, lines = examine(capsys, data)
+    assert (status, lines[-1]) == (0, "all is well")
+    assert line_of(lines, "mp3d:").startswith("note")
+    assert not any(line.startswith("FAULT") for line in lines)
+
+
+def test_a_benchmark_that_is_begun_is_no_other_ones_note(data, capsys):
+    shutil.rmtree(data / "datasets" / "goat_bench" / "hm3d" / "v1")
+    (data / "datasets" / "goat_bench" / "hm3d" / "v1" / "val_unseen").mkdir(parents=True)
+    status, lines = examine(capsys, data)
+    assert status == 1
+    assert line_of(lines, "goat episodes:").startswith("FAULT")
+    assert lines[-1] == (
+        "  goat episodes: linked in the README of https://github.com/Ram81/goat-bench"
+    )
 
 
 def test_a_broken_episode_file_is_named(data, capsys):
@@ -93,6 +126,28 @@ def test_an_empty_folder_holds_no_benchmark(tmp_path, capsys):
     status, lines = examine(capsys, tmp_path)
     assert status == 1
     assert any(line.startswith("FAULT folder:") for line in lines)
+    assert all(one in lines[-1] for one in ("HM3D ObjectNav", "HM3D-OVON", "GOAT-Bench"))
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"junk", "not valid JSON"),
+        (None, "is missing"),
+        (b'{"episodes": [{}, {}]}', "holds 2 episodes"),
+    ],
+)
+def test_a_main_file_that_is_not_read_is_a_note(data, capsys, content, words):
+    split = data / "datasets" / "goat_bench" / "hm3d" / "v1" / "val_unseen"
+    file = split / "val_unseen.json.gz"
+    file.unlink() if content is None else file.write_bytes(content)
+    status, lines = examine(capsys, data)
+    said = line_of(lines, "goat v1/val_unseen main file:")
+    assert status == 0
+    assert said.startswith("note")
+    assert str(file) in said
+    assert words in said
+    assert said.endswith("; runs read content/ alone")
 
 
 def test_a_folder_that_is_none_says_so(tmp_path, capsys):

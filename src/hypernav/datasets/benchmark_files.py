@@ -43,12 +43,21 @@ def found_splits(benchmark: Benchmark, folder: Path) -> list[SplitFolder]:
         folder: Data folder, as in ``hm3d:DIR``; habitat-lab's ``data``.
     """
     found: dict[Path, SplitFolder] = {}
-    for pattern in benchmark.episodes:
-        for version in sorted(folder.glob(pattern)):
-            for split in sorted(version.iterdir()) if version.is_dir() else ():
-                if _holds_episodes(split):
-                    found.setdefault(split, SplitFolder(split.name, version.name, split))
+    for version in episode_folders(benchmark, folder):
+        for split in sorted(version.iterdir()):
+            if _holds_episodes(split):
+                found.setdefault(split, SplitFolder(split.name, version.name, split))
     return list(found.values())
+
+
+def episode_folders(benchmark: Benchmark, folder: Path) -> list[Path]:
+    """The existing folders of a benchmark's splits, whether there are episodes in them or not."""
+    return [
+        version
+        for pattern in benchmark.episodes
+        for version in sorted(folder.glob(pattern))
+        if version.is_dir()
+    ]
 
 
 def split_of(benchmark: Benchmark, folder: Path, wanted: str = "") -> SplitFolder:

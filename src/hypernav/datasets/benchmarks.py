@@ -24,7 +24,8 @@ class Benchmark:
         episodes: Folders of its episodes below the data folder, with ``*`` for the version.
         splits: Published splits that are evaluated; the first is the default.
         scenes: Folders of its scenes below the folder of all scenes, the preferred one first.
-        where: Where to get episodes and scenes, for people.
+        episodes_from: Where to get its episodes, for people.
+        scenes_from: Where to get its scenes, for people.
         max_steps: Step limit.
         max_life_steps: Step limit of a life, where episodes are those of lives; None for none.
         success_distance_m: Geodesic distance to a view point within which a STOP counts, metres.
@@ -44,7 +45,8 @@ class Benchmark:
     episodes: tuple[str, ...] = ()
     splits: tuple[str, ...] = ("val",)
     scenes: tuple[str, ...] = ()
-    where: str = ""
+    episodes_from: str = ""
+    scenes_from: str = ""
     max_steps: int = MAX_STEPS
     max_life_steps: int | None = None
     success_distance_m: float = SUCCESS_DISTANCE_M
@@ -70,6 +72,8 @@ _STRETCH = Embodiment(
 )
 """The Stretch robot of OVON, with its camera upright."""
 
+_HM3D_SCENES = "with a licence from https://matterport.com/habitat-matterport-3d-research-dataset"
+
 _HM3D = Benchmark(
     name="hm3d",
     title="HM3D ObjectNav",
@@ -83,10 +87,8 @@ _HM3D = Benchmark(
         "objectnav_hm3d_*",
     ),
     scenes=("hm3d_v0.2", "hm3d"),
-    where=(
-        "episodes: objectnav_hm3d_v1.zip and objectnav_hm3d_v2.zip of habitat-lab's DATASETS.md; "
-        "scenes: with a licence from https://matterport.com/habitat-matterport-3d-research-dataset"
-    ),
+    episodes_from="objectnav_hm3d_v1.zip and objectnav_hm3d_v2.zip of habitat-lab's DATASETS.md",
+    scenes_from=_HM3D_SCENES,
     # VLFM (Yokoyama et al., 2024) and the methods that follow it, vlfm/policy/habitat_policies.py.
     words={"plant": "potted plant", "tv_monitor": "tv", "sofa": "couch"},
 )
@@ -104,9 +106,9 @@ _MP3D = Benchmark(
         "objectnav_mp3d_*",
     ),
     scenes=("mp3d",),
-    where=(
-        "episodes: objectnav_mp3d_v1.zip of habitat-lab's DATASETS.md; scenes: with a licence "
-        "from https://niessner.github.io/Matterport (download_mp.py --task habitat)"
+    episodes_from="objectnav_mp3d_v1.zip of habitat-lab's DATASETS.md",
+    scenes_from=(
+        "with a licence from https://niessner.github.io/Matterport (download_mp.py --task habitat)"
     ),
     # VLFM's words, except where they name other things (a nightstand for a chest of drawers) or
     # several at once (table, dining table, …).
@@ -136,10 +138,8 @@ _OVON = Benchmark(
     ),
     splits=("val_seen", "val_seen_synonyms", "val_unseen"),
     scenes=("hm3d_v0.2", "hm3d"),
-    where=(
-        "episodes: hm3d.tar.gz of https://huggingface.co/datasets/nyokoyama/hm3d_ovon; scenes: "
-        "with a licence from https://matterport.com/habitat-matterport-3d-research-dataset"
-    ),
+    episodes_from="hm3d.tar.gz of https://huggingface.co/datasets/nyokoyama/hm3d_ovon",
+    scenes_from=_HM3D_SCENES,
     success_distance_m=0.25,
 )
 
@@ -156,10 +156,8 @@ _GOAT = Benchmark(
     ),
     splits=("val_unseen", "val_seen", "val_seen_synonyms"),
     scenes=("hm3d_v0.2", "hm3d"),
-    where=(
-        "episodes: linked in the README of https://github.com/Ram81/goat-bench; scenes: with a "
-        "licence from https://matterport.com/habitat-matterport-3d-research-dataset"
-    ),
+    episodes_from="linked in the README of https://github.com/Ram81/goat-bench",
+    scenes_from=_HM3D_SCENES,
     max_steps=5000,
     max_life_steps=5000,
     success_distance_m=0.25,
@@ -230,7 +228,8 @@ GENERATED = Benchmark(
     episodes=("datasets/objectnav/hypernav",),
     splits=(),
     scenes=("hypernav",),
-    where="hypernav houses export houses-val --out DIR",
+    episodes_from="hypernav houses export houses-val --out DIR",
+    scenes_from="with hypernav houses export houses-val --out DIR",
 )
 """What `hypernav houses export` writes; all splits that exist."""
 

@@ -5,11 +5,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
 
 from hypernav.core.errors import EpisodeError, SceneError
 from hypernav.datasets.benchmark_files import (
     SCENES_FOLDER,
     SplitFolder,
+    episode_folders,
     found_splits,
     parts_of,
     scene_below,
@@ -17,11 +21,13 @@ from hypernav.datasets.benchmark_files import (
 )
 from hypernav.datasets.benchmarks import BENCHMARKS, GENERATED, Benchmark
 from hypernav.datasets.goal_types import RUNNABLE, goal_type_words
+from hypernav.datasets.habitat_files import CONTENT, episode_files, read_as
 from hypernav.evaluation.checks.findings import Finding, State
 from hypernav.worlds.navmesh.files.reader import read_navmesh
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scenes.gltf_file import check_glb
 
+_PUBLISHED = tuple(BENCHMARKS[name] for name in ("hm3d", "mp3d", "ovon", "goat"))
 _NAMED = 4
 """Largest number of missing scenes or broken files that are named."""
 _BASIS = ".basis.glb"
@@ -46,21 +52,25 @@ def check_data(folder: Path) -> Iterator[Finding]:
         yield Finding("folder", State.FAULT, words, f"name the folder above it: {here.parent}")
         return
     used: dict[Path, Benchmark] = {}
-    found = False
-    for benchmark in (*(BENCHMARKS[name] for name in ("hm3d", "mp3d", "ovon", "goat")), GENERATED):
-        splits = found_splits(benchmark, folder)
-        if splits or scene_folders(benchmark, folder):
-            found = True
+    all_kinds = (*_PUBLISHED, GENERATED)
+    begun = [one for one in all_kinds if episode_folders(one, folder)]
+    for benchmark in all_kinds:
+        if benchmark in begun:
+            splits = found_splits(benchmark, folder)
             yield from _missing_splits(benchmark, folder, splits)
             for split in splits:
                 content = _read(benchmark, folder, split)
                 yield from _check_split(benchmark, content)
                 used |= {mesh: used.get(mesh, benchmark) for mesh in content.meshes}
         elif benchmark is not GENERATED:
-            yield Finding(benchmark.name, State.NOTE, f"nothing of {benchmark.title} is here")
+            words = f"no episodes of {benchmark.title} in {folder / benchmark.episodes[0]}"
+            yield Finding(benchmark.name, State.NOTE, words)
     yield from _check_files(used)
-    if not found:
-        remedy = f"HM3D {BENCHMARKS['hm3d'].where}"
+    yield from _scenes_alone(begun, folder)
+    if not begun and not any(scene_folders(one, folder) for one in all_kinds):
+        episodes = "; ".join(f"{one.title}: {one.episodes_from}" for one in _PUBLISHED)
+        scenes = ", or ".join(dict.fromkeys(one.scenes_from for one in _PUBLISHED))
+        remedy = f"get the episodes of one ({episodes}) and its scenes ({scenes})"
         yield Finding("folder", State.FAULT, f"{folder} holds no benchmark", remedy)
 
 
@@ -90,6 +100,12 @@ class _SplitContent:
         return [mesh for mesh in self.files.values() if mesh is not None]
 
 
+class _MainFile(BaseModel):
+    """The file of a whole split, of whatever benchmark."""
+
+    episodes: list[Any]
+
+
 def _read(benchmark: Benchmark, folder: Path, split: SplitFolder) -> _SplitContent:
     count, scenes, goals, types = 0, dict[str, None](), set[str](), Counter[str]()
     try:
@@ -115,19 +131,33 @@ def _missing_splits(
         expected = folder / benchmark.episodes[0] / missing[0]
         state = State.NOTE if splits else State.FAULT
         words = f"no episodes of {', '.join(missing)}; expected {expected}"
-        yield Finding(f"{benchmark.name} episodes", state, words, benchmark.where)
+        yield Finding(f"{benchmark.name} episodes", state, words, benchmark.episodes_from)
+
+
+def _scenes_alone(begun: Sequence[Benchmark], folder: Path) -> Iterator[Finding]:
+    """Findings about scenes without episodes of any of the benchmarks that share them."""
+    for names in dict.fromkeys(one.scenes for one in _PUBLISHED):
+        sharing = [one for one in _PUBLISHED if one.scenes == names]
+        scenes = scene_folders(sharing[0], folder)
+        if scenes and not any(one in begun for one in sharing):
+            check = f"{' or '.join(one.name for one in sharing)} episodes"
+            places = " or ".join(str(folder / one.episodes[0]) for one in sharing)
+            words = f"no episodes for the scenes in {scenes[0]}; expected in {places}"
+            remedy = "; or ".join(f"{one.title}: {one.episodes_from}" for one in sharing)
+            yield Finding(check, State.FAULT, words, remedy)
 
 
 def _check_split(benchmark: Benchmark, content: _SplitContent) -> Iterator[Finding]:
     split, files = content.split, content.files
     check = f"{benchmark.name} {split.version}/{split.name}"
     if content.fault:
-        remedy = f"get the episodes again; {benchmark.where}"
+        remedy = f"get the episodes again: {benchmark.episodes_from}"
         yield Finding(check, State.FAULT, content.fault, remedy)
         return
     noun = "goals of lives" if content.goal_types else "episodes"
     words = f"{content.count:,} {noun} in {len(files)} scenes, {len(content.goals)} categories"
     yield Finding(check, State.GOOD, words)
+    yield from _check_main_file(check, split)
     if content.goal_types:
         yield _goal_types(check, content)
     yield from _check_scenes(benchmark, check, files)
@@ -135,6 +165,22 @@ def _check_split(benchmark: Benchmark, content: _SplitContent) -> Iterator[Findi
     yield from _check_scans(check, scans)
     if any(scan.mesh.name.endswith(_BASIS) for scan in scans):
         yield _textures(check)
+
+
+def _check_main_file(check: str, split: SplitFolder) -> Iterator[Finding]:
+    """The finding about the file of a split, which isn't read where each scene has its own."""
+    if episode_files(split.path)[0].parent.name != CONTENT:
+        return
+    file = split.path / f"{split.path.name}.json.gz"
+    try:
+        count = len(read_as(_MainFile, file).episodes)
+    except EpisodeError as error:
+        words = str(error) if file.exists() else f"{file} is missing"
+    else:
+        if count == 0:
+            return
+        words = f"{file} holds {count:,} episodes"
+    yield Finding(f"{check} main file", State.NOTE, f"{words}; runs read {CONTENT}/ alone")
 
 
 def _goal_types(check: str, content: _SplitContent) -> Finding:
@@ -154,7 +200,7 @@ def _check_scenes(
         some = ", ".join(missing[:_NAMED]) + (", …" if len(missing) > _NAMED else "")
         state = State.FAULT if len(missing) == len(files) else State.NOTE
         words = f"{len(files) - len(missing)} of {len(files)} scenes; missing: {some}"
-        yield Finding(f"{check} scenes", state, words, benchmark.where)
+        yield Finding(f"{check} scenes", state, words, f"get them {benchmark.scenes_from}")
     else:
         yield Finding(f"{check} scenes", State.GOOD, f"all {len(files)}")
 
@@ -166,7 +212,7 @@ def _check_files(used: Mapping[Path, Benchmark]) -> Iterator[Finding]:
     if len(broken) > _NAMED:
         said.append((f"{len(broken) - _NAMED} more files are broken", broken[-1][1]))
     for words, benchmark in said:
-        remedy = f"get these scenes again; {benchmark.where}"
+        remedy = f"get these scenes again {benchmark.scenes_from}"
         yield Finding(f"{benchmark.name} files", State.FAULT, words, remedy)
 
 
