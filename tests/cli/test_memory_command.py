@@ -202,6 +202,25 @@ def test_what_was_found_counts_though_the_memory_cannot_be_saved(
     assert "the disk is full" in capsys.readouterr().err
 
 
+def test_images_forgotten_for_want_of_room_are_told(searched, home, tmp_path, capsys):
+    index = json.loads((home / "memory.json").read_text())
+    index["most_bytes"] = 1000
+    (home / "memory.json").write_text(json.dumps(index))
+    assert hypernav("memory", home, "--forget", "beds") == 0
+    kept = json.loads((home / "memory.json").read_text())
+    assert (len(kept["images"]), kept["most_bytes"]) == (len(index["images"]), 1000)
+    capsys.readouterr()
+    options = ("--scene", searched / "room.glb", "--out", tmp_path / "out", "--memory", home)
+    hypernav("find", "bed", *options, "--max-steps", 1, *SMALL)
+    said = capsys.readouterr().err
+    assert (
+        f"{len(index['images'])} key images forgotten: the limit is 0.001 MB (--memory-mb)" in said
+    )
+    assert json.loads((home / "memory.json").read_text())["images"] == []
+    hypernav("memory", home)
+    assert "more than 0.001 MB" in (home / "index.html").read_text()
+
+
 def test_relocalizing_needs_a_memory(searched, tmp_path, capsys):
     scene = searched / "room.glb"
     assert hypernav("find", "bed", "--scene", scene, "--out", tmp_path, "--relocalize") == 2
@@ -319,7 +338,7 @@ def test_no_memory_is_one_line(tmp_path, capsys):
 def test_another_building_and_an_impossible_size_are_one_line(home, tmp_path, capsys):
     command = ("find", "bed", "--out", tmp_path, "--memory", home, *SMALL)
     assert hypernav(*command, "--memory-mb", "0") == 2
-    assert "most_megabytes" in capsys.readouterr().err
+    assert "--memory-mb 0.0: maps alone take about 1 MB" in capsys.readouterr().err
     assert hypernav(*command) == 2
     assert "is the memory of searched0/room.glb, and this is builtin" in capsys.readouterr().err
 

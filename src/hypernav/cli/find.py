@@ -13,7 +13,7 @@ from rich.markup import escape
 from rich.status import Status
 
 from hypernav.build.data.scenes import load_scene
-from hypernav.build.memories import open_memory
+from hypernav.build.memories import check_memory_size, open_memory
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.interruptions import Terminated, interruptions_put_off
@@ -82,6 +82,7 @@ def run(options: Options) -> int:
         raise ConfigError("--relocalize finds the start in a memory; add --memory FOLDER")
     if options.who.similarity and options.memory is None:
         raise ConfigError("--similarity compares the images of a memory; add --memory FOLDER")
+    check_memory_size("--memory-mb", options.memory_mb)
     goal = Goal(options.goal)
     folder = options.out or _new_folder(goal)
     if options.memory is not None:
@@ -179,6 +180,8 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
                     unusable = recorder.unusable_answers
                     if line := unusable_answers_line(outcome.model_calls, unusable):
                         console.print(line, soft_wrap=True)
+                    if memory is not None and memory.forgotten_words:
+                        console.print(memory.forgotten_words, soft_wrap=True)
             if not isinstance(stopped_by, Terminated | ModelSetupError):
                 views.stay(console)
     if stopped_by is not None:

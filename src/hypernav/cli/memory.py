@@ -19,7 +19,6 @@ from hypernav.mapping.memory.reading import read_index
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import Things
 
-_ANY_SIZE_MB = 1e6
 PAGE_NAME = "index.html"
 
 
@@ -52,9 +51,7 @@ def run(options: Options) -> int:
             f"{options.folder} begins one"
         )
     console = Terminal(stderr=False, soft_wrap=True)
-    with MemoryFolder(
-        options.folder, index.mapping, index.robot, most_megabytes=_ANY_SIZE_MB
-    ) as home:
+    with MemoryFolder(options.folder, index.mapping, index.robot) as home:
         for line in home.left_out:
             console.print(line, markup=False)
         known = {one.label for floor in home.memory.floors for one in floor.things.known}
@@ -76,7 +73,7 @@ def run(options: Options) -> int:
         elif options.forget:
             console.print("key images stay, also those that show them; --forget-images forgets all")
         if options.forget or options.forget_images:
-            home.save()
+            home.save(makes_room=False)
         page = options.folder / PAGE_NAME
         _write(page, memory_page(home))
         if options.export is not None:

@@ -35,6 +35,7 @@ def run(options: Options) -> int:
     """
     for module in _MODULES:
         require(module, extra="robot")
+    from hypernav.build.memories import check_memory_size
     from hypernav.build.presets import HyPerNavConfig
     from hypernav.robot.server.access import Access
     from hypernav.robot.server.agents import AgentPlan
@@ -56,7 +57,7 @@ def run(options: Options) -> int:
     token = None if options.token_file is None else read_token(options.token_file)
     access = Access(options.host, token)
     check_access(access)
-    check_option("--memory-mb", options.memory_mb, (1.0, 1e6), "maps alone take about 1 MB")
+    check_memory_size("--memory-mb", options.memory_mb)
     check_folder(options.state)
     memory = None if options.memory is None else options.memory.absolute()
     damaged = () if memory is None else _check_memory(memory)
@@ -127,5 +128,5 @@ def _check_memory(folder: Path) -> tuple[str, ...]:
         if index is None:
             return ()
         check_is_of_robot(folder, index.place)
-        contents = read_memory(folder, index.mapping, index.robot, most_bytes=sys.maxsize)
+        contents = read_memory(folder, index.mapping, index.robot)
     return () if contents is None else contents.left_out

@@ -338,6 +338,38 @@ def test_the_size_is_bounded_whatever_is_seen(tmp_path):
     assert size_of(tmp_path) <= size - least
 
 
+def test_the_size_that_was_chosen_holds_for_later_searches(tmp_path):
+    for chosen, holds in [(None, 50), (7, 7), (None, 7), (60, 60), (None, 60)]:
+        with open_memory(tmp_path, CONFIG, most_megabytes=chosen) as memory:
+            assert memory.most_bytes == images_of(memory).most_bytes == holds * 1_000_000
+            run(memory, most=1)
+
+
+def test_a_memory_from_before_sizes_were_noted_opens_and_notes_one(home):
+    index = json.loads((home / "memory.json").read_text())
+    del index["most_bytes"]
+    (home / "memory.json").write_text(json.dumps(index))
+    with open_memory(home, CONFIG) as memory:
+        memory.save(makes_room=False)
+        assert json.loads((home / "memory.json").read_text())["most_bytes"] is None
+        memory.save()
+    assert json.loads((home / "memory.json").read_text())["most_bytes"] == 50_000_000
+
+
+def test_images_that_are_forgotten_for_want_of_room_are_told(home):
+    with open_memory(home, CONFIG) as memory:
+        before = len(images_of(memory).kept)
+        memory.most_bytes = size_of(home) - sum(one.size for one in images_of(memory).kept) // 2
+        memory.save(makes_room=False)
+        assert (len(images_of(memory).kept), memory.forgotten_words) == (before, "")
+        memory.save()
+        gone = before - len(images_of(memory).kept)
+        assert 1 < gone < before
+        assert memory.forgotten_words.startswith(f"{gone} key images forgotten: the limit is 0.")
+        memory.forget_images()
+        assert memory.forgotten_words.startswith(f"{gone} key images")
+
+
 def size_of(folder: Path) -> int:
     return sum(one.stat().st_size for one in folder.rglob("*") if one.is_file())
 

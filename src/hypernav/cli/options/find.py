@@ -29,8 +29,9 @@ class Options:
     """Maximum number of steps; 500 by default, or those of --native."""
     memory: Path | None = None
     """Folder with what earlier searches learned of the building; this one adds to it."""
-    memory_mb: float = 50.0
-    """Size of that folder, MB, beyond which the images that tell least are forgotten."""
+    memory_mb: float | None = None
+    """Size of that folder, MB, beyond which the images that tell least are forgotten, from now on;
+    at first 50."""
     relocalize: bool = False
     """Start without knowing where in the memory, and find out by turning once around; where that
     fails, search without the memory."""

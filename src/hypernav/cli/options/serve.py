@@ -24,8 +24,9 @@ class Options:
     """Minutes without a message of its robot after which a search ends."""
     memory: Path | None = None
     """Folder of a memory of the building: every search begins with what earlier ones learned."""
-    memory_mb: float = 50.0
-    """Size of that memory, megabytes."""
+    memory_mb: float | None = None
+    """Size of that folder, MB, beyond which the images that tell least are forgotten, from now on;
+    at first 50."""
     relocalize: bool = False
     """Let robots turn once around at the start of a search to find out where they are in it: poses
     may be in any frame."""

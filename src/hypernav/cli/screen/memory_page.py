@@ -7,6 +7,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from hypernav.core.files.allowance import megabytes
 from hypernav.core.labels import names_of
 from hypernav.mapping.memory.connectors import Connector
 from hypernav.mapping.memory.floor import Floor
@@ -62,6 +63,7 @@ def memory_page(home: MemoryFolder) -> str:
             if one.floor < len(memory.floors)
         ],
         megabytes=sum(one.size for one in kept) / 1e6,
+        limit=megabytes(home.most_bytes),
         history=[
             {
                 "number": one.search,

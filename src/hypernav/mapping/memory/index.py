@@ -280,6 +280,7 @@ class Index(_Record):
         history: The searches, the oldest first.
         connectors: The connectors between floors; files from before they were kept have none.
         under_way: The connector that the robot was on its way over; None if it was on none.
+        most_bytes: Size that the folder may have, bytes; None in files from before it was kept.
     """
 
     format: Literal["hypernav-memory"] = FORMAT
@@ -296,6 +297,7 @@ class Index(_Record):
     history: tuple[GoalRecord, ...]
     connectors: tuple[ConnectorRecord, ...] = ()
     under_way: UnderWayRecord | None = None
+    most_bytes: int | None = Field(default=None, ge=1)
 
     @model_validator(mode="after")
     def _numbers_exist(self) -> "Index":

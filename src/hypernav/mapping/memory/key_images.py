@@ -19,6 +19,8 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.image_kernels import points_under
 
+MOST_BYTES = 50_000_000
+"""Size of a memory on disk, bytes, unless another is chosen."""
 _PATCH_M = 0.5
 """Side of the cubes that surfaces are counted in, metres."""
 _STRIDE = 16
@@ -87,12 +89,14 @@ class KeyImages:
         kept: The images, the oldest first.
         count: Number of key images so far, for the next one's number.
         showing: Number of images that show each patch.
+        forgotten: Number of images that were forgotten for want of room.
     """
 
     most_bytes: int
     kept: list[KeyImage] = field(default_factory=list)
     count: int = 0
     showing: Counter[int] = field(default_factory=Counter)
+    forgotten: int = 0
 
     def take(
         self,

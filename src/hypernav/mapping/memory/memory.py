@@ -226,16 +226,22 @@ class Memory:
         )
         if image is not None:
             floor.things = floor.things.with_image(image.number)
-            self.forget_images(self.images.most_bytes)
+            self.make_room(self.images.most_bytes)
 
-    def forget_images(self, most_bytes: int) -> None:
+    def make_room(self, most_bytes: int) -> None:
         """Forget the key images that tell least, until all take at most so many bytes."""
+        if self.images is not None:
+            self.images.forgotten += self.forget_images(most_bytes)
+
+    def forget_images(self, most_bytes: int = 0) -> int:
+        """Forget key images as `make_room` does, all by default; returns their number."""
         if self.images is None:
-            return
+            return 0
         shown = [one.image for floor in self.floors for one in floor.things.known]
         forgotten = self.images.shrink(most_bytes, shown)
         for floor in self.floors if forgotten else ():
             floor.things = floor.things.without_images(forgotten)
+        return len(forgotten)
 
     @property
     def on_stairs(self) -> bool:

@@ -14,13 +14,14 @@ from pathlib import Path
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import MemoryFolderError, MemoryStartError
+from hypernav.core.files.allowance import megabytes
 from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.index import GoalRecord, Index, Place
-from hypernav.mapping.memory.key_images import KeyImages
+from hypernav.mapping.memory.key_images import MOST_BYTES, KeyImages
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.reading import (
     Contents,
@@ -31,8 +32,6 @@ from hypernav.mapping.memory.reading import (
 from hypernav.mapping.memory.start import StartCheck
 from hypernav.mapping.memory.writing import Writer
 
-MOST_MEGABYTES = 50.0
-"""Size of a memory on disk, unless another is chosen."""
 SAVE_EVERY_S = 10.0
 """Least time between two saves during a search, seconds."""
 _MOST_GOALS = 1000
@@ -49,6 +48,7 @@ class MemoryFolder:
         history: The searches so far, the oldest first.
         left_out: One line about each part that is damaged and was left out. Its files stay as they
             are, as ``NAME.damaged`` from the first save on.
+        most_bytes: Size that the folder may have, bytes.
 
     Examples:
         >>> with open_memory("home") as home:  # doctest: +SKIP
@@ -62,7 +62,7 @@ class MemoryFolder:
         mapping: MappingConfig,
         embodiment: Embodiment,
         *,
-        most_megabytes: float = MOST_MEGABYTES,
+        most_megabytes: float | None = None,
         patience_s: float = 0.0,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
@@ -73,7 +73,7 @@ class MemoryFolder:
             mapping: Configuration of the maps.
             embodiment: The robot.
             most_megabytes: Size of the folder beyond which the key images that tell least are
-                forgotten.
+                forgotten, from now on; None for the memory's own, at first `MOST_BYTES`.
             patience_s: Longest wait for another holder of the folder, seconds.
             clock: Clock in seconds, for the time between two saves.
 
@@ -85,19 +85,21 @@ class MemoryFolder:
         check_not_inside_another(folder)
         check_usable(folder, mapping, embodiment)  # before the lock, which leaves files
         self.folder: Path = folder
-        self._most_bytes = round(most_megabytes * 1e6)
+        most_bytes = None if most_megabytes is None else round(most_megabytes * 1e6)
         self._clock = clock
         with ExitStack() as opened:
             opened.enter_context(folder_lock(folder, option="--memory", patience_s=patience_s))
-            self._load(mapping, embodiment)
+            self._load(mapping, embodiment, most_bytes)
             self._open = opened.pop_all()
 
-    def _load(self, mapping: MappingConfig, embodiment: Embodiment) -> None:
-        """Begin with what is in the folder."""
-        contents = read_memory(self.folder, mapping, embodiment, most_bytes=self._most_bytes)
+    def _load(self, mapping: MappingConfig, embodiment: Embodiment, most_bytes: int | None) -> None:
+        """Begin with what is in the folder, within a size in bytes or, by default, its own."""
+        contents = read_memory(self.folder, mapping, embodiment, most_bytes=most_bytes)
         if contents is None:
-            images = KeyImages(self._most_bytes)
-            contents = Contents(Memory(mapping, embodiment, images=images))
+            most = most_bytes or MOST_BYTES
+            memory = Memory(mapping, embodiment, images=KeyImages(most))
+            contents = Contents(memory, most_bytes=most)
+        self.most_bytes: int = contents.most_bytes
         self.memory: Memory = contents.memory
         self.place: Place | None = contents.place
         self.history: list[GoalRecord] = list(contents.history)
@@ -211,7 +213,7 @@ class MemoryFolder:
         try:
             self._start.look(observation)
         except MemoryStartError:
-            self._load(self.memory.mapping, self.memory.embodiment)
+            self._load(self.memory.mapping, self.memory.embodiment, self.most_bytes)
             raise
         if self._start.is_over:
             self._start = None
@@ -254,20 +256,32 @@ class MemoryFolder:
         )
         self.save()
 
+    @property
+    def forgotten_words(self) -> str:
+        """How many key images were forgotten for want of room; empty if none was."""
+        images = self.memory.images
+        if images is None or images.forgotten == 0:
+            return ""
+        noun = "key image" if images.forgotten == 1 else "key images"
+        limit = megabytes(self.most_bytes)
+        return f"{images.forgotten} {noun} forgotten: the limit is {limit} (--memory-mb)"
+
     def forget_images(self) -> None:
         """Forget all key images, damaged ones too, with the next save."""
-        self.memory.forget_images(0)
+        self.memory.forget_images()
         self._writer.keeps_damaged_images = False
 
-    def save(self) -> None:
+    def save(self, *, makes_room: bool = True) -> None:
         """Write everything to disk.
+
+        Args:
+            makes_room: Whether key images are forgotten beyond the size that the folder may have.
 
         Raises:
             OutputError: The disk is full, or the folder can't be written.
         """
-        self._writer.write(
-            self.memory, self.place, tuple(self.history), most_bytes=self._most_bytes
-        )
+        most_bytes = self.most_bytes if makes_room else None
+        self._writer.write(self.memory, self.place, tuple(self.history), most_bytes=most_bytes)
         self._saved_s = self._clock()
 
     def check_is_of_robot(self) -> None:

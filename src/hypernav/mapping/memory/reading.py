@@ -28,7 +28,7 @@ from hypernav.mapping.memory.index import (
     Index,
     Place,
 )
-from hypernav.mapping.memory.key_images import KeyImages, with_patches
+from hypernav.mapping.memory.key_images import MOST_BYTES, KeyImages, with_patches
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.writing import INDEX_NAME, foreign_files
 from hypernav.mapping.top_down.top_down_map import TopDownMap
@@ -60,6 +60,7 @@ class Contents:
         left_out: One line about each damaged part.
         damaged: Names of the files of these parts.
         index: The index; None if the memory is new.
+        most_bytes: Size that the folder may have, bytes.
     """
 
     memory: Memory
@@ -68,10 +69,15 @@ class Contents:
     left_out: tuple[str, ...] = ()
     damaged: tuple[str, ...] = ()
     index: Index | None = None
+    most_bytes: int = MOST_BYTES
 
 
 def read_memory(
-    folder: Path, mapping: MappingConfig, embodiment: Embodiment, *, most_bytes: int
+    folder: Path,
+    mapping: MappingConfig,
+    embodiment: Embodiment,
+    *,
+    most_bytes: int | None = None,
 ) -> Contents | None:
     """What a folder holds; None if there is no memory in it yet.
 
@@ -79,7 +85,7 @@ def read_memory(
         folder: The folder.
         mapping: Configuration of the maps, which must be the memory's.
         embodiment: The robot, whose body and camera height must be the memory's.
-        most_bytes: Size that the key images may have, bytes.
+        most_bytes: Size that the folder may have from now on, bytes; None for what it has noted.
 
     Raises:
         MemoryFolderError: The index is broken, of another version, or of another robot; a file
@@ -89,7 +95,8 @@ def read_memory(
     if index is None:
         return None
     _check_robot(folder, index, mapping, embodiment)
-    images = KeyImages(most_bytes, count=index.image_count)
+    most = most_bytes or index.most_bytes or MOST_BYTES
+    images = KeyImages(most, count=index.image_count)
     memory = Memory(mapping, embodiment, images=images)
     memory.searches = index.searches
     memory.connectors = tuple(one.connector() for one in index.connectors)
@@ -120,7 +127,9 @@ def read_memory(
         )
         for floor in memory.floors:
             floor.things = floor.things.without_images(numbers)
-    return Contents(memory, index.place, index.history, tuple(left_out), tuple(damaged), index)
+    return Contents(
+        memory, index.place, index.history, tuple(left_out), tuple(damaged), index, most
+    )
 
 
 def check_usable(folder: Path, mapping: MappingConfig, embodiment: Embodiment) -> None:

@@ -68,7 +68,7 @@ class Writer:
         place: Place | None,
         history: tuple[GoalRecord, ...],
         *,
-        most_bytes: int,
+        most_bytes: int | None,
     ) -> None:
         """Write the memory.
 
@@ -76,7 +76,8 @@ class Writer:
             memory: The memory; key images for which there is no room are forgotten.
             place: Where a simulated building's memory lies.
             history: The searches so far.
-            most_bytes: Size of the folder that is allowed, bytes; maps and index are always kept.
+            most_bytes: Size that the folder may have, bytes; maps and index are always kept. None
+                keeps all images, too, and the size that earlier saves have noted.
 
         Raises:
             OutputError: The disk is full, or the folder can't be written.
@@ -101,10 +102,12 @@ class Writer:
                 history=history,
                 connectors=tuple(map(ConnectorRecord.of, memory.connectors)),
                 under_way=UnderWayRecord.of(memory.under_way),
+                most_bytes=self._noted_bytes if most_bytes is None else most_bytes,
             )
             grids = [floor.map.grid.cropped() for floor in memory.floors]
             size = sum(one.state.size for one in floors) + sum(grid.cells.size for grid in grids)
-            memory.forget_images(max(most_bytes - size - len(_text(index)) - _SLACK_BYTES, 0))
+            if most_bytes is not None:
+                memory.make_room(max(most_bytes - size - len(_text(index)) - _SLACK_BYTES, 0))
             index = index.model_copy(
                 update={
                     "floors": tuple(map(_with_things, floors, memory.floors)),
@@ -123,6 +126,10 @@ class Writer:
                 f"the memory {self._folder} cannot be written ({error.strerror or error}); what "
                 "was saved before is whole; free some space, or choose another --memory"
             ) from error
+
+    @property
+    def _noted_bytes(self) -> int | None:
+        return None if self.index is None else self.index.most_bytes
 
     def _floor(self, number: int, floor: Floor, memory: Memory, saves: int) -> FloorRecord:
         """The record of a floor, whose state is written if it has changed."""

@@ -14,7 +14,7 @@ from hypernav.core.components.abilities import check_remembers
 from hypernav.core.components.protocols import Agent
 from hypernav.core.errors import ConfigError
 from hypernav.core.goal import Goal
-from hypernav.mapping.memory.memory_folder import MOST_MEGABYTES, MemoryFolder
+from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.robot.server.state.journal import MODEL_FILE
 from hypernav.robot.wire.requests import OpenSearch
 
@@ -33,14 +33,14 @@ class AgentPlan:
         config: Configuration of everything, with the robot of the search.
         specs: Specifications of the components.
         memory: Folder of the memory that a search begins with and adds to; None if there is none.
-        memory_mb: Size of the memory, megabytes.
+        memory_mb: Size that the memory may have from now on, megabytes; None for its own.
         relocalize: Whether robots don't know where they start in it, and find out by a turn.
     """
 
     config: HyPerNavConfig
     specs: ComponentSpecs
     memory: Path | None = None
-    memory_mb: float = MOST_MEGABYTES
+    memory_mb: float | None = None
     relocalize: bool = False
 
     def check(self) -> str:

@@ -200,6 +200,8 @@ class Decisions:
         try:
             if end is not None:
                 self._memory.end(end.ending.value, steps=self._steps)
+                if words := self._memory.forgotten_words:
+                    _LOG.warning("search %s: %s", self._name, words)
         except OutputError as error:
             _LOG.error("search %s: %s", self._name, error)
         finally:

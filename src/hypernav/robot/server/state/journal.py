@@ -33,7 +33,6 @@ from hypernav.core.errors import HyPerNavError, RunFolderError
 from hypernav.core.files.reading import read_file
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
-from hypernav.mapping.memory.memory_folder import MOST_MEGABYTES
 from hypernav.mapping.ros_map import load_ros_map, save_ros_map
 from hypernav.robot.server.state.record_file import RecordFile
 from hypernav.robot.wire.frames import unpack_observation
@@ -63,7 +62,7 @@ class SearchRecord(Message):
         specs: Specifications of the agent's components.
         config: Configuration of the agent.
         memory: Folder of the memory that it adds to; None if there is none.
-        memory_mb: Size of the memory, megabytes.
+        memory_mb: Size that the memory may have from now on, megabytes; None for its own.
         relocalize: Whether the robot turns around at the start, to find out where it is in that
             memory: it doesn't know, and the memory is not a new one.
         memory_save: Name of the save that the search began with; a restarted server goes on with no
@@ -79,7 +78,7 @@ class SearchRecord(Message):
     specs: ComponentSpecs
     config: HyPerNavConfig
     memory: Path | None = None
-    memory_mb: float = MOST_MEGABYTES
+    memory_mb: float | None = None
     relocalize: bool = False
     memory_save: str | None = None
     earlier_searches: int | None = None
