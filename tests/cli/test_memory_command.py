@@ -1,6 +1,8 @@
 """`find --memory` and `hypernav memory`, from the command line."""
 
+import errno
 import json
+import os
 import re
 from pathlib import Path
 
@@ -313,6 +315,17 @@ def test_what_is_forgotten_is_counted_by_its_label_and_so_are_images(home, capsy
     assert hypernav("memory", home, "--forget", name, "--forget-images") == 0
     said = capsys.readouterr().out.splitlines()
     assert said[:2] == ["1 thing forgotten: bed", f"{images} key images forgotten"]
+
+
+def test_nothing_is_said_to_be_forgotten_that_could_not_be_saved(home, monkeypatch, capsys):
+    def full(path, content):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr("hypernav.mapping.memory.writing.write_whole", full)
+    assert hypernav("memory", home, "--forget", "bed", "--forget-images") == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert "No space left on device); what was saved before is whole; free some space" in said.err
 
 
 def test_a_memory_that_a_search_uses_is_left_alone(home, capsys):

@@ -60,20 +60,21 @@ def run(options: Options) -> int:
                 near = get_close_matches(name, sorted(known), n=1)
                 hint = f"; did you mean '{near[0]}'?" if near else ""
                 raise ConfigError(f"--forget: no '{name}' is remembered{hint}")
+        done = list[str]()
         for name in options.forget or ():
             labels = sorted(label for label in known if same_name(label, name))
             count = _forgotten(home.memory, name)
-            console.print(
-                f"{_number_of(count, 'thing')} forgotten: {', '.join(labels)}", markup=False
-            )
+            done.append(f"{_number_of(count, 'thing')} forgotten: {', '.join(labels)}")
         if options.forget_images:
             count = _image_count(home.memory)
             home.forget_images()
-            console.print(f"{_number_of(count, 'key image')} forgotten", markup=False)
+            done.append(f"{_number_of(count, 'key image')} forgotten")
         elif options.forget:
-            console.print("key images stay, also those that show them; --forget-images forgets all")
-        if options.forget or options.forget_images:
+            done.append("key images stay, also those that show them; --forget-images forgets all")
+        if done:
             home.save(makes_room=False)
+        for line in done:
+            console.print(line, markup=False)
         page = options.folder / PAGE_NAME
         _write(page, memory_page(home))
         if options.export is not None:
