@@ -336,6 +336,15 @@ def test_a_memory_that_a_search_uses_is_left_alone(home, capsys):
     assert (home / "memory.json").read_bytes() == before
 
 
+def test_a_memory_that_a_first_search_has_not_saved_yet_is_in_use(tmp_path, capsys):
+    new = tmp_path / "new"
+    with folder_lock(new):
+        assert hypernav("memory", new) == 2
+    assert "is in use by another run" in capsys.readouterr().err
+    assert hypernav("memory", new) == 2
+    assert "there is no memory in" in capsys.readouterr().err
+
+
 def test_a_file_is_no_memory(home, capsys):
     index = home / "memory.json"
     assert hypernav("memory", index) == 2

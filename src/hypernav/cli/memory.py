@@ -11,6 +11,7 @@ from hypernav.cli.options.memory import Options
 from hypernav.cli.screen.memory_page import memory_page
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, MemoryFolderError, OutputError
+from hypernav.core.files.folder_lock import LOCK_NAME, folder_lock
 from hypernav.core.files.whole_files import write_whole
 from hypernav.core.labels import same_name
 from hypernav.mapping.memory.memory import Memory
@@ -46,6 +47,7 @@ def run(options: Options) -> int:
         raise ConfigError("--forget: name what to forget, such as --forget cup")
     index = read_index(options.folder)
     if index is None:
+        _check_not_begun(options.folder)
         raise MemoryFolderError(
             f"there is no memory in {options.folder}; hypernav find GOAL --memory "
             f"{options.folder} begins one"
@@ -88,6 +90,17 @@ def run(options: Options) -> int:
             markup=False,
         )
     return ExitStatus.SUCCESS
+
+
+def _check_not_begun(folder: Path) -> None:
+    """Refuse a folder to which a first search has not saved yet.
+
+    Raises:
+        RunFolderError: A search is using it.
+    """
+    if (folder / LOCK_NAME).exists():
+        with folder_lock(folder, option="--memory"):
+            pass
 
 
 def geojson(memory: Memory) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hypernav.core.errors import MemoryFolderError
+from hypernav.core.errors import MemoryFolderError, OutputError
 from hypernav.core.goal import Goal
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory import reading
@@ -85,7 +85,7 @@ def test_an_index_whose_numbers_name_nothing_is_refused(home, part, key, value, 
 
 def test_an_index_whose_own_floor_does_not_exist_is_refused(home):
     change_index(home, floor=2)
-    with pytest.raises(MemoryFolderError, match="floor 2 is named"):
+    with pytest.raises(MemoryFolderError, match=r"is broken \(floor 2 is named"):
         opened(home)
 
 
@@ -181,6 +181,35 @@ def test_other_files_are_not_taken_for_leftovers(tmp_path, name):
     with pytest.raises(MemoryFolderError, match=rf"holds other files \({name.split('/')[0]}"):
         opened(folder)
     assert (folder / name).read_bytes() == b"mine"
+
+
+def test_a_memory_that_lost_its_index_is_told_from_other_files(home):
+    (home / "floor-1" / "state-1.npz").rename(home / "floor-1" / "state-4.npz")
+    for path in home.glob("floor-2/*"):
+        path.unlink()
+    (home / "memory.json").unlink()
+    before = files_of(home)
+    with pytest.raises(
+        MemoryFolderError, match=r"lost its memory\.json.*put back a copy.*begin anew"
+    ):
+        opened(home)
+    assert files_of(home) == before
+
+
+def test_a_memory_that_is_moved_while_it_is_used_is_told_so(home, monkeypatch):
+    def read(images, record, folder, patches):
+        if folder.exists():
+            folder.rename(folder.with_name("away"))
+        return False
+
+    with opened(home) as memory:
+        home.rename(home.with_name("moved"))
+        with pytest.raises(OutputError, match="was moved or removed while it was in use"):
+            memory.save()
+    home.with_name("moved").rename(home)
+    monkeypatch.setattr("hypernav.mapping.memory.reading._add_image", read)
+    with pytest.raises(MemoryFolderError, match="was moved or removed while it was read"):
+        opened(home)
 
 
 def test_files_that_others_put_into_a_memory_stay_there(home):

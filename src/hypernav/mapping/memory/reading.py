@@ -30,7 +30,7 @@ from hypernav.mapping.memory.index import (
 )
 from hypernav.mapping.memory.key_images import MOST_BYTES, KeyImages, with_patches
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.writing import INDEX_NAME, foreign_files
+from hypernav.mapping.memory.writing import INDEX_NAME, foreign_files, holds_later_save
 from hypernav.mapping.top_down.top_down_map import TopDownMap
 
 _UNDECODABLE = (
@@ -127,6 +127,10 @@ def read_memory(
         )
         for floor in memory.floors:
             floor.things = floor.things.without_images(numbers)
+    if left_out and not (folder / INDEX_NAME).exists():
+        raise MemoryFolderError(
+            f"{folder} was moved or removed while it was read; name the folder where it is now"
+        )
     return Contents(
         memory, index.place, index.history, tuple(left_out), tuple(damaged), index, most
     )
@@ -184,8 +188,9 @@ def read_index(folder: Path) -> Index | None:
         index = Index.model_validate_json(json.dumps(facts))
     except ValidationError as error:
         first = error.errors()[0]
-        where = ".".join(map(str, first["loc"]))
-        raise MemoryFolderError(_broken(path, f"{where}: {first['msg']}")) from error
+        where = "".join(f"{part}." for part in first["loc"]).removesuffix(".")
+        words = first["msg"].removeprefix("Value error, ")
+        raise MemoryFolderError(_broken(path, f"{where}: {words}" if where else words)) from error
     return index
 
 
@@ -213,10 +218,18 @@ def _check_empty(folder: Path) -> None:
     """Refuse a folder in which something lies already."""
     try:
         others = foreign_files(folder)
+        is_later = holds_later_save(folder)
     except OSError as error:
         raise _unreadable(folder, error) from error
     # A first save may have ended since the index was found missing, and a second one, too.
-    if others and not (folder / INDEX_NAME).exists():
+    if (folder / INDEX_NAME).exists():
+        return
+    if is_later:
+        raise MemoryFolderError(
+            f"{folder} looks like a memory that lost its {INDEX_NAME}, without which it can't be "
+            f"read; put back a copy of that file, or move {folder} away to begin anew"
+        )
+    if others:
         raise MemoryFolderError(
             f"{folder} holds other files ({', '.join(sorted(others)[:3])}) and no {INDEX_NAME}; "
             "name a folder of its own for a memory"

@@ -1,5 +1,6 @@
 """Writes a memory: new files first, then the index in one step, then old files go."""
 
+import errno
 import hashlib
 import io
 import os
@@ -122,10 +123,21 @@ class Writer:
                 save_ros_map(grid, self._folder / _floor_name(number))
             self._remove_old(index)
         except OSError as error:
-            raise OutputError(
-                f"the memory {self._folder} cannot be written ({error.strerror or error}); what "
-                "was saved before is whole; free some space, or choose another --memory"
-            ) from error
+            raise self._unwritten(error) from error
+
+    def _unwritten(self, error: OSError) -> OutputError:
+        """The error for a memory that can't be written, with what helps."""
+        if not self._folder.is_dir():
+            return OutputError(
+                f"the memory {self._folder} was moved or removed while it was in use; what was "
+                "saved before is whole where it is now, and the rest is lost"
+            )
+        is_full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+        remedy = "free some space" if is_full else "make that possible"
+        return OutputError(
+            f"the memory {self._folder} cannot be written ({error.strerror or error}); what was "
+            f"saved before is whole; {remedy}, or choose another --memory"
+        )
 
     @property
     def _noted_bytes(self) -> int | None:
@@ -226,6 +238,16 @@ def foreign_files(folder: Path) -> list[str]:
     if not (folder / _floor_name(0) / "state-1.npz").exists():
         foreign += [name for name in within if name.startswith(f"{IMAGES}/")]
     return [*(name for name in names if name not in folders), *foreign]
+
+
+def holds_later_save(folder: Path) -> bool:
+    """Whether a folder without index had one: a first save that was killed leaves other names.
+
+    Raises:
+        OSError: The folder can't be read.
+    """
+    states = [path.name for path in folder.glob("floor-*/state-*.npz")]
+    return bool(states) and "state-1.npz" not in states
 
 
 def _text(index: Index) -> str:
