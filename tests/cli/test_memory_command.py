@@ -288,6 +288,7 @@ def test_exported_heights_are_those_of_the_map_frame(home, tmp_path):
     [
         (["--export", "home/memory.json"], "lies in the memory"),
         (["--export", "home/index.html"], "lies in the memory"),
+        (["--page", "home/memory.json"], "--page home/memory.json lies in the memory"),
         (["--forget"], "name what to forget"),
         (["--forget", "bedd"], "no 'bedd' is remembered; did you mean 'bed'?"),
     ],
@@ -326,6 +327,41 @@ def test_nothing_is_said_to_be_forgotten_that_could_not_be_saved(home, monkeypat
     said = capsys.readouterr()
     assert said.out == ""
     assert "No space left on device); what was saved before is whole; free some space" in said.err
+
+
+@pytest.fixture
+def read_only(home, monkeypatch) -> Path:
+    """The memory as on a read-only file system."""
+
+    def refused(lock):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    def write(path, content):
+        if path.is_relative_to(home):
+            raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+        path.write_text(content)
+
+    monkeypatch.setattr("hypernav.core.files.folder_lock.FileLock.acquire", refused)
+    monkeypatch.setattr("hypernav.cli.memory.write_whole", write)
+    return home
+
+
+def test_a_memory_on_a_read_only_file_system_can_be_looked_at(read_only, tmp_path, capsys):
+    before = files_of(read_only)
+    export, page = tmp_path / "things.geojson", tmp_path / "page.html"
+    assert hypernav("memory", read_only, "--export", export) == 0
+    assert json.loads(export.read_text())["features"]
+    assert "no page: " in (said := capsys.readouterr().out)
+    assert "(Read-only file system)" in said
+    assert "; --page FILE writes it elsewhere" in said
+    assert hypernav("memory", read_only, "--page", page) == 0
+    assert 'data-words="bed"' in page.read_text()
+    assert f"open {page}" in capsys.readouterr().out
+    assert hypernav("memory", read_only) == 2
+    assert "--page FILE writes it elsewhere" in capsys.readouterr().err
+    assert hypernav("memory", read_only, "--forget", "bed") == 2
+    assert f"{read_only} cannot be written" in capsys.readouterr().err
+    assert files_of(read_only) == before
 
 
 def test_a_memory_that_a_search_uses_is_left_alone(home, capsys):

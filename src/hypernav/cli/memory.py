@@ -30,19 +30,16 @@ def run(options: Options) -> int:
         The status of success.
 
     Raises:
-        ConfigError: A name is empty or of nothing that is remembered, or the export lies in the
+        ConfigError: A name is empty or of nothing that is remembered, or export or page lie in the
             memory.
         MemoryFolderError: There is no memory, or it is broken.
         OutputError: Something can't be written.
         RunFolderError: A search is using the memory.
     """
-    if options.export is not None:
-        check_file(options.export)
-        if options.folder.resolve() in options.export.resolve().parents:
-            raise ConfigError(
-                f"--export {options.export} lies in the memory, whose files it could replace; name "
-                "a file elsewhere"
-            )
+    for option, file in (("--export", options.export), ("--page", options.page)):
+        if file is not None:
+            check_file(file)
+            _check_outside(option, file, options.folder)
     if options.forget == ():
         raise ConfigError("--forget: name what to forget, such as --forget cup")
     index = read_index(options.folder)
@@ -53,7 +50,8 @@ def run(options: Options) -> int:
             f"{options.folder} begins one"
         )
     console = Terminal(stderr=False, soft_wrap=True)
-    with MemoryFolder(options.folder, index.mapping, index.robot) as home:
+    is_edited = bool(options.forget or options.forget_images)
+    with MemoryFolder(options.folder, index.mapping, index.robot, to_read=not is_edited) as home:
         for line in home.left_out:
             console.print(line, markup=False)
         known = {one.label for floor in home.memory.floors for one in floor.things.known}
@@ -73,20 +71,19 @@ def run(options: Options) -> int:
             done.append(f"{_number_of(count, 'key image')} forgotten")
         elif options.forget:
             done.append("key images stay, also those that show them; --forget-images forgets all")
-        if done:
+        if is_edited:
             home.save(makes_room=False)
         for line in done:
             console.print(line, markup=False)
-        page = options.folder / PAGE_NAME
-        _write(page, memory_page(home))
         if options.export is not None:
             _write(options.export, json.dumps(geojson(home.memory), indent=1) + "\n")
+        told = _written_page(options, memory_page(home))
         floors = home.memory.floors
         console.print(
             f"{_number_of(len(home.history), 'search', 'searches')}, "
             f"{_number_of(sum(len(one.things.known) for one in floors), 'thing')}, "
             f"{_number_of(_image_count(home.memory), 'key image')}, "
-            f"{_number_of(len(floors), 'floor')}; open {page}",
+            f"{_number_of(len(floors), 'floor')}; {told}",
             markup=False,
         )
     return ExitStatus.SUCCESS
@@ -154,6 +151,38 @@ def _image_count(memory: Memory) -> int:
 
 def _number_of(count: int, one: str, more: str = "") -> str:
     return f"{count} {one if count == 1 else more or f'{one}s'}"
+
+
+def _written_page(options: Options, text: str) -> str:
+    """Write the page; returns what to do now.
+
+    Raises:
+        OutputError: It can't be written, and nothing else was asked for.
+    """
+    page = options.page or options.folder / PAGE_NAME
+    try:
+        _write(page, text)
+    except OutputError as error:
+        if options.page is not None:
+            raise
+        words = f"{error}; --page FILE writes it elsewhere"
+        if options.export is None:
+            raise OutputError(words) from error
+        return f"no page: {words}"
+    return f"open {page}"
+
+
+def _check_outside(option: str, file: Path, folder: Path) -> None:
+    """Refuse to write a file into the memory.
+
+    Raises:
+        ConfigError: It would be.
+    """
+    if folder.resolve() in file.resolve().parents:
+        raise ConfigError(
+            f"{option} {file} lies in the memory, whose files it could replace; name a file "
+            "elsewhere"
+        )
 
 
 def _write(path: Path, text: str) -> None:

@@ -20,3 +20,5 @@ class Options:
     export: Path | None = None
     """GeoJSON file to write with all things; coordinates and heights are metres of the map
     frame."""
+    page: Path | None = None
+    """HTML file of the page; DIR/index.html by default."""

@@ -3,6 +3,7 @@
 The system releases the lock of a killed process at once, so no stale lock is ever left.
 """
 
+import errno
 import os
 import socket
 from collections.abc import Iterator
@@ -18,13 +19,17 @@ _OWNER_NAME = ".lock.owner"  # not in the lock file, which others can't read on 
 
 
 @contextmanager
-def folder_lock(folder: Path, *, option: str = "--out", patience_s: float = 0.0) -> Iterator[None]:
+def folder_lock(
+    folder: Path, *, option: str = "--out", patience_s: float = 0.0, to_read: bool = False
+) -> Iterator[None]:
     """Hold the lock of a folder, which is created if missing, while the ``with`` block runs.
 
     Args:
         folder: The folder.
         option: Option that chooses another folder, for the message.
         patience_s: Longest wait for another holder, seconds.
+        to_read: Whether the folder is only read: on a read-only file system, on which nobody writes
+            it, no lock is needed then.
 
     Raises:
         RunFolderError: Another process holds it, or the folder can't be written.
@@ -46,6 +51,9 @@ def folder_lock(folder: Path, *, option: str = "--out", patience_s: float = 0.0)
         ) from error
     except OSError as error:
         lock.release()
+        if to_read and error.errno == errno.EROFS:
+            yield
+            return
         raise RunFolderError(
             f"{folder} cannot be written ({error.strerror or error}); make that possible, or "
             f"choose another {option}"

@@ -64,6 +64,7 @@ class MemoryFolder:
         *,
         most_megabytes: float | None = None,
         patience_s: float = 0.0,
+        to_read: bool = False,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Lock the folder and load what is in it; an empty one begins a memory.
@@ -75,6 +76,7 @@ class MemoryFolder:
             most_megabytes: Size of the folder beyond which the key images that tell least are
                 forgotten, from now on; None for the memory's own, at first `MOST_BYTES`.
             patience_s: Longest wait for another holder of the folder, seconds.
+            to_read: Whether nothing is saved, so that the folder may be on a read-only file system.
             clock: Clock in seconds, for the time between two saves.
 
         Raises:
@@ -88,7 +90,9 @@ class MemoryFolder:
         most_bytes = None if most_megabytes is None else round(most_megabytes * 1e6)
         self._clock = clock
         with ExitStack() as opened:
-            opened.enter_context(folder_lock(folder, option="--memory", patience_s=patience_s))
+            opened.enter_context(
+                folder_lock(folder, option="--memory", patience_s=patience_s, to_read=to_read)
+            )
             self._load(mapping, embodiment, most_bytes)
             self._open = opened.pop_all()
 
