@@ -300,7 +300,9 @@ def test_a_robot_that_gets_onto_stairs_on_its_way_takes_them():
     while world.pose.x < FIRST_X + 3.5 * TREAD_M:
         agent.act(world.step(Action.MOVE_FORWARD))
         trace.append(agent.last_step)
-    assert "on stairs by the way" in [event for one in trace for event in one.events]
+    assert "came onto stairs sooner than planned" in [
+        event for one in trace for event in one.events
+    ]
     assert trace[-1].mode is Mode.CLIMB
     assert trace[-1].reason.startswith("on the stairs up")  # nobody knows where to
     for _ in range(3):
@@ -341,7 +343,7 @@ def test_a_robot_that_gets_onto_stairs_down_that_it_has_not_seen_takes_them():
         observation = world.step(Action.MOVE_FORWARD)
     assert not agent.memory.connectors
     agent.act(observation)
-    assert "on stairs by the way" in agent.last_step.events
+    assert "came onto stairs sooner than planned" in agent.last_step.events
     assert agent.last_step.mode is Mode.CLIMB
     (stairs,) = agent.memory.connectors
     assert not stairs.goes_up

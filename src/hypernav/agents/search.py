@@ -211,7 +211,7 @@ def _off_the_floor(robot: Pose2, memory: Memory, plan: Plan, events: list[str]) 
         then = destination.then
     elif number is None or not memory.connectors[number].is_new:
         return plan
-    events.append("on stairs by the way")
+    events.append("came onto stairs sooner than planned")
     flight = replace(memory.connectors[number], end=robot.xy, axis=robot.yaw)
     climbing = Climbing(number, flight=flight, then=then)
     return replace(plan.explore(destination=None), climbing=climbing)

@@ -13,7 +13,7 @@ from selenium import webdriver
 from selenium.webdriver.common.by import By
 
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.trace import DetectionRecord, Mode, StepTrace
+from hypernav.core.trace import DetectionRecord, Exchange, Mode, StepTrace
 from hypernav.show.pages.episode_page import write_page
 from hypernav.show.pages.templating import page_environment
 
@@ -198,6 +198,50 @@ def test_every_floor_has_its_map_and_the_robot_is_on_one_of_them(
     ]
     places = [page.visible.index(words) for words in told]
     assert places == sorted(places)
+
+
+@pytest.mark.parametrize(
+    ("going_to", "words"),
+    [
+        ((0.2, -0.9), "Geometric rule (no model) chose them: stairs up, 0.3 m away"),
+        ((5.0, 2.0), "Met on the way to something else: stairs up, 0.3 m away"),
+    ],
+)
+def test_beside_stairs_the_page_says_why_they_were_taken(
+    make_step: MakeStep,
+    result: dict[str, Any],
+    tmp_path: Path,
+    going_to: tuple[float, float],
+    words: str,
+) -> None:
+    steps, answer = over_two_floors(make_step), "block 7: stairs up, 0.3 m away"
+    asked = Exchange(kind="choose block", asked="geometric", question="Which?", answer=answer)
+    chosen = {"reason": answer, "exchanges": [asked], "destination": going_to}
+    steps[1] = steps[1].model_copy(update=chosen)
+    page = read(write_page(tmp_path, result, steps, {}))
+    assert words in page.visible
+
+
+@pytest.mark.parametrize(
+    ("on_floor_2", "on_a_screen", "on_a_phone"),
+    [(1, "", ""), (7, "Floor 2", "Floor 2"), (24, "Floor 2 (3.0 m above the start)", "Floor 2")],
+)
+def test_the_band_names_floors_as_far_as_there_is_room(
+    make_step: MakeStep,
+    result: dict[str, Any],
+    tmp_path: Path,
+    on_floor_2: int,
+    on_a_screen: str,
+    on_a_phone: str,
+) -> None:
+    steps = over_two_floors(make_step)[:4] + [
+        make_step(k, floor=2, z=3.1) for k in range(4, 4 + on_floor_2)
+    ]
+    steps += [make_step(len(steps) + k, floor=1, z=0.1) for k in range(30 - on_floor_2)]
+    page = write_page(tmp_path, result, steps, {}).read_text()
+    for screen, words in (("desk", on_a_screen), ("phone", on_a_phone)):
+        told = re.findall(f'<text class="{screen}"[^>]*>([^<]*)', page)
+        assert [one for one in told if "Floor 2" in one] == ([words] if words else [])
 
 
 def test_a_floor_without_a_map_shows_no_robot(

@@ -29,6 +29,10 @@ from hypernav.show.video import frame_timing
 
 EMBED_LIMIT_BYTES = 20_000_000
 _MAP_SIZE = 960
+_BAND_PX = {"desk": 1000.0, "phone": 300.0}
+"""Least width of the band of floors by screen, pixels of the style sheet."""
+_LETTER_PX = 7.5
+"""Width of a letter in it, with its share of the margin."""
 
 
 @dataclass(frozen=True)
@@ -133,6 +137,7 @@ def _floors(steps: Sequence[StepTrace]) -> dict[str, Any]:
                 "steps": f"steps {stay.first + 1} to {stay.first + stay.count}",
             }
             | _extent(stay.first, stay.count, len(steps))
+            | _band_names(stay, names[stay.floor], len(steps))
             for stay in episode_summary.stays(steps)
         ],
         "chapters": [
@@ -141,12 +146,25 @@ def _floors(steps: Sequence[StepTrace]) -> dict[str, Any]:
                 "mode": one.mode,
                 "first": one.first,
                 "words": climb_at[one.first] if one.mode is Mode.CLIMB else names[one.floor],
+                "why": episode_story.why_climbed(steps, one.first)
+                if one.mode is Mode.CLIMB
+                else "",
                 "steps": f"steps {one.first + 1} to {one.first + one.count}",
                 "entries": one.entries,
             }
             for one in episode_story.chapters(steps)
         ],
     }
+
+
+def _band_names(stay: episode_summary.Stay, words: str, total: int) -> dict[str, str]:
+    """The name of a floor in the band, as much of it as has room on a screen and on a phone."""
+    share, short = stay.count / total, f"Floor {stay.floor}"
+    names = dict[str, str]()
+    for screen, width_px in _BAND_PX.items():
+        fitting = [one for one in (words, short) if _LETTER_PX * len(one) < share * width_px]
+        names[screen] = fitting[0] if fitting and not stay.on_stairs else ""
+    return names
 
 
 def _band(phase: episode_summary.Phase, total: int) -> dict[str, Any]:

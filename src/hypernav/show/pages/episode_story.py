@@ -1,14 +1,20 @@
 """The story of an episode: what was asked and decided, in chapters."""
 
+import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hypernav.core.trace import Exchange, Mode, StepTrace, floor_of
 from hypernav.show import captions
 from hypernav.show.pages.episode_summary import runs
-from hypernav.show.video.frame_timing import EVERY_STEP
+from hypernav.show.video.frame_timing import EVERY_STEP, decisions
 
 _MOST_BARS = 5
+_AT_STAIRS_M = 1.0
+"""Distance to its destination, metres, from which a robot on stairs was going to these."""
+_BLOCK = re.compile(r"^block \d+: ")
+"""The number of a block before a reason, which says nothing without the map of that step."""
 _CHAPTERS = {
     Mode.LOOK_AROUND: Mode.EXPLORE,
     Mode.VERIFY: Mode.APPROACH,
@@ -130,6 +136,25 @@ def chapters(steps: Sequence[StepTrace]) -> list[Chapter]:
         )
         for what, first, count in found
     ]
+
+
+def why_climbed(steps: Sequence[StepTrace], first: int) -> str:
+    """Why the robot took stairs, in the words of who chose them; empty if nothing was said.
+
+    Args:
+        steps: The steps of a search.
+        first: Index of the first step on the stairs.
+    """
+    before = steps[first - 1] if first else None
+    if before is None or not before.reason:
+        return ""
+    why, going_to = _BLOCK.sub("", before.reason), before.destination
+    if going_to is None or math.dist(going_to, steps[first].pose[:2]) > _AT_STAIRS_M:
+        return f"Met on the way to something else: {why}"
+    asked = [one for step in steps[:first] for one in decisions(step)]
+    if not asked or asked[-1].answer != before.reason:
+        return f"Chosen: {why}"
+    return f"{captions.answerer_caption(asked[-1])} chose them: {why}"
 
 
 def _asked_question(exchange: Exchange, step: StepTrace) -> AskedQuestion:
