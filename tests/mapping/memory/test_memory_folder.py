@@ -435,10 +435,11 @@ def test_a_memory_opens_after_any_kill(tmp_path):
 
 
 def test_a_first_search_that_begins_high_in_its_frame_begins_on_its_floor(tmp_path):
-    world = two_rooms()
+    world = two_rooms()  # other tests use it, too
     world.keep_map_frame(Transform(np.eye(3), np.array([0.0, 0.0, -6.0])))
     with open_memory(tmp_path / "high", CONFIG) as home:
         run(home, world=world)
+        world.keep_map_frame(None)
         assert [one.z for one in home.memory.floors] == [pytest.approx(6.0)]
         (bed,) = [one for one in home.memory.floor.things.known if one.label == "bed"]
     assert home.history[-1].outcome == "found"
