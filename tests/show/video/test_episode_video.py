@@ -261,13 +261,21 @@ def test_the_map_says_how_high_its_floor_is_and_when_the_robot_is_on_stairs(
         return np.zeros((MAP_SIZE, MAP_SIZE, 3), np.uint8)
 
     monkeypatch.setattr(episode_video, "draw_map", note)
-    walk = [(Mode.EXPLORE, None), (Mode.CLIMB, None), (Mode.EXPLORE, 2)]
+    walk = [
+        (Mode.EXPLORE, None, 0.0),
+        (Mode.CLIMB, None, 0.0),
+        (Mode.CLIMB, None, 1.2),
+        (Mode.CLIMB, None, -0.5),
+        (Mode.EXPLORE, 2, 3.0),
+    ]
     with EpisodeVideo(tmp_path / "episode.mp4", "bed", "hypernav") as video:
-        for number, (mode, floor) in enumerate(walk):
-            step = make_step(number, mode=mode, floor=floor)
-            video.add(observation.rgb, step, room, {1: 0.9, 2: 3.9} if floor else {1: 0.9})
+        for number, (mode, floor, z) in enumerate(walk):
+            step = make_step(number, mode=mode, floor=floor, z=z)
+            video.add(observation.rgb, step, room)
     assert titles == [
         "",
         "Floor 1 (start), robot on the stairs",
+        "Floor 1 (start), robot on the stairs, 1.2 m up",
+        "Floor 1 (start), robot on the stairs, 0.5 m down",
         "Floor 2 (3.0 m above the start)",
     ]

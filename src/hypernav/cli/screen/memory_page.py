@@ -134,7 +134,7 @@ def _thing(thing: Thing, view: MapView, images: dict[int, str]) -> dict[str, Any
         "words": " ".join(names_of(thing.label)),
         "box": (left, top, max(right - left, 4.0), max(bottom - top, 4.0)),
         "area": thing.size[0] * thing.size[1],
-        "position": f"{x:.1f}, {y:.1f}, {z:.1f}",
+        "position": f"{x:z.1f}, {y:z.1f}, {z:z.1f}",
         "size": " × ".join(f"{side:.1f}" for side in thing.size),
         "chance": thing.chance,
         "is_gone": thing.is_gone,

@@ -32,7 +32,7 @@ def found_start_line(found: FoundStart, memory: Path | None) -> str:
         )
     x, y = found.place.own.xy
     return (
-        f"the robot is at ({x:.1f}, {y:.1f}) on floor {found.place.floor + 1} of "
+        f"the robot is at ({x:z.1f}, {y:z.1f}) on floor {found.place.floor + 1} of "
         f"{escape(str(memory))}, by one turn"
     )
 

@@ -11,7 +11,14 @@ from hypernav.core.exploring.insight import ThingGraph, ValueImage
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import StepTrace, floor_of, on_floor, on_last_floor
-from hypernav.show.climbs import StairsMark, climbs, stairs_on
+from hypernav.show.climbs import (
+    StairsMark,
+    climbs,
+    floor_heights_m,
+    floor_words,
+    names_floors,
+    stairs_on,
+)
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.insight_overlays import draw_graph, draw_values
 from hypernav.show.drawing.legend import Layer, draw_legend
@@ -137,7 +144,9 @@ def draw_result(
         start=trajectory[0] if trajectory else None,
         goal_area=last.goal_area if last else (),
         stairs=stairs_on(number, climbs(steps)),
-        title=f"Floor {number}" if any(step.floor is not None for step in steps) else "",
+        title=floor_words(number, floor_of(steps[0]), floor_heights_m(steps))
+        if names_floors(steps)
+        else "",
     )
 
 

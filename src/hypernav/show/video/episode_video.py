@@ -33,6 +33,8 @@ from hypernav.show.video.frame_timing import (
 if TYPE_CHECKING:
     import av
 
+_RISE_M = 0.1
+"""Least height above or below a floor, metres, that is told of a robot on stairs."""
 _BLOCKS_STAY_STEPS = 5
 # Codes of the video standard: BT.709 colours in the narrow range, which players expect for HD.
 _BT709, _NARROW_RANGE = 1, 1
@@ -265,5 +267,10 @@ class EpisodeVideo:
         """The floor that a map shows; the robot is on it, or on stairs from it."""
         if not names_floors([step]):
             return ""
-        words = floor_words(floor_of(step), floor_of(self._steps[0]), floor_heights_m(self._steps))
-        return f"{words}, robot on the stairs" if step.mode is Mode.CLIMB else words
+        heights_m = floor_heights_m(self._steps)
+        words = floor_words(floor_of(step), floor_of(self._steps[0]), heights_m)
+        if step.mode is not Mode.CLIMB:
+            return words
+        rise_m = step.z - heights_m.get(floor_of(step), step.z)
+        far = f", {abs(rise_m):.1f} m {'up' if rise_m > 0.0 else 'down'}"
+        return f"{words}, robot on the stairs{far if abs(rise_m) >= _RISE_M else ''}"

@@ -1,7 +1,7 @@
 // The operator's controls: a goal for a waiting robot, and STOP.
 
 import { Refused, getJson, pause, post, rememberToken, connection } from "./server.js";
-import { element } from "./elements.js";
+import { element, metres } from "./elements.js";
 
 const POLL_MS = 1000;
 const THINGS_MS = 5000;
@@ -105,7 +105,7 @@ export class Memory {
 
   show(things) {
     byId("things").replaceChildren(...things.map(({ thing, label, position: [x, y], chance, no_way: noWay }) => {
-      const where = `floor ${thing.floor}, at ${x.toFixed(1)}, ${y.toFixed(1)} ·\u00a0${Math.round(100 * chance)}\u00a0%\u00a0sure`;
+      const where = `floor ${thing.floor}, at ${metres(x)}, ${metres(y)} ·\u00a0${Math.round(100 * chance)}\u00a0%\u00a0sure`;
       const button = element("button", { type: "button", "aria-label": `Go to the ${label} on ${where}` }, "Go there");
       button.addEventListener("click", () => this.goalBox.send({ goal: label, thing }));
       const words = [element("span", { class: "when" }, where)];

@@ -9,6 +9,11 @@ export function element(name, attributes = {}, ...children) {
   return made;
 }
 
+/** A coordinate in metres; what rounds to zero has no sign. */
+export function metres(x) {
+  return (Math.round(10 * x) / 10 || 0).toFixed(1);
+}
+
 /** A sample of a colour; as a drawing, since the page allows no styles of its own. */
 export function swatch(color, shape = "M1 1h14v14H1z") {
   const drawing = document.createElementNS(SVG, "svg");

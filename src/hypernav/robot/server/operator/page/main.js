@@ -2,7 +2,7 @@
 
 import { drawCamera } from "./camera.js";
 import { GoalBox, Memory, armStop, armToken } from "./controls.js";
-import { element, swatch } from "./elements.js";
+import { element, metres, swatch } from "./elements.js";
 import { Follower, floorOf, namesFloors, whereIs } from "./follower.js";
 import { drawMap } from "./map.js";
 import { connection, getJson, pause } from "./server.js";
@@ -142,8 +142,8 @@ function floorButton(floor, words) {
 
 function mapWords(map, step, floor) {
   const size = map ? `${(map.extent.columns * map.extent.resolution_m).toFixed(1)} by ${(map.extent.rows * map.extent.resolution_m).toFixed(1)} metres` : "none yet";
-  const at = `robot at ${step.pose[0].toFixed(1)}, ${step.pose[1].toFixed(1)}`;
-  const to = step.destination ? `, going to ${step.destination[0].toFixed(1)}, ${step.destination[1].toFixed(1)}` : "";
+  const at = `robot at ${metres(step.pose[0])}, ${metres(step.pose[1])}`;
+  const to = step.destination ? `, going to ${metres(step.destination[0])}, ${metres(step.destination[1])}` : "";
   return floorOf(step) === floor ? `Map: ${size}, ${at}${to}` : `Map: ${size}, without the robot`;
 }
 
