@@ -33,7 +33,7 @@ def line_of(lines, start):
 def test_a_whole_folder_is_well(data, capsys):
     status, lines = examine(capsys, data)
     assert (status, lines[-1]) == (0, "all is well")
-    assert "4 episodes in 1 scenes, 4 categories" in line_of(lines, "hm3d v1/val:")
+    assert "4 episodes in 1 scene, 4 categories" in line_of(lines, "hm3d v1/val:")
     assert line_of(lines, "ovon hm3d/val_seen_synonyms:").startswith("ok")
     assert line_of(lines, "hm3d v2/val annotations:").startswith("ok")
     assert line_of(lines, "mp3d v1/val navmeshes:").startswith("note")
@@ -42,7 +42,7 @@ def test_a_whole_folder_is_well(data, capsys):
 
 def test_goals_of_goat_bench_that_cannot_be_run_are_counted(data, capsys):
     _, lines = examine(capsys, data)
-    assert "4 goals of lives in 1 scenes, 2 categories" in line_of(lines, "goat v1/val_unseen:")
+    assert "4 goals of lives in 1 scene, 2 categories" in line_of(lines, "goat v1/val_unseen:")
     goals = line_of(lines, "goat v1/val_unseen goals:")
     assert goals.startswith("note")
     assert "2 category goals, 1 description goal, 1 image goal; 1 of them are left out" in goals
@@ -52,7 +52,7 @@ def test_missing_scenes_are_named_with_where_to_get_them(data, capsys):
     shutil.rmtree(data / "scene_datasets" / "hm3d" / "val" / SCENE)
     status, lines = examine(capsys, data)
     assert status == 1
-    assert f"0 of 1 scenes; missing: {SCENE}" in line_of(lines, "hm3d v1/val scenes:")
+    assert f"0 of 1 scene; missing: {SCENE}" in line_of(lines, "hm3d v1/val scenes:")
     remedies = lines[lines.index("what to change:") :]
     assert any("matterport.com" in line for line in remedies)
     assert not any("goat-bench" in line or "DATASETS.md" in line for line in remedies)
@@ -215,4 +215,4 @@ def test_our_own_export_is_recognised(data, capsys):
     write_split(own / "datasets" / "objectnav" / "hypernav" / "houses-val", two_storeys(), found)
     status, lines = examine(capsys, own)
     assert (status, lines[-1]) == (0, "all is well")
-    assert "1 episodes in 1 scenes" in line_of(lines, "generated hypernav/houses-val:")
+    assert "1 episode in 1 scene" in line_of(lines, "generated hypernav/houses-val:")

@@ -364,6 +364,11 @@ def test_a_memory_on_a_read_only_file_system_can_be_looked_at(read_only, tmp_pat
     assert files_of(read_only) == before
 
 
+def test_names_of_the_same_things_are_asked_for_once(home, capsys):
+    assert hypernav("memory", home, "--forget", "Bed", "beds", "bed") == 0
+    assert capsys.readouterr().out.count("forgotten: bed") == 1
+
+
 def test_a_memory_that_a_search_uses_is_left_alone(home, capsys):
     before = (home / "memory.json").read_bytes()
     with folder_lock(home):

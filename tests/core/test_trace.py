@@ -7,8 +7,8 @@ import pytest
 from hypernav.core.trace import Mode, StepTrace
 
 
-def step(**values: float) -> StepTrace:
-    return StepTrace(step=0, pose=(1.0, 2.0, 0.5), action=None, mode=Mode.EXPLORE, **values)
+def step(z: float = 0.0) -> StepTrace:
+    return StepTrace(step=0, pose=(1.0, 2.0, 0.5), z=z, action=None, mode=Mode.EXPLORE)
 
 
 def test_a_height_reads_back_to_the_millimetre() -> None:

@@ -114,6 +114,26 @@ def test_the_page_shows_lives_and_says_what_became_of_the_memory(tmp_path, runs)
     assert (last["life"], last["goal_number"]) == ("b", "2")
 
 
+def test_a_single_life_of_a_single_run_is_one_and_has_no_pairs(tmp_path, runs):
+    alone = written(tmp_path / "alone", goals(spls={"a": SPLS["a"]}))
+    page = write_report(tmp_path / "one", load_runs([alone])).read_text()
+    assert "1 complete life</summary>" in page
+    assert "Behind means 95 % bootstrap intervals over episodes." in page
+    assert "Pairs are" not in page
+    page = write_report(tmp_path / "both", runs).read_text()
+    assert "2 complete lives of kept, one by one" in page
+    assert "Pairs are" in page
+    assert "Behind means and ratios 95 % bootstrap intervals over scenes." in page
+
+
+def test_of_runs_that_differ_in_it_each_is_said_to_be_drawn_by_scenes_or_episodes(tmp_path, runs):
+    alone = written(tmp_path / "alone", goals(spls={"a": SPLS["a"]}))
+    both = load_runs([alone, runs[1].folder])
+    page = write_report(tmp_path / "report", both, compare=True).read_text()
+    assert "intervals over episodes (alone), scenes (kept)." in page
+    assert "episode by episode" in page
+
+
 def test_runs_without_lives_have_none_of_this(tmp_path):
     alone = record("0")
     folder = tmp_path / "run"

@@ -13,7 +13,7 @@ from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, MemoryFolderError, OutputError
 from hypernav.core.files.folder_lock import LOCK_NAME, folder_lock
 from hypernav.core.files.whole_files import write_whole
-from hypernav.core.labels import same_name
+from hypernav.core.labels import canonical, same_name
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.mapping.memory.reading import read_index
@@ -61,7 +61,7 @@ def run(options: Options) -> int:
                 hint = f"; did you mean '{near[0]}'?" if near else ""
                 raise ConfigError(f"--forget: no '{name}' is remembered{hint}")
         done = list[str]()
-        for name in options.forget or ():
+        for name in {canonical(name): name for name in options.forget or ()}.values():
             labels = sorted(label for label in known if same_name(label, name))
             count = _forgotten(home.memory, name)
             done.append(f"{_number_of(count, 'thing')} forgotten: {', '.join(labels)}")

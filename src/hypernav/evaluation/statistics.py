@@ -5,7 +5,7 @@ flip whole scenes (clusters). With a single scene, its episodes are the clusters
 interval says nothing about other scenes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -66,6 +66,11 @@ class Discordance:
     both: int
     neither: int
     p_value: float
+
+
+def drawn(scenes: Iterable[str]) -> str:
+    """What bootstrap and flips draw: "scenes", or "episodes" where they are of a single one."""
+    return "scenes" if len(set(scenes)) > 1 else "episodes"
 
 
 def mean_with_interval(

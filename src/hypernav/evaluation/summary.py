@@ -48,7 +48,7 @@ def summarise(
         draws: Number of bootstrap samples of the intervals.
     """
     protocol = protocol or EvaluationProtocol()
-    records = counted(records)
+    records = sorted(counted(records), key=lambda record: record.key)  # as draws depend on it
     scores = [protocol.score(record) for record in records]
     scenes = [record.scene_id for record in records]
 

@@ -4,7 +4,9 @@ from pathlib import Path
 
 from eval_runs import apart, record
 from hypernav.cli.screen.eval_table import outcome_lines, progress_table, result_line
+from hypernav.evaluation.report.report_text import interval
 from hypernav.evaluation.runner import RunProgress
+from hypernav.evaluation.summary import summarise
 
 
 def lines(*records):
@@ -25,6 +27,19 @@ def test_why_episodes_do_not_count_is_said_once_for_each_reason():
 
 def test_nothing_is_said_where_all_count():
     assert not any("count" in line for line in lines(record("0"), record("1")))
+
+
+def test_the_interval_is_that_of_the_report_whatever_the_order():
+    goals = [record(str(k), "scene", path_length_m=4.0 + k) for k in range(8)]
+    expected = f"({interval(summarise(goals).spl)} with 95 % confidence, over episodes)"
+    for order in (goals, goals[::-1]):
+        (line,) = [line for line in lines(*order) if "SPL" in line]
+        assert line.endswith(expected)
+
+
+def test_the_interval_is_said_to_be_over_scenes_where_there_are_some():
+    said = "".join(lines(record("0", "one"), record("0", "another")))
+    assert said.count("over scenes)") == 2
 
 
 def test_where_none_counts_there_is_no_rate():

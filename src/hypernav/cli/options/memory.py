@@ -13,7 +13,7 @@ class Options:
 
     folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")]
     """Folder of the memory."""
-    forget: tuple[str, ...] | None = None
+    forget: Annotated[tuple[str, ...] | None, tyro.conf.arg(metavar="NAME [NAME ...]")] = None
     """Names of things to forget, such as cup; all that were seen are forgotten, images stay."""
     forget_images: bool = False
     """Forget all key images."""

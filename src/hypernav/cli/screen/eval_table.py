@@ -9,12 +9,11 @@ from rich.table import Table
 
 from hypernav.cli.screen.warnings_shown import unusable_answers_line
 from hypernav.evaluation.failures.classification import Failure
-from hypernav.evaluation.report.report_text import percent
+from hypernav.evaluation.report.report_text import interval, percent
 from hypernav.evaluation.runner import RunProgress
-from hypernav.evaluation.statistics import Estimate
+from hypernav.evaluation.statistics import DRAWS, Estimate, drawn
 from hypernav.evaluation.summary import counted, failure_counts, summarise
 
-_LIVE_DRAWS = 1000
 _MOST_REASONS = 3
 """Largest number of reasons that are printed for episodes that don't count or didn't run."""
 
@@ -31,7 +30,7 @@ def progress_table(progress: RunProgress, seconds: float) -> Table:
     table = Table(show_header=False, box=None, padding=(0, 2, 0, 0))
     table.add_row("done", f"{done} of {progress.total}", f"{3600 * rate:.0f} an hour, {left}")
     if done:
-        for row in _numbers(progress):
+        for row in _numbers(progress, is_over=False):
             table.add_row(*row)
     if progress.losses:
         table.add_row("workers", f"{progress.losses} lost", "others took their place")
@@ -65,7 +64,7 @@ def outcome_lines(progress: RunProgress, folder: Path) -> Iterator[str]:
     """The summary of a run, in lines."""
     yield f"{len(progress.records)} of {progress.total} episodes done"
     if progress.records:
-        for name, value, remark in _numbers(progress):
+        for name, value, remark in _numbers(progress, is_over=True):
             yield f"  {name:9s} {value}  {remark}"
     unusable = sum((Counter(one.unusable_answers) for one in progress.records), Counter[str]())
     if line := unusable_answers_line(_calls(progress), unusable):
@@ -80,11 +79,13 @@ def outcome_lines(progress: RunProgress, folder: Path) -> Iterator[str]:
     yield f"  page: hypernav report {escape(str(folder))}"
 
 
-def _numbers(progress: RunProgress) -> Iterator[tuple[str, str, str]]:
-    if counted(progress.records):
-        summary = summarise(progress.records, draws=_LIVE_DRAWS)
-        yield "SR", percent(summary.success), _interval(summary.success)
-        yield "SPL", f"{summary.spl.mean:.3f}", _interval(summary.spl, percent=False)
+def _numbers(progress: RunProgress, *, is_over: bool) -> Iterator[tuple[str, str, str]]:
+    """Names, values and remarks; with intervals, which take a moment, once the run is over."""
+    if records := counted(progress.records):
+        summary = summarise(records, draws=DRAWS if is_over else 1)
+        over = drawn(record.scene_id for record in records) if is_over else ""
+        yield "SR", percent(summary.success), _interval(summary.success, over, 100.0, " %")
+        yield "SPL", f"{summary.spl.mean:.3f}", _interval(summary.spl, over)
         yield "steps", f"{summary.steps.mean:.0f}", "a mean episode"
     calls = _calls(progress)
     if calls:
@@ -111,7 +112,7 @@ def duration(seconds: float) -> str:
     return f"{int(seconds // 60)} min" if seconds >= 60 else f"{seconds:.0f} s"
 
 
-def _interval(estimate: Estimate, *, percent: bool = True) -> str:
-    low, high = estimate.low, estimate.high
-    text = f"{100 * low:.1f} to {100 * high:.1f} %" if percent else f"{low:.3f} to {high:.3f}"
-    return f"({text} with 95 % confidence)"
+def _interval(estimate: Estimate, over: str, factor: float = 1.0, unit: str = "") -> str:
+    if not over:
+        return ""
+    return f"({interval(estimate, factor)}{unit} with 95 % confidence, over {over})"

@@ -23,6 +23,7 @@ from hypernav.datasets.benchmarks import BENCHMARKS, GENERATED, Benchmark
 from hypernav.datasets.goal_types import RUNNABLE, goal_type_words
 from hypernav.datasets.habitat_files import CONTENT, episode_files, read_as
 from hypernav.evaluation.checks.findings import Finding, State
+from hypernav.evaluation.report.report_text import number_of
 from hypernav.worlds.navmesh.files.reader import read_navmesh
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scenes.gltf_file import check_glb
@@ -154,8 +155,11 @@ def _check_split(benchmark: Benchmark, content: _SplitContent) -> Iterator[Findi
         remedy = f"get the episodes again: {benchmark.episodes_from}"
         yield Finding(check, State.FAULT, content.fault, remedy)
         return
-    noun = "goals of lives" if content.goal_types else "episodes"
-    words = f"{content.count:,} {noun} in {len(files)} scenes, {len(content.goals)} categories"
+    nouns = ("goal of a life", "goals of lives") if content.goal_types else ("episode",)
+    words = (
+        f"{number_of(content.count, *nouns)} in {number_of(len(files), 'scene')}, "
+        f"{number_of(len(content.goals), 'category', 'categories')}"
+    )
     yield Finding(check, State.GOOD, words)
     yield from _check_main_file(check, split)
     if content.goal_types:
@@ -199,7 +203,7 @@ def _check_scenes(
     if missing:
         some = ", ".join(missing[:_NAMED]) + (", …" if len(missing) > _NAMED else "")
         state = State.FAULT if len(missing) == len(files) else State.NOTE
-        words = f"{len(files) - len(missing)} of {len(files)} scenes; missing: {some}"
+        words = f"{len(files) - len(missing)} of {number_of(len(files), 'scene')}; missing: {some}"
         yield Finding(f"{check} scenes", state, words, f"get them {benchmark.scenes_from}")
     else:
         yield Finding(f"{check} scenes", State.GOOD, f"all {len(files)}")
@@ -246,8 +250,8 @@ def _check_scans(check: str, scans: list[ScanFiles]) -> Iterator[Finding]:
         yield Finding(f"{check} annotations", State.GOOD, f"all {semantic}")
     else:
         words = (
-            f"{semantic} of {len(scans)} scenes; without them there is no ground truth, and "
-            "results are the same"
+            f"{semantic} of {number_of(len(scans), 'scene')}; without them there is no ground "
+            "truth, and results are the same"
         )
         yield Finding(f"{check} annotations", State.NOTE, words)
 

@@ -67,6 +67,7 @@ def _content(folder: Path, runs: Sequence[RunData], pairs: Sequence[tables.Pair]
         "runs": runs,
         "title": report_text.title(runs),
         "lead": report_text.lead(runs, summaries),
+        "drawn": report_text.drawn_in(runs),
         "warnings": report_text.warnings(runs),
         "summaries": list(zip(runs, summaries, strict=True)),
         "pairs": pairs,

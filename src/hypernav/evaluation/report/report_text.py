@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from hypernav.datasets.goal_types import goal_type_words
 from hypernav.episodes.goal_sight import MIN_VISIBLE_SHARE
+from hypernav.evaluation import statistics
 from hypernav.evaluation.failures.classification import MISPLACED_M, Failure
 from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.report.tables import Pair
@@ -216,7 +217,7 @@ def _life_lines(run: RunData) -> list[tuple[str, str]]:
     return [
         (
             "Lives",
-            f"{count:,} {'life' if count == 1 else 'lives'} of several goals each; memory: "
+            f"{number_of(count, 'life', 'lives')} of several goals each; memory: "
             f"{lives['memory']}; a goal is searched from where the robot stands, and its shortest "
             "path counts from there" + (f"; at most {limit:,} steps a life" if limit else ""),
         )
@@ -276,14 +277,22 @@ def session_lines(run: RunData) -> list[str]:
     return lines
 
 
-def number_of(count: int, noun: str) -> str:
+def number_of(count: int, noun: str, plural: str = "") -> str:
     """A number with its noun, for example "1 episode" and "2 episodes"."""
-    return f"{count:,} {noun}{'' if count == 1 else 's'}"
+    return f"{count:,} {noun if count == 1 else plural or f'{noun}s'}"
 
 
 def drawn(run: RunData) -> str:
     """What bootstrap and flips draw: the scenes of a run, or the episodes of its only one."""
-    return "scenes" if len({record.scene_id for record in run.counted}) > 1 else "episodes"
+    return statistics.drawn(record.scene_id for record in run.counted)
+
+
+def drawn_in(runs: Sequence[RunData]) -> str:
+    """What they draw in each of some runs, which are named where that differs."""
+    kinds = {run.name: drawn(run) for run in runs}
+    if len(set(kinds.values())) == 1:
+        return drawn(runs[0])
+    return ", ".join(f"{kind} ({name})" for name, kind in kinds.items())
 
 
 def percent(estimate: Estimate) -> str:

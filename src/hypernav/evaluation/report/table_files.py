@@ -9,6 +9,7 @@ from pathlib import Path
 
 from hypernav.evaluation.protocol import PROTOCOLS, EvaluationProtocol, Reference, StopRule
 from hypernav.evaluation.report import lives, tables
+from hypernav.evaluation.report.report_text import drawn_in
 from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.statistics import Estimate
 
@@ -119,7 +120,8 @@ def _overall(runs: Sequence[RunData]) -> str:
         r"\bottomrule",
         r"\end{tabular}",
         f"% {runs[0].dataset}; STOP within {distance} m (geodesic) of a view point, at most "
-        f"{told['protocol']['max_steps']} steps; brackets: 95% bootstrap over scenes",
+        f"{told['protocol']['max_steps']} steps; brackets: 95% bootstrap over "
+        f"{drawn_in(runs)}",
     ]
     return "\n".join(lines) + "\n"
 

@@ -16,6 +16,7 @@ from hypernav.evaluation.statistics import (
     Estimate,
     compare,
     discordance,
+    drawn,
     mean_with_interval,
     ratio_with_interval,
 )
@@ -102,6 +103,7 @@ class Pair:
         soft_spl: Difference of SoftSPL.
         steps: Difference of the number of steps.
         outcomes: Numbers of episodes that both, one or neither found.
+        drawn: What intervals and tests draw; see `hypernav.evaluation.statistics.drawn`.
     """
 
     first: str
@@ -112,6 +114,7 @@ class Pair:
     soft_spl: Comparison
     steps: Comparison
     outcomes: Discordance
+    drawn: str
 
 
 def overall(runs: Sequence[RunData]) -> list[Summary]:
@@ -262,6 +265,7 @@ def pair(first: RunData, second: RunData) -> Pair:
         soft_spl=compared(lambda k: (scores[k][0].soft_spl, scores[k][1].soft_spl)),
         steps=compared(lambda k: (float(a[keys[k]].steps), float(b[keys[k]].steps))),
         outcomes=discordance([x.success for x, _ in scores], [y.success for _, y in scores]),
+        drawn=drawn(scenes),
     )
 
 
