@@ -1,9 +1,11 @@
 """Make a film of the first goals of a life: what the robot remembers, and what it must look for.
 
 Run: hypernav eval houses-life-train --episodes 3:4 --save videos --out runs/life
-     python scripts/life_film.py runs/life docs/images/life.webp
+     hypernav eval houses-life-train --episodes 3:4 --fresh-memory --out runs/fresh
+     python scripts/life_film.py runs/life runs/fresh docs/images/life.webp
 
-Above the video of every search stands its goal, and whether an earlier search of the life saw it.
+Above the video of every search stands its goal, whether an earlier search of the life saw it, and
+how many steps it took, with and without the memory.
 """
 
 import json
@@ -34,12 +36,14 @@ class Search:
     Attributes:
         goal: Its goal.
         outcome: How it ended.
+        fresh_steps: Number of steps of the search for it with an empty memory.
         trace: Its steps.
         frames: An image of each of them.
     """
 
     goal: str
     outcome: str
+    fresh_steps: int
     trace: list[StepTrace]
     frames: list[Image.Image]
 
@@ -60,6 +64,7 @@ class Search:
 
 def main(
     run: Annotated[Path, tyro.conf.Positional],
+    fresh: Annotated[Path, tyro.conf.Positional],
     film: Annotated[Path, tyro.conf.Positional],
     goals: int = 5,
     quality: int = 50,
@@ -68,12 +73,15 @@ def main(
 
     Args:
         run: Folder of the run, with the videos of one life.
+        fresh: Folder of the run of the same goals, each with an empty memory.
         film: The film, WebP.
         goals: Number of goals to show.
         quality: Quality of the images, 1 to 100.
     """
     folders = sorted((run / "episodes").iterdir(), key=_number_of)
-    searches = [_search(folder) for folder in folders[:goals]]
+    lines = (fresh / "episodes.jsonl").read_text().splitlines()
+    steps = {one["episode_id"]: one["steps"] for one in map(json.loads, lines)}
+    searches = [_search(folder, steps) for folder in folders[:goals]]
     images, durations = list[Image.Image](), list[int]()
     for number, search in enumerate(searches):
         shown = [*range(0, len(search.frames), _EVERY[search.is_remembered]), None]
@@ -101,7 +109,7 @@ def _result(folder: Path) -> dict[str, Any]:
     return json.loads((folder / "result.json").read_text())
 
 
-def _search(folder: Path) -> Search:
+def _search(folder: Path, fresh_steps: dict[str, int]) -> Search:
     lines = (folder / "trace.jsonl").read_text().splitlines()
     trace = [StepTrace.model_validate_json(line) for line in lines]
     with av.open(folder / "episode.mp4") as video:
@@ -110,7 +118,8 @@ def _search(folder: Path) -> Search:
             for frame in video.decode(video=0)
         ]
     result = _result(folder)
-    return Search(result["goal"], result["outcome"], trace, frames[: len(trace)])  # no end card
+    frames = frames[: len(trace)]  # no end card
+    return Search(result["goal"], result["outcome"], fresh_steps[result["episode"]], trace, frames)
 
 
 def _image(searches: list[Search], number: int, step: int | None) -> Image.Image:
@@ -127,9 +136,10 @@ def _image(searches: list[Search], number: int, step: int | None) -> Image.Image
     )
     head = f"Goal {number + 1}: {search.goal}{end}"
     draw.text((12, 8), head, fill="white", font=font(17, bold=True))
-    before = [f"{one.goal} {len(one.trace)}" for one in searches[: number + (step is None)]]
-    if before:
-        draw.text((12, 41), f"steps so far: {', '.join(before)}", fill="black", font=font(13))
+    before = searches[: number + (step is None)]
+    took = ", ".join(f"{one.goal} {len(one.trace)} ({one.fresh_steps})" for one in before)
+    told = f"steps (and with an empty memory): {took}" if took else "begins with an empty memory"
+    draw.text((12, 41), told, fill="black", font=font(13))
     return image
 
 
