@@ -47,6 +47,10 @@ _AROUND_M = 0.5
 the ground tells how high the robot stands."""
 _POSE_ERROR_M = 0.3
 """Greatest error of the height at which the robot is said to be, metres."""
+_AGREES_M = 0.08
+"""Difference from that height, metres, up to which ground agrees with it."""
+_LEAST_AGREEING = 0.25
+"""Share of the ground that must agree: then the rest is another level, such as a raised room."""
 _LEAST_ANGLE = 0.01
 """Angle below the horizon, radians, under which a camera sees no ground."""
 
@@ -260,10 +264,14 @@ class ElevationMap:
         reach = math.ceil((self._blind_m + _AROUND_M) / self._cell_m)
         rows, columns = (slice(max(i - reach, 0), i + reach + 1, 2) for i in (row, column))
         heights = self._heights[rows, columns]  # every other row and column tells enough
+        off_m = np.abs(heights - np.float32(said_z))
         with np.errstate(invalid="ignore"):
-            near = np.abs(heights - np.float32(said_z)) <= _POSE_ERROR_M
-        near &= heights != self._stood_z[rows, columns]
-        return float(np.median(heights[near])) if near.any() else said_z
+            is_near = (off_m <= _POSE_ERROR_M) & (heights != self._stood_z[rows, columns])
+        near = heights[is_near]
+        agrees = off_m[is_near] <= _AGREES_M
+        if agrees.sum() >= _LEAST_AGREEING * len(near):
+            near = near[agrees]
+        return float(np.median(near)) if len(near) else said_z
 
 
 def _without_pits(

@@ -117,6 +117,16 @@ def test_stairs_down_are_seen_whatever_a_sensor_says_where_nothing_in_range_come
     assert math.dist(found.end, (FIRST_X, MIDDLE_Y)) < 0.4
 
 
+def test_a_raised_room_does_not_tell_how_high_the_robot_stands():
+    """It takes up most of what the robot sees, but a part is as high as the robot is said to be."""
+    raised: SolidBox = ((2.0, 0.0, 0.0), (8.0, 6.0, 0.18))
+    poses = [Pose2(1.8, 3.0, yaw) for yaw in np.arange(-2.0, 2.1, 0.5)]
+    memory = memory_after([*room(8.0, 6.0), raised], *poses)
+    assert memory.elevation is not None
+    assert memory.elevation.ground_z == pytest.approx(0.0, abs=0.01)
+    assert not memory.connectors
+
+
 def test_the_long_side_of_a_stairwell_is_no_head_of_stairs():
     beside = [Pose2(3.0, y, yaw) for y in (0.0, 0.3, 0.6) for yaw in (1.2, math.pi / 2.0, 1.9)]
     assert not usable(memory_after(stairwell(), *beside))
