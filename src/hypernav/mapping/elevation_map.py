@@ -121,7 +121,7 @@ class ElevationMap:
         x, y = camera.ray_slopes()
         across = x[:, None] * pose.rotation[:, 0]
         down = y[:, None] * pose.rotation[:, 1] + pose.rotation[:, 2]
-        said_z = float(pose.translation[2]) - sensor.height_m
+        said_z = sensor.base_z(pose)
         self._stand(observation.robot.xy, said_z)
         ground_z = said_z if on_stairs else self._seen_z(observation.robot.xy, said_z)
         self._ground_z = float(np.float32(round(ground_z, 2)))  # a value that the map can hold
@@ -209,13 +209,18 @@ class ElevationMap:
     ) -> tuple[tuple[slice, slice], tuple[float, float]]:
         """The part of the map around a position, and its lower left corner, metres."""
         row0, column0 = self._corner or (0, 0)
-        first = (
-            math.floor(position[1] / self._cell_m) - row0 - NEAR_CELLS // 2,
-            math.floor(position[0] / self._cell_m) - column0 - NEAR_CELLS // 2,
-        )
+        first = (one - NEAR_CELLS // 2 for one in self._cell_of(position))
         row, column = (min(max(one, 0), SIDE_CELLS - NEAR_CELLS) for one in first)
         origin = ((column0 + column) * self._cell_m, (row0 + row) * self._cell_m)
         return (slice(row, row + NEAR_CELLS), slice(column, column + NEAR_CELLS)), origin
+
+    def _cell_of(self, position: tuple[float, float]) -> tuple[int, int]:
+        """Row and column of a position ``(x, y)``, metres."""
+        row0, column0 = self._corner or (0, 0)
+        return (
+            math.floor(position[1] / self._cell_m) - row0,
+            math.floor(position[0] / self._cell_m) - column0,
+        )
 
     def _centre(self, x: float, y: float) -> None:
         """Move the map along with the robot, by whole cells."""
@@ -240,9 +245,7 @@ class ElevationMap:
 
     def _stand(self, position: tuple[float, float], floor_z: float) -> None:
         """The robot stands on ground, which its camera does not see."""
-        row0, column0 = self._corner or (0, 0)
-        row = math.floor(position[1] / self._cell_m) - row0
-        column = math.floor(position[0] / self._cell_m) - column0
+        row, column = self._cell_of(position)
         reach = round(_UNDER_M / self._cell_m)
         window = np.s_[row - reach : row + reach + 1, column - reach : column + reach + 1]
         self._hits[window] = 0
@@ -258,9 +261,7 @@ class ElevationMap:
             position: The robot ``(x, y)``, metres.
             said_z: The height at which it is said to be, metres.
         """
-        row0, column0 = self._corner or (0, 0)
-        row = math.floor(position[1] / self._cell_m) - row0
-        column = math.floor(position[0] / self._cell_m) - column0
+        row, column = self._cell_of(position)
         reach = math.ceil((self._blind_m + _AROUND_M) / self._cell_m)
         rows, columns = (slice(max(i - reach, 0), i + reach + 1, 2) for i in (row, column))
         heights = self._heights[rows, columns]  # every other row and column tells enough

@@ -195,7 +195,7 @@ class Memory:
 
     def height_of(self, observation: Observation) -> float:
         """Height of the robot in a frame, ``map`` frame, metres."""
-        return float(observation.camera_to_map.translation[2]) - self.embodiment.camera.height_m
+        return self.embodiment.camera.base_z(observation.camera_to_map)
 
     def seen_from_ground(self, observation: Observation) -> Observation:
         """The same observation with heights counted from the ground that the robot walked on."""
