@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+from http.client import HTTPException
 from pathlib import Path
 from typing import Any
 
@@ -58,7 +59,7 @@ def patient(link: RobotLink, method: str, path: str, body: bytes = b"") -> Any:
     while True:
         try:
             answer = link.call(method, path, body)
-        except OSError:
+        except (OSError, HTTPException):  # before its answer, or in the middle of it
             time.sleep(0.02)
         else:
             assert answer.status == 200, answer.content
