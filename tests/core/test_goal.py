@@ -25,3 +25,22 @@ def test_what_a_person_may_write_is_a_goal(text):
 def test_what_nobody_could_read_is_refused(text, words):
     with pytest.raises(GoalError, match=words):
         Goal(text)
+
+
+@pytest.mark.parametrize("text", ["grey sofa", "the grey sofa", "A grey sofa"])
+def test_a_thing_is_told_with_its_article(text):
+    assert Goal(text).told == "the grey sofa"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "It is a grey sofa located next to the lamp.",
+        "the couch is located near the window",
+        "There are two chairs",
+        "please find the bed",
+        "Grey sofa. It has two cushions",
+    ],
+)
+def test_a_sentence_is_told_in_quotation_marks(text):
+    assert Goal(f" {text}").told == f"“{text}”"

@@ -150,7 +150,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
             EpisodeRecorder(folder.absolute(), **asdict(info)) as recorder,
             opened_views(options.views, info, recorder) as views,
         ):
-            stopped_by = _search(search, views, console, status, goal.text)
+            stopped_by = _search(search, views, console, status)
             status.update("writing the page …")
             with interruptions_put_off():
                 early = KeyboardInterrupt | OutputError | MemoryStartError
@@ -231,7 +231,7 @@ def start_pose(
 
 
 def _search(
-    search: EpisodeRun, views: Views, console: Terminal, status: Status, goal: str
+    search: EpisodeRun, views: Views, console: Terminal, status: Status
 ) -> KeyboardInterrupt | MemoryStartError | ModelSetupError | OutputError | None:
     """Run the search to its end; returns the error that stopped it, if any."""
     try:
@@ -241,7 +241,7 @@ def _search(
             for step in search:
                 with interruptions_put_off():  # an incomplete frame would break the video
                     views.add(step.trace, step.grid, step.observation)
-                status.update(escape(live_line(step, goal)))
+                status.update(escape(live_line(step)))
                 views.keep_pace()
     except (KeyboardInterrupt, MemoryStartError, ModelSetupError, OutputError) as stop:
         return stop

@@ -5,6 +5,7 @@ import unicodedata
 from dataclasses import dataclass
 
 from hypernav.core.errors import GoalError
+from hypernav.core.text.noun_phrase import without_lead_in
 
 MAX_GOAL_LENGTH = 500
 """Maximum length of a goal, characters: several sentences, short enough for every prompt."""
@@ -14,6 +15,8 @@ _VOWEL = re.compile(
     r"(?!uni|use|uti|euro|one\b|one-)[aeiou]|hour|honest|heir|[fhlmnrsx]-", re.IGNORECASE
 )
 _WITHOUT_ARTICLE = re.compile(r"(?:equipment|furniture|clothes|food|water|[^su]s)$", re.IGNORECASE)
+_SENTENCE = re.compile(r"[.!?;:](?: |$)|\b(?:is|are|was|were)\b")
+"""An end of a sentence, or the verb of most descriptions: "The couch is near the window"."""
 _VISIBLE = set("LNS")
 """Unicode's letters, numbers and symbols: a goal without any of them names nothing."""
 _UNPRINTABLE = {"Cc": "a control character", "Cs": "half a character, which is no valid UTF-8"}
@@ -50,6 +53,14 @@ class Goal:
     def thing(self) -> str:
         """The text without a leading article, for sentences about "the …"."""
         return _ARTICLE.sub("", self.text.strip())
+
+    @property
+    def told(self) -> str:
+        """The goal within a sentence: "the bed", or in quotation marks if it is one itself."""
+        thing = self.thing
+        if _SENTENCE.search(thing) or without_lead_in(thing.lower()) != thing.lower():
+            return f"“{self.text.strip()}”"
+        return f"the {thing}"
 
     @property
     def with_article(self) -> str:

@@ -49,12 +49,12 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
         patience = plan.approaching.patience.after(left_m, len(route.actions))
         plan = plan.approach(patience=patience)
         if patience.lasts:
-            reason = f"going to the {step.goal.thing}"
+            reason = f"going to {step.goal.told}"
             decision = Decision(action, Mode.APPROACH, reason, route.remaining(robot))
             return decision, _without_exploration(step, plan)
     elif opens and not (must_do or enters) and plan.approaching.may_clear(config):
         turn = turn_towards(robot, target.area.centre, step.motion) or Action.TURN_LEFT
-        reason = f"waiting beside the {step.goal.thing} for what stands before it"
+        reason = f"waiting beside {step.goal.told} for what stands before it"
         return Decision(turn, Mode.APPROACH, reason), _without_exploration(step, plan)
     if config.local_first and (action is not None or not leads_there):
         step.events.append("goal area given up for now")
@@ -112,7 +112,7 @@ def _open_way(
                 action = turn_towards(robot, gap.position, step.motion)
             if action is not None:
                 plan = plan.approach(opening=replace(opening, route=route, steps=steps))
-                reason = f"looking from near for a way to the {step.goal.thing}"
+                reason = f"looking from near for a way to {step.goal.told}"
                 return Decision(action, Mode.APPROACH, reason, route.remaining(robot)), plan
         step.events.append("gap closed")
         closed = (*plan.approaching.closed, gap.position)

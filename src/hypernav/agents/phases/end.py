@@ -15,18 +15,18 @@ def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]
 
     The robot gets free where a step of it was cut short.
     """
-    thing, search = step.goal.thing, memory.search
+    goal, search = step.goal.told, memory.search
     goes_on = _goes_on(step, plan)
     if goes_on and any(one.distance_to(*step.robot.xy) < STANDS_M for one in plan.tried):
         _forget(memory)
         return Phase.GET_FREE, plan
     if memory.search.evidence.target is not None and not plan.approaching.as_near_as_possible:
         if step.config.open_the_way and plan.approaching.may_clear(step.config):
-            reason = f"the way to the {thing} is blocked, looking whether it stays so"
+            reason = f"the way to {goal} is blocked, looking whether it stays so"
             return Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, reason), replace(
                 plan, turns_left=step.motion.turns_of_a_circle, full_turn=True
             )
-        reason = f"all is explored, going as near to the {thing} as possible"
+        reason = f"all is explored, going as near to {goal} as possible"
         path = plan.approaching.route.remaining(step.robot)
         decision = Decision(Action.TURN_LEFT, Mode.APPROACH, reason, path)
         return decision, plan.approach(as_near_as_possible=True)
@@ -43,7 +43,7 @@ def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]
     if evidence is not None:
         search.evidence = evidence
         step.events.append("rejected goal area reconsidered")
-        reason = f"nothing is left to explore, going to what looked most like the {thing}"
+        reason = f"nothing is left to explore, going to what looked most like {goal}"
         decision = Decision(Action.TURN_LEFT, Mode.APPROACH, reason)
         return decision, plan.with_new_patience(step.config)
     reason = "nothing is left to explore"

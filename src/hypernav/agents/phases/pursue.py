@@ -21,10 +21,10 @@ def pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
         return plan
     far, below_or_above = memory.search.evidence.far_position, seen_from_elsewhere(memory)
     if far is not None:
-        reason = f"the {step.goal.thing} is in sight, too far away to be measured"
+        reason = f"{step.goal.told} is in sight, too far away to be measured"
         return _towards(far, "goal seen far away", reason, step, memory, plan)
     if below_or_above is not None:
-        reason = f"the {step.goal.thing} was seen there from another floor"
+        reason = f"{step.goal.told} was seen there from another floor"
         return _towards(below_or_above, "floor of the goal reached", reason, step, memory, plan)
     return _over_stairs(step, memory, plan) if step.config.use_stairs else plan
 
@@ -54,7 +54,7 @@ def _over_stairs(step: Step, memory: Memory, plan: Plan) -> Plan:
         return plan
     nearest = min(ways, key=lambda one: step.robot.distance_to(*one.xy))
     step.events.append("goal seen on another floor")
-    reason = f"the {step.goal.thing} was seen on another floor: {nearest.words}"
+    reason = f"{step.goal.told} was seen on another floor: {nearest.words}"
     there = Destination(*nearest.xy, reason=reason, connector=nearest.connector, holds=True)
     return replace(plan, exploring=plan.exploring.towards(there, step.config))
 

@@ -218,7 +218,7 @@ def seen_in_image(step: Step, memory: Memory) -> Destination | None:
     shows = "is in" if _most_to_ask(step) else "may be in"
     return Destination(
         *nearest.robot.xy,
-        reason=f"the {step.goal.thing} {shows} an image that was taken there before",
+        reason=f"{step.goal.told} {shows} an image that was taken there before",
         holds=True,
         face=nearest.robot.yaw,
         image=nearest.number,

@@ -102,7 +102,7 @@ def second_look(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phas
     target, position = memory.search.evidence.target, plan.approaching.second_look
     if target is None or position is None:
         return Phase.EXPLORE, plan
-    robot, config, thing = step.robot, step.config, step.goal.thing
+    robot, config, goal = step.robot, step.config, step.goal.told
     steps = plan.approaching.second_look_steps + 1
     plan = plan.approach(second_look_steps=steps)
     if steps <= config.endurance_steps:
@@ -112,11 +112,11 @@ def second_look(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phas
             )
         plan = plan.approach(route=route)
         if action is not None:
-            reason = f"is it really the {thing}? going to look from another side"
+            reason = f"is it really {goal}? going to look from another side"
             return Decision(action, Mode.VERIFY, reason, route.remaining(robot)), plan
     turn = turn_towards(robot, target.area.centre, step.motion)
     if turn is not None:
-        reason = f"turning to face the {thing} from another side"
+        reason = f"turning to face {goal} from another side"
         path = plan.approaching.route.remaining(robot)
         return Decision(turn, Mode.VERIFY, reason, path), plan
     plan = plan.approach(second_look=None).with_new_patience(config)

@@ -29,12 +29,12 @@ def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pl
     plan = plan.approach(sure_step=step.number if is_sure else None)
     turn = turn_towards(step.robot, target.area.centre, step.motion)
     if config.face_target and turn is not None:
-        reason = f"turning to face the {step.goal.thing}"
+        reason = f"turning to face {step.goal.told}"
         path = plan.approaching.route.remaining(step.robot)
         return Decision(turn, Mode.VERIFY, reason, path), plan
     if is_sure:
         if _goes_nearer(step, target):
-            reason = f"here is the {step.goal.thing}, going nearer"
+            reason = f"here is {step.goal.told}, going nearer"
             return Decision(Action.MOVE_FORWARD, Mode.APPROACH, reason), plan
         return _stop(step), plan
     if config.see_before_stop:
@@ -67,7 +67,7 @@ def _is_still_sure(step: Step, memory: Memory, plan: Plan) -> bool:
 
 def _stop(step: Step) -> Decision:
     step.events.append("goal reached")
-    reason = f"here is the {step.goal.thing}"
+    reason = f"here is {step.goal.told}"
     return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND)
 
 

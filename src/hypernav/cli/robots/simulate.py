@@ -29,7 +29,7 @@ from hypernav.cli.robots.recording import (
     status_of,
     steps_of,
 )
-from hypernav.cli.screen.search_lines import OUTCOME_WORDS
+from hypernav.cli.screen.search_lines import ending_words
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.views import Views, check_views
 from hypernav.core.config import check_option, layered
@@ -269,8 +269,7 @@ def _mishap_numbers(
 
 def _say(console: Terminal, options: Simulate, result: dict[str, Any]) -> None:
     """The end of the search in a few lines."""
-    goal = escape(Goal(options.goal).thing)
-    console.print(OUTCOME_WORDS[Outcome(result["outcome"])].format(goal=goal))
+    console.print(ending_words(Outcome(result["outcome"]), Goal(options.goal)))
     console.print(
         f"  {result['steps']} steps, {result['path_length_m']:.1f} m driven "
         f"({result['odometry_length_m']:.1f} m by odometry), shortest "

@@ -78,13 +78,14 @@ def run(options: Wait) -> int:
                     continue
                 if given.goal is None or given.key is None:
                     continue
+                goal = Goal(given.goal).told
                 try:
                     ending = _search(options, server, address, base, given, status)
                 except RequestRefusedError as refused:
-                    console.print(f"no search for {given.goal}: {refused}", markup=False)
+                    console.print(f"no search for {goal}: {refused}", markup=False)
                     time.sleep(_PAUSE_S)
                 else:
-                    console.print(f"{given.goal}: {ending or 'stopped'}", markup=False)
+                    console.print(f"{goal}: {ending or 'stopped'}", markup=False)
 
 
 def _start(options: Wait, world: SimulatedWorld, rng: np.random.Generator) -> Pose2:

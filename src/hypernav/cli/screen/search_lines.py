@@ -12,15 +12,20 @@ from hypernav.episodes.episode_run import EpisodeResult, EpisodeStep
 from hypernav.mapping.memory.unknown_start import FoundStart
 from hypernav.show.captions import floor_prefix
 
-OUTCOME_WORDS = {
-    Outcome.FOUND: "[green]found[/] the {goal}",
-    Outcome.WRONG_PLACE: "[red]stopped where no {goal} is[/]",
-    Outcome.NOT_FOUND: "[yellow]did not find[/] the {goal}",
-    Outcome.UNREACHABLE: "[yellow]no path leads[/] to the {goal} from this start",
+_ENDINGS = {
+    Outcome.FOUND: "[green]found[/] {goal}",
+    Outcome.WRONG_PLACE: "[red]stopped[/], but not at {goal}",
+    Outcome.NOT_FOUND: "[yellow]did not find[/] {goal}",
+    Outcome.UNREACHABLE: "[yellow]no path leads[/] to {goal} from this start",
     Outcome.MODEL_UNAVAILABLE: "[red]the model was unavailable[/]; the search is not counted",
-    Outcome.INTERRUPTED: "[yellow]interrupted[/] while looking for the {goal}",
+    Outcome.INTERRUPTED: "[yellow]interrupted[/] while looking for {goal}",
 }
-"""How a search ended, for people."""
+"""How a search for a goal, `Goal.told`, ended."""
+
+
+def ending_words(outcome: Outcome, goal: Goal) -> str:
+    """How a search ended, with the terminal's markup."""
+    return _ENDINGS[outcome].format(goal=escape(goal.told))
 
 
 def found_start_line(found: FoundStart, memory: Path | None) -> str:
@@ -37,17 +42,17 @@ def found_start_line(found: FoundStart, memory: Path | None) -> str:
     )
 
 
-def live_line(step: EpisodeStep, goal: str) -> str:
+def live_line(step: EpisodeStep) -> str:
     """What the robot is doing, in a line for the status of the terminal."""
     trace = step.trace
-    seen = f"{goal} in sight" if trace.goal_area else f"{goal} not seen yet"
+    seen = "goal in sight" if trace.goal_area else "goal not seen yet"
     return f"{floor_prefix(trace)}step {trace.step + 1} · {trace.mode} · {seen} · {trace.reason}"
 
 
 def print_result(console: Console, goal: Goal, result: EpisodeResult) -> None:
     """Print how a search ended, and what it took."""
     metrics = result.metrics
-    console.print(OUTCOME_WORDS[result.outcome].format(goal=escape(goal.thing)))
+    console.print(ending_words(result.outcome, goal))
     if result.detail:
         console.print(f"  {escape(result.detail)}", soft_wrap=True)
     lengths = [f"{metrics.path_length_m:.1f} m driven"]
