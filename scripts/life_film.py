@@ -17,7 +17,7 @@ import av
 import tyro
 from PIL import Image, ImageDraw
 
-from hypernav.core.trace import StepTrace
+from hypernav.core.trace import Mode, StepTrace
 from hypernav.show.drawing.text import font
 
 _SIZE = (800, 450)
@@ -26,7 +26,6 @@ _EVERY = {False: 5, True: 2}
 """Steps between two images, where the robot explores and where it goes to what it remembers."""
 _FRAME_MS, _FOUND_MS, _END_MS = 350, 1600, 4000
 _COLOURS = {False: "#5b6472", True: "#0b6b4f"}
-_SEEN_BEFORE = " seen before"
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ class Search:
     @property
     def is_remembered(self) -> bool:
         """Whether the robot goes to where it saw the goal in an earlier search."""
-        return self.trace[0].reason.endswith(_SEEN_BEFORE)
+        return self.trace[0].mode is Mode.RECALL
 
     @property
     def words(self) -> str:

@@ -28,6 +28,7 @@ class Mode(StrEnum):
     """Modes of an agent."""
 
     LOOK_AROUND = "look around"
+    RECALL = "recall"
     EXPLORE = "explore"
     APPROACH = "approach"
     VERIFY = "verify"

@@ -11,6 +11,7 @@ Tone = Literal["good", "bad", "neutral"]
 
 MODES: dict[Mode, str] = {
     Mode.LOOK_AROUND: "Looking around",
+    Mode.RECALL: "Going to what it remembers",
     Mode.EXPLORE: "Exploring",
     Mode.APPROACH: "Going to the goal",
     Mode.VERIFY: "Checking",
@@ -20,6 +21,7 @@ MODES: dict[Mode, str] = {
 
 MODES_EXPLAINED: dict[Mode, str] = {
     Mode.LOOK_AROUND: "It turns on the spot to see what is near.",
+    Mode.RECALL: "It goes to where it saw before what may be the goal.",
     Mode.EXPLORE: "It has not seen the goal and drives to a promising part of the map.",
     Mode.APPROACH: "It believes that it sees the goal and drives there.",
     Mode.VERIFY: "It stands in front of the goal and looks once more.",

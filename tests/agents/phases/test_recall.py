@@ -76,6 +76,7 @@ def memory(explored) -> Memory:
 def test_a_remembered_thing_is_gone_to_at_once(memory):
     steps, result, _ = searched(two_rooms(coloured=False), "sofa", IN_BEDROOM, memory)
     assert steps[0].reason == "on the way to a sofa seen before"
+    assert steps[0].mode is Mode.RECALL
     assert result.metrics.success
     assert result.metrics.spl > 0.8
     assert not any(step.mode is Mode.LOOK_AROUND for step in steps)
@@ -108,6 +109,7 @@ def test_what_is_hardly_likely_where_it_is_waits_as_well(memory, goal, is_gone_t
 def test_the_present_search_recalls_nothing_of_its_own():
     steps, _, memory = searched(two_rooms(coloured=False), "piano", START, None)
     assert memory.search.remembered == frozenset()
+    assert not any(step.mode is Mode.RECALL for step in steps)
     assert not any(" seen before" in step.reason for step in steps)
 
 

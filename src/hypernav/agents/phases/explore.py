@@ -137,7 +137,9 @@ def _way_out(step: Step, memory: Memory) -> Destination | None:
 
 
 def _decision(action: Action, reason: str, step: Step, plan: Plan) -> Decision:
-    return Decision(action, Mode.EXPLORE, reason, plan.exploring.route.remaining(step.robot))
+    recalls = plan.destination is not None and plan.destination.is_remembered
+    mode = Mode.RECALL if recalls else Mode.EXPLORE
+    return Decision(action, mode, reason, plan.exploring.route.remaining(step.robot))
 
 
 def _has_looked(step: Step, plan: Plan) -> bool:

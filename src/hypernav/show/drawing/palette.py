@@ -40,6 +40,7 @@ FAILURE: Rgb = (176, 58, 34)
 
 MODES: dict[Mode, Rgb] = {
     Mode.LOOK_AROUND: (86, 180, 233),
+    Mode.RECALL: (88, 72, 170),
     Mode.EXPLORE: (0, 96, 160),
     Mode.APPROACH: (230, 159, 0),
     Mode.VERIFY: (160, 84, 134),

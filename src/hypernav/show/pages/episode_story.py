@@ -17,6 +17,7 @@ _BLOCK = re.compile(r"^block \d+: ")
 """The number of a block before a reason, which says nothing without the map of that step."""
 _CHAPTERS = {
     Mode.LOOK_AROUND: Mode.EXPLORE,
+    Mode.RECALL: Mode.EXPLORE,
     Mode.VERIFY: Mode.APPROACH,
     Mode.STOP: Mode.APPROACH,
 }
