@@ -39,6 +39,15 @@ def test_stairs_lead_from_where_the_climb_began_to_where_it_ended(make_step: Mak
     assert stairs_on(3, made) == []
 
 
+def test_stairs_say_whether_they_lead_up_or_down(make_step: MakeStep) -> None:
+    steps = walk(make_step, (Mode.EXPLORE, None, 2), (Mode.CLIMB, None, 3), (Mode.EXPLORE, 2, 1))
+    risen = [
+        one.model_copy(update={"z": z}) for one, z in zip(steps, (0, 0, 0, 1, 2, 3), strict=True)
+    ]
+    assert [one.words for one in stairs_on(1, climbs(risen))] == ["up to floor 2"]
+    assert [one.words for one in stairs_on(2, climbs(risen))] == ["down to floor 1"]
+
+
 def test_stairs_that_were_given_up_are_no_way(make_step: MakeStep) -> None:
     steps = walk(make_step, (Mode.CLIMB, 2, 3), (Mode.EXPLORE, 2, 1))
     given_up = steps[3].model_copy(update={"events": ["stairs given up"]})

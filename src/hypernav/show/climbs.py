@@ -27,6 +27,7 @@ class Climb:
         other_floor: Number of the floor that it came to; None if it did not get to one.
         in_vain: Whether it gave the stairs up.
         ends: Positions ``(x, y)`` at which it began and ended, ``map`` frame, metres.
+        heights_m: Heights there, or of the other floor once the robot is on it.
     """
 
     first: int
@@ -35,6 +36,7 @@ class Climb:
     other_floor: int | None
     in_vain: bool
     ends: tuple[tuple[float, float], tuple[float, float]]
+    heights_m: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -74,10 +76,11 @@ def _climbs_by_step(steps: Iterable[StepTrace]) -> Iterator[list[Climb]]:
                 other_floor=other,
                 in_vain=other is None and (last.in_vain or gives_up),
                 ends=(last.ends[0], step.pose[:2]) if goes_on else last.ends,
+                heights_m=(last.heights_m[0], step.z),
             )
         if climbs_now and not goes_on:
             ends = (step.pose[:2], step.pose[:2])
-            made.append(Climb(number, number, floor, None, gives_up, ends))
+            made.append(Climb(number, number, floor, None, gives_up, ends, (step.z, step.z)))
         climbed = climbs_now
         yield made
 
@@ -93,20 +96,29 @@ def stairs_on(floor: int, made: Iterable[Climb]) -> list[StairsMark]:
         if one.floor == floor:
             words = "no way" if one.in_vain else "stairs"
             if one.other_floor is not None:
-                words = f"{_LEADS_TO} {one.other_floor}"
+                words = _leads_to(one.other_floor, *one.heights_m)
             mark = StairsMark(one.ends[0], words)
         elif one.other_floor == floor:
-            mark = StairsMark(one.ends[1], f"{_LEADS_TO} {one.floor}")
+            mark = StairsMark(one.ends[1], _leads_to(one.floor, *reversed(one.heights_m)))
         else:
             continue
         marks = [*(other for other in marks if not _is_replaced(other, mark)), mark]
     return marks
 
 
+def _leads_to(floor: int, from_m: float, to_m: float) -> str:
+    return f"{_way(to_m - from_m, 'up ', 'down ', '')}{_LEADS_TO} {floor}"
+
+
+def _way(rise_m: float, up: str, down: str, level: str) -> str:
+    """The word for a difference of heights."""
+    return level if abs(rise_m) < _SAME_HEIGHT_M else up if rise_m > 0.0 else down
+
+
 def _is_replaced(mark: StairsMark, by: StairsMark) -> bool:
     """Whether a later mark tells of the same stairs; one that tells of another floor doesn't."""
     is_near = math.dist(mark.position, by.position) <= _SAME_STAIRS_M
-    return is_near and (mark.words == by.words or not mark.words.startswith(_LEADS_TO))
+    return is_near and (mark.words == by.words or _LEADS_TO not in mark.words)
 
 
 def stairs_by_step(steps: Iterable[StepTrace]) -> dict[int, dict[int, list[StairsMark]]]:
@@ -208,6 +220,6 @@ def climb_words(climb: Climb, start: int, heights_m: Mapping[int, float]) -> str
     way = "Over"
     if {climb.floor, climb.other_floor} <= heights_m.keys():
         rise = heights_m[climb.other_floor] - heights_m[climb.floor]
-        way = "Over" if abs(rise) < _SAME_HEIGHT_M else "Up" if rise > 0.0 else "Down"
+        way = _way(rise, "Up", "Down", "Over")
     to = floor_words(climb.other_floor, start, heights_m)
     return f"{way} the stairs from floor {climb.floor} to f{to[1:]}"

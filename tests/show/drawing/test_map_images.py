@@ -270,3 +270,20 @@ def test_the_words_of_two_flights_at_one_landing_are_apart(
     for one, other in combinations(places, 2):
         (u, v), (u_other, v_other) = written[one], written[other]
         assert abs(u - u_other) >= width or abs(v - v_other) >= size
+
+
+def test_the_words_of_stairs_lie_beside_the_trajectory(
+    room: OccupancyGrid, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written = dict[str, tuple[float, float]]()
+
+    def note(image: object, text: str, at: tuple[float, float], *_: object, **__: object) -> None:
+        written[text] = at
+
+    monkeypatch.setattr(map_painter, "draw_text", note)
+    view, mark = MapView.fit(room, 500), StairsMark((0.5, -0.5), "up to floor 2")
+    u, v = view.pixel_of(*mark.position)
+    for along in (1.0, -1.0):
+        draw_map(room, view=view, stairs=[mark], trajectory=[mark.position, (0.5 + along, -0.5)])
+        at_u, at_v = written[mark.words]
+        assert (at_u - u) * along < 0.0 or abs(at_v - v) > 8.0

@@ -98,9 +98,10 @@ def _floor(
     grid = floor.map.grid.cropped()
     view = MapView.fit(grid, _PLAN_PX)
     painter = MapPainter(grid, view=view)
-    for way in ways(floor.trajectory):
+    driven = ways(floor.trajectory)
+    for way in driven:
         painter.trajectory(way)
-    painter.stairs(stairs)
+    painter.stairs(stairs, driven)
     painter.scale_bar()
     return {
         "number": number + 1,

@@ -38,9 +38,7 @@ def placed_labels(labels: Sequence[Label], height: float) -> list[Label]:
     for label in labels:
         if any(_says_the_same(label, other, height) for other in placed):
             continue
-        at = first_free(moved_by_rows(label, height), placed, height)
-        if at is not None:
-            placed.append(at)
+        placed += free_labels(moved_by_rows(label, height), placed, height)[:1]
     return placed
 
 
@@ -49,9 +47,9 @@ def moved_by_rows(label: Label, height: float) -> list[Label]:
     return [label._replace(v=label.v + row * height) for row in _ROWS]
 
 
-def first_free(labels: Iterable[Label], placed: Sequence[Label], height: float) -> Label | None:
-    """The first label that covers none of those placed; None if each does."""
-    return next((one for one in labels if not _covers_any(one, placed, height)), None)
+def free_labels(labels: Iterable[Label], placed: Sequence[Label], height: float) -> list[Label]:
+    """The labels that cover none of those placed."""
+    return [one for one in labels if not _covers_any(one, placed, height)]
 
 
 def _says_the_same(label: Label, other: Label, height: float) -> bool:

@@ -81,7 +81,7 @@ def draw_map(
     painter.trajectory(trajectory)
     if start is not None:
         painter.start(*start)
-    painter.stairs(stairs)
+    painter.stairs(stairs, [trajectory, path])
     painter.path(path)
     painter.numbers(
         blocks,

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable, Sequence
 
+import cv2
 import numpy as np
 from jaxtyping import Float64, UInt8
 
@@ -13,7 +14,7 @@ from hypernav.core.trace import BlockRecord
 from hypernav.show.climbs import StairsMark
 from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.hidden_weight import HiddenWeight
-from hypernav.show.drawing.label_placement import Label, first_free, moved_by_rows, placed_labels
+from hypernav.show.drawing.label_placement import Label, free_labels, moved_by_rows, placed_labels
 from hypernav.show.drawing.map_raster import CellColors, rasterize_map
 from hypernav.show.drawing.map_view import MapView
 from hypernav.show.drawing.number_placement import (
@@ -209,10 +210,18 @@ class MapPainter:
         shapes.disc(self.image, at, radius, palette.TRAJECTORY_NEW)
         shapes.disc(self.image, at, 0.45 * radius, palette.FREE)
 
-    def stairs(self, marks: Sequence[StairsMark]) -> None:
-        """Mark the ends of stairs, each with where they lead beside it."""
+    def stairs(self, marks: Sequence[StairsMark], ways: Iterable[Sequence[XY]] = ()) -> None:
+        """Mark the ends of stairs, each with where they lead beside it.
+
+        Args:
+            marks: The ends of stairs.
+            ways: Lines of the map of which the words cover as little as they can.
+        """
+        if not marks:
+            return
         size, half = max(round(20 * self._unit), 12), max(12.0 * self._unit, 8.0)
         row, gap = 1.2 * size, half + 5.0
+        drawn = self._drawn(ways)
         taken = [Label("", *self.view.pixel_of(*mark.position), 2.0 * half) for mark in marks]
         for mark in marks:
             u, v = self.view.pixel_of(*mark.position)
@@ -222,10 +231,13 @@ class MapPainter:
             width = text_width(mark.words, size, bold=True)
             beside = [Label(mark.words, u + gap + width / 2.0, v, width)]
             beside.append(beside[0]._replace(u=u - gap - width / 2.0))
-            fits = beside[0].u + width / 2.0 <= self.view.size
-            rows = [moved_by_rows(one, row) for one in (beside if fits else beside[1:])]
+            inside = [one for one in beside if width <= 2.0 * one.u <= 2.0 * self.view.size - width]
+            rows = [moved_by_rows(one, row) for one in inside or beside]
             options = [one for at_row in zip(*rows, strict=True) for one in at_row]
-            label = first_free(options, taken, row) or options[0]
+            label = min(
+                free_labels(options, taken, row) or options,
+                key=lambda one: _covered(drawn, one, row),
+            )
             taken.append(label)
             draw_text(
                 self.image,
@@ -306,6 +318,12 @@ class MapPainter:
     ) -> Float64[np.ndarray, "_ 2"]:
         return self.view.to_pixels(np.asarray(points, dtype=np.float64).reshape(-1, 2))
 
+    def _drawn(self, ways: Iterable[Sequence[XY]]) -> UInt8[np.ndarray, "_ _"]:
+        """The pixels of lines, each 1."""
+        drawn = np.zeros(self.image.shape[:2], dtype=np.uint8)
+        lines = [np.rint(self._pixels(way)).astype(np.int32) for way in ways if len(way)]
+        return cv2.polylines(drawn, lines, False, 1, max(round(3.4 * self._unit), 1))
+
     def _square(self, block: NumberedSquare) -> Square:
         left, top = self.view.pixel_of(block.x_min, block.y_min + block.size_m)
         return Square(left, top, block.size_m * self.view.pixels_per_m)
@@ -324,3 +342,10 @@ class MapPainter:
 
     def _mark_disc(self, x: float, y: float) -> Disc:
         return Disc(*self.view.pixel_of(x, y), max(13.0 * self._unit, 8.0))
+
+
+def _covered(drawn: UInt8[np.ndarray, "_ _"], label: Label, height: float) -> int:
+    """Number of drawn pixels under a label."""
+    top, bottom = (max(round(label.v + half * height), 0) for half in (-0.5, 0.5))
+    left, right = (max(round(label.u + half * label.width), 0) for half in (-0.5, 0.5))
+    return int(drawn[top:bottom, left:right].sum())
