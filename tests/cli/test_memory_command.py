@@ -11,10 +11,13 @@ import pytest
 
 from box_scenes import room_glb
 from hypernav.cli.main import main
-from hypernav.cli.screen.memory_page import ways
+from hypernav.cli.screen.memory_page import mark, ways
 from hypernav.core.errors import OutputError
 from hypernav.core.files.folder_lock import folder_lock
+from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.memory.key_images import KeyImage
+from hypernav.mapping.memory.thing import Thing
 from memory_folders import change_index, files_of
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
@@ -411,3 +414,21 @@ def test_a_plan_joins_no_positions_between_which_the_robot_did_not_drive():
     another = [(3.0, 0.5), (3.2, 0.5)]
     assert ways([*driven, *another]) == [driven, another]
     assert ways([]) == []
+
+
+def test_a_thing_is_marked_where_its_image_shows_it():
+    camera = PinholeCamera.from_hfov(160, 120, 90.0)
+    image = KeyImage(
+        number=0, floor=0, search=1, jpeg=b"", png=b"", camera=camera,
+        camera_to_map=optical_to_base(1.0), robot=Pose2(0.0, 0.0, 0.0), patches=np.empty(0, int),
+    )  # fmt: skip
+
+    def at(low, high):
+        return Thing(0, "bed", 1.0, low, high, ((0.0, 0.0, 1.0),), 1.0, 1, 1)
+
+    shown = mark(at((4.0, 1.0, 0.5), (4.0, 2.0, 1.0)), image)
+    assert shown == pytest.approx((0.25, 0.5, 0.125, 10.0 / 120.0))  # y is to the left
+    cut = mark(at((4.0, -9.0, 0.0), (4.0, 9.0, 1.0)), image)
+    assert cut is not None
+    assert cut[::2] == (0.0, 1.0)
+    assert mark(at((-4.0, 1.0, 0.5), (-3.0, 2.0, 1.0)), image) is None

@@ -1,7 +1,8 @@
 """The page about a memory: a plan of every floor with its things, key images and the history."""
 
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import cv2
@@ -23,6 +24,8 @@ _PLAN_PX = 900
 _DRIVEN_M = 1.0
 """Distance between two positions, metres, beyond which another search began, or on stairs."""
 _THUMBNAIL_PX = 240
+_NEAREST_M = 0.1
+"""Distance in front of a camera, metres, from which a corner of a thing is marked."""
 _OUTCOMES = {
     "found": "found",
     "not_found": "not found",
@@ -40,7 +43,7 @@ def memory_page(home: MemoryFolder) -> str:
     """
     memory = home.memory
     kept = memory.images.kept if memory.images else []
-    images = {one.number: _thumbnail(one) for one in kept}
+    images = {one.number: (one, _thumbnail(one)) for one in kept}
     template = page_environment().get_template("memory.html.j2")
     return template.render(
         name=home.folder.resolve().name,
@@ -53,7 +56,7 @@ def memory_page(home: MemoryFolder) -> str:
         ],
         images=[
             {
-                "uri": images[one.number],
+                "uri": images[one.number][1],
                 "floor": one.floor + 1,
                 "search": one.search,
                 "shows": (shows := _shown(memory.floors[one.floor], one.number)),
@@ -92,8 +95,12 @@ def _stairs(connectors: Sequence[Connector], floor: int) -> list[StairsMark]:
     ]
 
 
+_Images = Mapping[int, tuple[KeyImage, str]]
+"""Key images and their thumbnails, by number."""
+
+
 def _floor(
-    number: int, floor: Floor, stairs: Sequence[StairsMark], images: dict[int, str]
+    number: int, floor: Floor, stairs: Sequence[StairsMark], images: _Images
 ) -> dict[str, Any]:
     grid = floor.map.grid.cropped()
     view = MapView.fit(grid, _PLAN_PX)
@@ -126,9 +133,10 @@ def ways(trajectory: Sequence[tuple[float, float]]) -> list[list[tuple[float, fl
     return ways
 
 
-def _thing(thing: Thing, view: MapView, images: dict[int, str]) -> dict[str, Any]:
+def _thing(thing: Thing, view: MapView, images: _Images) -> dict[str, Any]:
     (left, bottom), (right, top) = (view.pixel_of(*one[:2]) for one in (thing.low, thing.high))
     x, y, z = thing.position
+    shown, uri = (None, "") if thing.image is None else images.get(thing.image, (None, ""))
     return {
         "number": thing.number,
         "label": thing.label,
@@ -142,8 +150,27 @@ def _thing(thing: Thing, view: MapView, images: dict[int, str]) -> dict[str, Any
         "seen": thing.seen,
         "missed": thing.missed,
         "last_search": thing.last_search,
-        "image": "" if thing.image is None else images.get(thing.image, ""),
+        "image": uri,
+        "mark": None if shown is None else mark(thing, shown),
     }
+
+
+def mark(thing: Thing, image: KeyImage) -> tuple[float, float, float, float] | None:
+    """Where a key image shows a thing, as the box around its corners there.
+
+    Returns:
+        Left, top, width and height as shares of the image; None if no corner is in front of it.
+    """
+    corners = np.array(list(itertools.product(*zip(thing.low, thing.high, strict=True))))
+    seen = image.camera_to_map.inverse().apply(corners)
+    seen = seen[seen[:, 2] > _NEAREST_M]
+    if not len(seen):
+        return None
+    at = image.camera.project(seen) / (image.camera.width, image.camera.height)
+    (left, top), (right, bottom) = (
+        bound.clip(0.0, 1.0).tolist() for bound in (at.min(0), at.max(0))
+    )
+    return (left, top, right - left, bottom - top)
 
 
 def _thumbnail(image: KeyImage) -> str:
