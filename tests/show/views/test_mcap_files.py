@@ -195,3 +195,19 @@ def test_a_folder_that_cannot_be_made_is_an_error(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OutputError, match="cannot be written"):
         McapView(tmp_path / "file" / "search.mcap", INFO)
+
+
+def test_on_another_floor_robot_map_and_plan_lie_at_their_heights(tmp_path, make_step, room, seen):
+    path = tmp_path / "floors.mcap"
+    with closing(McapView(path, INFO)) as view:
+        view.add(make_step(0), room, seen)
+        view.add(make_step(1, mode="climb", z=1.5), room, seen)
+        view.add(make_step(2, floor=2, z=3.0), room, seen)
+    robots = [one.transforms[0].translation.z for _, one in messages_of(path, "/tf")]
+    assert robots == [0.0, 1.5, 3.0]
+    assert [one.pose.position.z for _, one in messages_of(path, "/robot/pose")] == robots
+    assert [one.pose.position.z for _, one in messages_of(path, "/map")] == [0.0, 0.0, 3.0]
+    drawn = {one.id: one for one in messages_of(path, "/plan")[2][1].entities}
+    walked = [point.z for point in drawn["trajectory"].lines[0].points]
+    np.testing.assert_allclose(np.array(walked) - walked[0], robots)
+    assert all(text.pose.position.z > 3.0 for text in drawn["blocks"].texts)

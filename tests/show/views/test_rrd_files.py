@@ -66,6 +66,20 @@ def test_the_points_lie_in_the_map(recorded, observation):
     assert observation.camera.contains(observation.camera.project(in_camera)).all()
 
 
+def test_on_another_floor_robot_and_map_lie_at_their_heights(
+    tmp_path, make_step, room, observation
+):
+    path = tmp_path / "floors.rrd"
+    with closing(RrdView(path, INFO)) as view:
+        view.add(make_step(0), room, observation)
+        view.add(make_step(1, mode="climb", z=1.5), room, observation)
+        view.add(make_step(2, floor=2, z=3.0), room, observation)
+    robots = [values_of(row, "translation")[0][2] for row in rows_of(path, "map/robot")]
+    assert robots == [0.0, 1.5, 3.0]
+    grids = [values_of(row, "translation")[0][2] for row in rows_of(path, "map/cells")]
+    assert grids == [0.0, 0.0, 3.0]
+
+
 def test_questions_events_and_the_result_are_texts(recorded):
     (first, second) = rows_of(recorded, "answer")
     assert (first["step"], second["step"]) == (2, 5)

@@ -18,7 +18,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord, StepTrace
 from hypernav.show import captions
 from hypernav.show.drawing import palette
-from hypernav.show.views.frame_data import cloud, colour_jpeg, map_colors
+from hypernav.show.views.frame_data import Line, at_height, cloud, colour_jpeg, map_colors
 
 MAP, BASE, CAMERA = "map", "base_link", "camera"
 
@@ -29,9 +29,9 @@ _LINE_M = 0.04
 _DESTINATION_M = 0.25
 
 
-def transforms(stamp: fg.Timestamp, observation: Observation) -> fg.FrameTransforms:
-    """The robot on the map, and the camera on the robot."""
-    base_to_map = observation.robot.to_transform()
+def transforms(stamp: fg.Timestamp, observation: Observation, z: float) -> fg.FrameTransforms:
+    """The robot on the map, at its height, and the camera on the robot."""
+    base_to_map = observation.robot.to_transform(z)
     camera_to_base = base_to_map.inverse() @ observation.camera_to_map
     return fg.FrameTransforms(
         transforms=[
@@ -45,7 +45,7 @@ def robot_pose(stamp: fg.Timestamp, step: StepTrace) -> fg.PoseInFrame:
     """The robot's pose in the map."""
     x, y, yaw = step.pose
     orientation = _quaternion(Rotation.from_euler("z", yaw))
-    pose = fg.Pose(position=fg.Vector3(x=x, y=y), orientation=orientation)
+    pose = fg.Pose(position=fg.Vector3(x=x, y=y, z=step.z), orientation=orientation)
     return fg.PoseInFrame(timestamp=stamp, frame_id=MAP, pose=pose)
 
 
@@ -116,15 +116,15 @@ def point_cloud(stamp: fg.Timestamp, observation: Observation) -> fg.PointCloud:
     )
 
 
-def map_grid(stamp: fg.Timestamp, grid: OccupancyGrid) -> fg.Grid:
-    """The explored part of the map; what is unknown is transparent."""
+def map_grid(stamp: fg.Timestamp, grid: OccupancyGrid, floor_m: float) -> fg.Grid:
+    """The explored part of the map, at a floor's height; what is unknown is transparent."""
     seen = grid.cropped()
     columns = seen.cells.shape[1]
     x, y = seen.origin
     return fg.Grid(
         timestamp=stamp,
         frame_id=MAP,
-        pose=fg.Pose(position=fg.Vector3(x=x, y=y), orientation=_UNTURNED),
+        pose=fg.Pose(position=fg.Vector3(x=x, y=y, z=floor_m), orientation=_UNTURNED),
         column_count=columns,
         cell_size=fg.Vector2(x=seen.resolution_m, y=seen.resolution_m),
         row_stride=4 * columns,
@@ -137,8 +137,9 @@ def map_grid(stamp: fg.Timestamp, grid: OccupancyGrid) -> fg.Grid:
 def scene(
     stamp: fg.Timestamp,
     step: StepTrace,
-    trajectory: Sequence[tuple[float, float]],
+    trajectory: Line,
     asked: StepTrace | None,
+    floor_m: float,
 ) -> fg.SceneUpdate:
     """Trajectory, path, destination, goal area and blocks, as entities that replace the last ones.
 
@@ -147,9 +148,11 @@ def scene(
         step: Trace of the step.
         trajectory: Positions of the robot up to now, metres.
         asked: Step in which the robot was sent to its present block; None if there is none.
+        floor_m: Height of the floor.
     """
-    path = [step.pose[:2], *step.path] if step.path else []
-    marks = [] if step.destination is None else [step.destination]
+    path = at_height([step.pose[:2], *step.path] if step.path else [], step.z)
+    marks = at_height([] if step.destination is None else [step.destination], step.z)
+    area = [at_height(outline, floor_m) for outline in step.goal_area]
 
     def entity(name: str, **primitives: Any) -> fg.SceneEntity:
         return fg.SceneEntity(timestamp=stamp, frame_id=MAP, id=name, **primitives)
@@ -158,9 +161,9 @@ def scene(
         entities=[
             entity("trajectory", lines=_lines([trajectory], palette.TRAJECTORY_NEW, 0.02)),
             entity("path", lines=_lines([path], palette.PATH, 0.03)),
-            entity("destination", spheres=[_mark(x, y) for x, y in marks]),
-            entity("goal area", lines=_lines(step.goal_area, palette.GOAL, 0.04, closed=True)),
-            _blocks(entity, asked),
+            entity("destination", spheres=[_mark(*one) for one in marks]),
+            entity("goal area", lines=_lines(area, palette.GOAL, 0.04, closed=True)),
+            _blocks(entity, asked, floor_m),
         ]
     )
 
@@ -174,7 +177,7 @@ def log(stamp: fg.Timestamp, step: StepTrace) -> list[fg.Log]:
     ]
 
 
-def _blocks(entity: Any, asked: StepTrace | None) -> fg.SceneEntity:
+def _blocks(entity: Any, asked: StepTrace | None, floor_m: float) -> fg.SceneEntity:
     """The numbered blocks of the last question about the map, the chosen one filled."""
     if asked is None:
         return entity("blocks")
@@ -183,10 +186,10 @@ def _blocks(entity: Any, asked: StepTrace | None) -> fg.SceneEntity:
     for block in asked.blocks:
         left, bottom, side = block.x_min, block.y_min, block.size_m
         right, top = left + side, bottom + side
-        square = [(left, bottom), (right, bottom), (right, top), (left, top)]
+        square = at_height([(left, bottom), (right, bottom), (right, top), (left, top)], floor_m)
         lines += _lines([square], palette.BLOCK, 0.02, closed=True)
         middle = fg.Pose(
-            position=fg.Vector3(x=left + side / 2, y=bottom + side / 2, z=0.01),
+            position=fg.Vector3(x=left + side / 2, y=bottom + side / 2, z=floor_m + 0.01),
             orientation=_UNTURNED,
         )
         if chosen and block.number == chosen[-1]:
@@ -207,20 +210,20 @@ def _blocks(entity: Any, asked: StepTrace | None) -> fg.SceneEntity:
 
 
 def _lines(
-    strips: Sequence[Sequence[tuple[float, float]]],
+    strips: Sequence[Line],
     color: palette.Rgb,
     height_m: float,
     *,
     closed: bool = False,
 ) -> list[fg.LinePrimitive]:
-    """Lines just above the floor; those of a single point are left out."""
+    """Lines so far above their points; those of a single point are left out."""
     kind = fg.LinePrimitiveLineType.LineLoop if closed else fg.LinePrimitiveLineType.LineStrip
     return [
         fg.LinePrimitive(
             type=kind,
             pose=_AT_ORIGIN,
             thickness=_LINE_M,
-            points=[fg.Point3(x=x, y=y, z=height_m) for x, y in strip],
+            points=[fg.Point3(x=x, y=y, z=z + height_m) for x, y, z in strip],
             color=_color(color),
         )
         for strip in strips
@@ -228,9 +231,9 @@ def _lines(
     ]
 
 
-def _mark(x: float, y: float) -> fg.SpherePrimitive:
+def _mark(x: float, y: float, z: float) -> fg.SpherePrimitive:
     size = fg.Vector3(x=_DESTINATION_M, y=_DESTINATION_M, z=_DESTINATION_M)
-    pose = fg.Pose(position=fg.Vector3(x=x, y=y), orientation=_UNTURNED)
+    pose = fg.Pose(position=fg.Vector3(x=x, y=y, z=z), orientation=_UNTURNED)
     return fg.SpherePrimitive(pose=pose, size=size, color=_color(palette.PATH))
 
 

@@ -21,6 +21,7 @@ from hypernav.show import captions
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.show.views import foxglove_json
 from hypernav.show.views import foxglove_messages as made
+from hypernav.show.views.frame_data import FloorHeights, Line
 
 _SECOND_NS = 1_000_000_000
 _HOST, _PORT = "127.0.0.1", 8765
@@ -42,7 +43,8 @@ class _Topics:
 
     def __init__(self, context: foxglove.Context) -> None:
         self._context = context  # keeps all channels open
-        self._trajectory: list[tuple[float, float]] = []
+        self._trajectory: Line = []
+        self._floors = FloorHeights()
         self._asked: StepTrace | None = None
         self._tf = channels.FrameTransformsChannel("/tf", context=context)
         self._pose = channels.PoseInFrameChannel("/robot/pose", context=context)
@@ -67,16 +69,17 @@ class _Topics:
     ) -> None:
         stamp = fg.Timestamp(*divmod(time_ns, _SECOND_NS))
         self._note(step)
+        floor_m = self._floors.of(step)
         if observation is not None:
-            self._tf.log(made.transforms(stamp, observation), log_time=time_ns)
+            self._tf.log(made.transforms(stamp, observation, step.z), log_time=time_ns)
             self._image.log(made.image(stamp, observation), log_time=time_ns)
             self._camera.log(made.calibration(stamp, observation.camera), log_time=time_ns)
             self._seen.log(made.annotations(stamp, step.detections), log_time=time_ns)
             self._points.log(made.point_cloud(stamp, observation), log_time=time_ns)
         if grid is not None:
-            self._map.log(made.map_grid(stamp, grid), log_time=time_ns)
+            self._map.log(made.map_grid(stamp, grid, floor_m), log_time=time_ns)
         self._pose.log(made.robot_pose(stamp, step), log_time=time_ns)
-        plan = made.scene(stamp, step, self._trajectory, self._asked)
+        plan = made.scene(stamp, step, self._trajectory, self._asked, floor_m)
         self._scene.log(plan, log_time=time_ns)
         for line in made.log(stamp, step):
             self._log.log(line, log_time=time_ns)
@@ -93,7 +96,7 @@ class _Topics:
         self._log.log(line, log_time=time_ns)
 
     def _note(self, step: StepTrace) -> None:
-        self._trajectory.append(step.pose[:2])
+        self._trajectory.append((*step.pose[:2], step.z))
         if step.blocks:
             self._asked = step
         elif step.mode is not Mode.EXPLORE:

@@ -1,6 +1,7 @@
 """Compact data of one observation and one map for the views."""
 
 import math
+from collections.abc import Iterable
 
 import cv2
 import numpy as np
@@ -9,6 +10,7 @@ from jaxtyping import Float32, UInt8
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.observation import Observation
+from hypernav.core.trace import Mode, StepTrace, floor_of
 from hypernav.show.drawing import palette
 
 _MOST_POINTS = 6000
@@ -24,6 +26,30 @@ def _cell_colors() -> UInt8[np.ndarray, "3 4"]:
 
 
 _CELL_COLORS = _cell_colors()
+
+
+Line = list[tuple[float, float, float]]
+"""Points of a line, ``map`` frame, metres."""
+
+
+class FloorHeights:
+    """Heights of the floors, as far as the robot has been on them."""
+
+    def __init__(self) -> None:
+        """Begin with none."""
+        self._heights_m: dict[int, float] = {}
+
+    def of(self, step: StepTrace) -> float:
+        """Height of the floor of a step, metres: that at which the robot came onto it."""
+        floor = floor_of(step)
+        if step.mode is not Mode.CLIMB:
+            self._heights_m.setdefault(floor, step.z)
+        return self._heights_m.get(floor, step.z)
+
+
+def at_height(points: Iterable[tuple[float, float]], z: float) -> Line:
+    """Points on the floor plan, all at one height."""
+    return [(x, y, z) for x, y in points]
 
 
 def colour_jpeg(observation: Observation) -> bytes:

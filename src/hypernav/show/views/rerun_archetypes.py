@@ -13,7 +13,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord, Exchange, StepTrace
 from hypernav.show import captions
 from hypernav.show.drawing import palette
-from hypernav.show.views.frame_data import cloud, colour_jpeg, map_colors
+from hypernav.show.views.frame_data import Line, at_height, cloud, colour_jpeg, map_colors
 
 TIMELINE = "step"
 
@@ -22,8 +22,6 @@ _FRUSTUM_M = 0.4
 _STEPS_PER_SECOND = 5.0
 _SEE_THROUGH = 0.999
 """Opacity of the map: at 1 its transparent cells would be black."""
-
-Strips = Sequence[Sequence[tuple[float, float]]]
 
 HEADING = rr.Arrows3D(vectors=[[_ARROW_M, 0.0, 0.0]], colors=[palette.ROBOT], radii=[0.04])
 """An arrow ahead, in the frame of the robot."""
@@ -75,8 +73,8 @@ def transform(child_to_parent: Transform) -> rr.Transform3D:
     )
 
 
-def cells(grid: OccupancyGrid) -> rr.GridMap:
-    """The explored part of the map, as an image with its first row on top."""
+def cells(grid: OccupancyGrid, floor_m: float) -> rr.GridMap:
+    """The explored part of the map, as an image with its first row on top, at a floor's height."""
     seen = grid.cropped()
     rows, columns = seen.cells.shape
     return rr.GridMap(
@@ -85,25 +83,26 @@ def cells(grid: OccupancyGrid) -> rr.GridMap:
             width=columns, height=rows, color_model="RGBA", channel_datatype="U8"
         ),
         cell_size=seen.resolution_m,
-        translation=[*seen.origin, 0.0],
+        translation=[*seen.origin, floor_m],
         opacity=_SEE_THROUGH,
     )
 
 
-def lines(strips: Strips, color: palette.Rgb) -> rr.LineStrips3D:
-    """Lines just above the floor; those of a single point are left out."""
-    lifted = [[(x, y, _LINE_M) for x, y in strip] for strip in strips if len(strip) > 1]
+def lines(strips: Sequence[Line], color: palette.Rgb) -> rr.LineStrips3D:
+    """Lines just above their points; those of a single point are left out."""
+    lifted = [[(x, y, z + _LINE_M) for x, y, z in strip] for strip in strips if len(strip) > 1]
     return rr.LineStrips3D(lifted, colors=[color] * len(lifted), radii=_LINE_M)
 
 
-def blocks(step: StepTrace) -> rr.LineStrips3D:
-    """The numbered blocks of a question; the chosen one stands out."""
+def blocks(step: StepTrace, floor_m: float) -> rr.LineStrips3D:
+    """The numbered blocks of a question, at a floor's height; the chosen one stands out."""
     chosen = [one.chosen for one in step.exchanges if one.chosen is not None]
     squares, colors = [], []
     for block in step.blocks:
         left, bottom, side = block.x_min, block.y_min, block.size_m
         corners = ((0, 0), (1, 0), (1, 1), (0, 1), (0, 0))
-        squares.append([(left + x * side, bottom + y * side, _LINE_M) for x, y in corners])
+        square = [(left + x * side, bottom + y * side) for x, y in corners]
+        squares.append(at_height(square, floor_m + _LINE_M))
         is_chosen = bool(chosen) and block.number == chosen[-1]
         colors.append(palette.CHOSEN if is_chosen else palette.FAINT)
     labels = [str(block.number) for block in step.blocks]
@@ -163,7 +162,7 @@ def _words(step: int, exchange: Exchange) -> str:
 
 def destination(step: StepTrace) -> rr.Points3D:
     """Where the robot is going, if anywhere."""
-    marks = [] if step.destination is None else [(*step.destination, _LINE_M)]
+    marks = [] if step.destination is None else [(*step.destination, step.z + _LINE_M)]
     return rr.Points3D(marks, colors=[palette.PATH] * len(marks), radii=_MARK_M)
 
 

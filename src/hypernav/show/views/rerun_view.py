@@ -23,6 +23,7 @@ from hypernav.show import captions
 from hypernav.show.drawing import palette
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.show.views import rerun_archetypes as made
+from hypernav.show.views.frame_data import FloorHeights, Line, at_height
 
 _APPLICATION = "hypernav"
 _HOST = "127.0.0.1"
@@ -39,7 +40,8 @@ class _Entities:
 
     def __init__(self, recording: rr.RecordingStream, info: EpisodeInfo) -> None:
         self._recording = recording
-        self._trajectory: list[tuple[float, float]] = []
+        self._trajectory: Line = []
+        self._floors = FloorHeights()
         # Clock times would make the recordings of equal searches differ.
         recording.set_log_time_enabled(False)
         recording.set_log_tick_enabled(False)
@@ -51,26 +53,27 @@ class _Entities:
     def log(
         self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
     ) -> None:
-        self._trajectory.append(step.pose[:2])
+        self._trajectory.append((*step.pose[:2], step.z))
+        floor_m = self._floors.of(step)
         log = self._recording.log
         self._recording.set_time(made.TIMELINE, sequence=step.step)
         if observation is not None:
-            log("map/robot", made.transform(observation.robot.to_transform()))
+            log("map/robot", made.transform(observation.robot.to_transform(step.z)))
             log("map/camera", made.transform(observation.camera_to_map))
             log("map/camera/image", made.pinhole(observation.camera), made.image(observation))
             log("map/camera/image/boxes", made.boxes(step.detections))
             log("map/camera/image/masks", made.masks(step.detections))
             log("map/points", made.points(observation))
         if grid is not None:
-            log("map/cells", made.cells(grid))
-        path = [step.pose[:2], *step.path] if step.path else []
-        area = [[*outline, outline[0]] for outline in step.goal_area]
+            log("map/cells", made.cells(grid, floor_m))
+        path = at_height([step.pose[:2], *step.path] if step.path else [], step.z)
+        area = [at_height([*outline, outline[0]], floor_m) for outline in step.goal_area]
         log("map/trajectory", made.lines([self._trajectory], palette.TRAJECTORY_NEW))
         log("map/path", made.lines([path], palette.PATH))
         log("map/destination", made.destination(step))
         log("map/goal_area", made.lines(area, palette.GOAL))
         if step.blocks:
-            log("map/blocks", made.blocks(step))
+            log("map/blocks", made.blocks(step, floor_m))
         elif step.mode is not Mode.EXPLORE:
             log("map/blocks", rr.Clear(recursive=False))
         for line in (
