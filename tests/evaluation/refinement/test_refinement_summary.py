@@ -6,7 +6,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.evaluation.refinement.area_record import AreaRecord, BoxSource, MaskSource
 from hypernav.evaluation.refinement.footprint import OffTarget
 from hypernav.evaluation.refinement.goal_position import GoalPosition
-from hypernav.evaluation.refinement.summary import MEASURES, table
+from hypernav.evaluation.refinement.summary import MEASURES, drawn_in, table
 from small_episodes import episode_from
 
 EPISODE = episode_from(Pose2(0.0, 0.0, 0.0))
@@ -73,3 +73,11 @@ def test_each_fact_of_a_position_is_counted_by_itself(fact, measure):
     row = table(episode(0, 0, 0, position=replace(GOOD, **{fact: True})))[0]
     shares = {name: one.share.mean for name, one in row.measures.items()}
     assert shares == dict.fromkeys(MEASURES, 0.0) | {measure: 1.0}
+
+
+def test_intervals_draw_episodes_where_there_is_one_scene():
+    several = table([*episode(0, 4, 1), *episode(1, 6, 2)])
+    one = table(episode(0, 4, 1, box=BoxSource.DETECTED))
+    assert drawn_in(several) == "scenes"
+    assert drawn_in(one) == "episodes"
+    assert drawn_in([*several, *one]).startswith("scenes, or episodes where")

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from hypernav.evaluation.refinement.area_record import MaskSource
-from hypernav.evaluation.refinement.summary import MEASURES, Row
+from hypernav.evaluation.refinement.summary import MEASURES, Row, drawn_in
 from hypernav.show.drawing import palette
 
 if TYPE_CHECKING:
@@ -35,5 +35,7 @@ def shares_figure(rows: Sequence[Row]) -> "Figure":
         range(len(rows)), [f"{row.box.value} box: {row.mask.value}" for row in rows]
     )
     panels[0].set_ylim(len(rows) - 0.5, -0.5)
-    figure.suptitle("Shares with 95 % intervals over scenes; less is better", fontsize=10)
+    figure.suptitle(
+        f"Shares with 95 % intervals over {drawn_in(rows)}; less is better", fontsize=10
+    )
     return figure

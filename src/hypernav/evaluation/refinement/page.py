@@ -12,7 +12,7 @@ from hypernav.evaluation.refinement.area_record import AreaRecord
 from hypernav.evaluation.refinement.boxes import JITTER_SHARE, MATCHING_IOU
 from hypernav.evaluation.refinement.figure import shares_figure
 from hypernav.evaluation.refinement.goal_position import GoalPosition
-from hypernav.evaluation.refinement.summary import MEASURES, Measure, Row, table
+from hypernav.evaluation.refinement.summary import MEASURES, Measure, Row, drawn_in, table
 from hypernav.evaluation.report.report_text import number_of
 from hypernav.show.pages.templating import page_environment
 
@@ -43,6 +43,7 @@ def write_refinement(folder: Path, records: Sequence[AreaRecord], *, lead: str) 
             warnings=(),
             rows=rows,
             measures=MEASURES,
+            drawn=drawn_in(rows),
             figure=write_figure(folder, lambda: shares_figure(rows)) if rows else "",
             figure_title="What becomes of a box",
             jitter=JITTER_SHARE,

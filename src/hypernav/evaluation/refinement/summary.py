@@ -1,10 +1,10 @@
-"""The table of the study of goal refinement: shares and drops, with intervals over scenes."""
+"""The table of the study of goal refinement: shares and drops, with intervals."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from hypernav.evaluation.refinement.area_record import AreaRecord, BoxSource, MaskSource
-from hypernav.evaluation.statistics import Estimate, mean_with_interval, ratio_with_interval
+from hypernav.evaluation.statistics import Estimate, drawn, mean_with_interval, ratio_with_interval
 
 
 def off_target_share(record: AreaRecord) -> float:
@@ -51,6 +51,7 @@ class Row:
         episodes: Number of episodes in which every mask gave a goal area from this box.
         frames: Number of their frames.
         measures: The measures, by the names of `MEASURES`.
+        drawn: What their intervals draw: "scenes", or "episodes" where these are of a single one.
     """
 
     box: BoxSource
@@ -58,6 +59,7 @@ class Row:
     episodes: int
     frames: int
     measures: dict[str, Measure]
+    drawn: str
 
 
 def table(records: Sequence[AreaRecord]) -> list[Row]:
@@ -68,6 +70,13 @@ def table(records: Sequence[AreaRecord]) -> list[Row]:
         raw = by_mask.get(MaskSource.RAW, [])
         rows += [_row(box, mask, by_mask[mask], raw) for mask in MaskSource if by_mask.get(mask)]
     return rows
+
+
+def drawn_in(rows: Sequence[Row]) -> str:
+    """What the intervals of a table draw, for people."""
+    if len(kinds := {row.drawn for row in rows}) == 1:
+        return kinds.pop()
+    return "scenes, or episodes where all of a row are of one scene"
 
 
 def _paired(records: Sequence[AreaRecord]) -> dict[MaskSource, list[AreaRecord]]:
@@ -96,6 +105,7 @@ def _row(
         episodes=len(records),
         frames=sum(record.frames for record in records),
         measures={name: _measure(value, records, baseline) for name, value in MEASURES.items()},
+        drawn=drawn(record.scene_id for record in records),
     )
 
 
