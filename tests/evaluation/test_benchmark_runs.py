@@ -84,7 +84,7 @@ def test_only_the_scenes_of_chosen_episodes_are_needed(benchmark_data, tmp_path)
     empty = tmp_path / "scenes"
     empty.mkdir()
     plan = RunPlan(f"hm3d:{benchmark_data}#v1/val", Selection(), scenes_dir=empty)
-    with pytest.raises(EpisodeError, match=r"1 of 1 scenes are missing, the first is .*doctor"):
+    with pytest.raises(EpisodeError, match=r"^the scene .* is missing; hypernav doctor"):
         plan.episodes()
 
 

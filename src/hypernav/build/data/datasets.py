@@ -148,8 +148,9 @@ def check_scenes(episodes: Sequence[Episode]) -> None:
     scenes = dict.fromkeys(episode.scene_id for episode in episodes)
     missing = [scene for scene in scenes if not is_no_file(scene) and not Path(scene).is_file()]
     if missing:
+        told = f"{len(missing)} of {len(scenes)} scenes are missing, the first is {missing[0]}"
         raise EpisodeError(
-            f"{len(missing)} of {len(scenes)} scenes are missing, the first is {missing[0]}; "
+            f"{told if len(missing) > 1 else f'the scene {missing[0]} is missing'}; "
             "hypernav doctor --data DIR says what there is; choose scenes with --scenes, or their "
             "folder with --scenes-dir"
         )
