@@ -13,10 +13,10 @@ from hypernav.cli.options.ablate import Options
 from hypernav.cli.run_choice import config_of, plan_of
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
+from hypernav.core.text.counted import number_of
 from hypernav.evaluation.refinement.area_record import EpisodeAreas
 from hypernav.evaluation.refinement.page import result_lines, write_refinement
 from hypernav.evaluation.refinement.study import run_refinement_study
-from hypernav.evaluation.report.report_text import number_of
 from hypernav.evaluation.store.record_file import RecordFile
 from hypernav.evaluation.store.run_store import EPISODES_FILE
 from hypernav.evaluation.store.study_folder import held_folder

@@ -14,6 +14,7 @@ from hypernav.core.errors import ConfigError, MemoryFolderError, OutputError
 from hypernav.core.files.folder_lock import LOCK_NAME, folder_lock
 from hypernav.core.files.whole_files import write_whole
 from hypernav.core.labels import canonical, same_name
+from hypernav.core.text.counted import number_of
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.mapping.memory.reading import read_index
@@ -64,11 +65,11 @@ def run(options: Options) -> int:
         for name in {canonical(name): name for name in options.forget or ()}.values():
             labels = sorted(label for label in known if same_name(label, name))
             count = _forgotten(home.memory, name)
-            done.append(f"{_number_of(count, 'thing')} forgotten: {', '.join(labels)}")
+            done.append(f"{number_of(count, 'thing')} forgotten: {', '.join(labels)}")
         if options.forget_images:
             count = _image_count(home.memory)
             home.forget_images()
-            done.append(f"{_number_of(count, 'key image')} forgotten")
+            done.append(f"{number_of(count, 'key image')} forgotten")
         elif options.forget:
             done.append("key images stay, also those that show them; --forget-images forgets all")
         if is_edited:
@@ -80,10 +81,10 @@ def run(options: Options) -> int:
         told = _written_page(options, memory_page(home))
         floors = home.memory.floors
         console.print(
-            f"{_number_of(len(home.history), 'search', 'searches')}, "
-            f"{_number_of(sum(len(one.things.known) for one in floors), 'thing')}, "
-            f"{_number_of(_image_count(home.memory), 'key image')}, "
-            f"{_number_of(len(floors), 'floor')}; {told}",
+            f"{number_of(len(home.history), 'search', 'searches')}, "
+            f"{number_of(sum(len(one.things.known) for one in floors), 'thing')}, "
+            f"{number_of(_image_count(home.memory), 'key image')}, "
+            f"{number_of(len(floors), 'floor')}; {told}",
             markup=False,
         )
     return ExitStatus.SUCCESS
@@ -147,10 +148,6 @@ def _forgotten(memory: Memory, name: str) -> int:
 
 def _image_count(memory: Memory) -> int:
     return len(memory.images.kept) if memory.images else 0
-
-
-def _number_of(count: int, one: str, more: str = "") -> str:
-    return f"{count} {one if count == 1 else more or f'{one}s'}"
 
 
 def _written_page(options: Options, text: str) -> str:

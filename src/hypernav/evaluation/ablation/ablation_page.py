@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.core.errors import OutputError
+from hypernav.core.text.counted import number_of
 from hypernav.evaluation.ablation.figures import results_figure, write_figure
 from hypernav.evaluation.ablation.quality_curves import drawn_axes
 from hypernav.evaluation.ablation.results import StudyResults, VariantResult, read_results
@@ -77,9 +78,9 @@ def _lead(results: StudyResults) -> str:
     run, summary = results.baseline.run, results.baseline.summary
     done = "" if results.baseline.is_whole else f" in the {len(run.records):,} that are done,"
     return (
-        f"{report_text.number_of(len(results.variants), 'variant')} of the preset "
+        f"{number_of(len(results.variants), 'variant')} of the preset "
         f"{run.who['preset']} searched for the same goals as the unchanged method, in "
-        f"{report_text.number_of(run.wanted, 'episode')} of {run.dataset}. Unchanged,{done} it "
+        f"{number_of(run.wanted, 'episode')} of {run.dataset}. Unchanged,{done} it "
         f"finds {report_text.percent(summary.success)} "
         f"({report_text.interval(summary.success, 100.0)} %) of its goals with an SPL of "
         f"{summary.spl.mean:.3f} ({report_text.interval(summary.spl)})."
@@ -126,7 +127,7 @@ def _warnings(results: StudyResults) -> list[str]:
     least = min(results.comparisons * 2.0 ** (1 - count), 1.0)
     if least >= report_text.SIGNIFICANT:
         found.append(
-            f"With {report_text.number_of(count, unit)} and {results.comparisons} comparisons no "
+            f"With {number_of(count, unit)} and {results.comparisons} comparisons no "
             f"corrected p-value can be below {least:g}: more {unit}s, or fewer variants (--only), "
             "are needed to show a difference."
         )

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from hypernav.core.text.counted import number_of
 from hypernav.evaluation.ablation.study import Study, Variant
-from hypernav.evaluation.report import report_text
 from hypernav.evaluation.report.run_data import RunData, load_runs
 from hypernav.evaluation.report.tables import Pair, own_protocol, pair
 from hypernav.evaluation.statistics import holm
@@ -55,7 +55,7 @@ class VariantResult:
         """Name of the variant, with its progress if it is not finished."""
         if self.is_whole:
             return self.variant.name
-        done = report_text.number_of(self.run.wanted, "episode")
+        done = number_of(self.run.wanted, "episode")
         return f"{self.variant.name} ({len(self.run.records):,} of {done})"
 
 

@@ -10,6 +10,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from hypernav.core.errors import EpisodeError, SceneError
+from hypernav.core.text.counted import number_of
 from hypernav.datasets.benchmark_files import (
     SCENES_FOLDER,
     SplitFolder,
@@ -23,7 +24,6 @@ from hypernav.datasets.benchmarks import BENCHMARKS, GENERATED, Benchmark
 from hypernav.datasets.goal_types import RUNNABLE, goal_type_words
 from hypernav.datasets.habitat_files import CONTENT, episode_files, read_as
 from hypernav.evaluation.checks.findings import Finding, State
-from hypernav.evaluation.report.report_text import number_of
 from hypernav.worlds.navmesh.files.reader import read_navmesh
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scenes.gltf_file import check_glb

@@ -6,6 +6,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 
 from hypernav.core.errors import OutputError
+from hypernav.core.text.counted import number_of
 from hypernav.evaluation.ablation.ablation_page import PAGE
 from hypernav.evaluation.ablation.figures import write_figure
 from hypernav.evaluation.refinement.area_record import AreaRecord
@@ -13,7 +14,6 @@ from hypernav.evaluation.refinement.boxes import JITTER_SHARE, MATCHING_IOU
 from hypernav.evaluation.refinement.figure import shares_figure
 from hypernav.evaluation.refinement.goal_position import GoalPosition
 from hypernav.evaluation.refinement.summary import MEASURES, Measure, Row, drawn_in, table
-from hypernav.evaluation.report.report_text import number_of
 from hypernav.show.pages.templating import page_environment
 
 CSV = "refinement.csv"

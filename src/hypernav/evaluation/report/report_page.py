@@ -9,6 +9,7 @@ from urllib.parse import quote
 import yaml
 
 from hypernav.core.errors import RunFolderError
+from hypernav.core.text.counted import number_of
 from hypernav.evaluation.failures.classification import RULES, Failure
 from hypernav.evaluation.protocol import PROTOCOLS, StopRule
 from hypernav.evaluation.record import EpisodeRecord
@@ -107,6 +108,7 @@ def _content(folder: Path, runs: Sequence[RunData], pairs: Sequence[tables.Pair]
         "sessions": [(run, report_text.session_lines(run)) for run in runs],
         "captions": captions,
         "report_text": report_text,
+        "number_of": number_of,
     }
 
 

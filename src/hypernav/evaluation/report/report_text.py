@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from hypernav.core.text.counted import number_of
 from hypernav.datasets.goal_types import goal_type_words
 from hypernav.episodes.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.evaluation import statistics
@@ -275,11 +276,6 @@ def session_lines(run: RunData) -> list[str]:
             text += f"; {session.workers_lost} workers were lost and replaced"
         lines.append(text)
     return lines
-
-
-def number_of(count: int, noun: str, plural: str = "") -> str:
-    """A number with its noun, for example "1 episode" and "2 episodes"."""
-    return f"{count:,} {noun if count == 1 else plural or f'{noun}s'}"
 
 
 def drawn(run: RunData) -> str:
