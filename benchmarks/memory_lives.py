@@ -27,12 +27,13 @@ from hypernav.core.errors import GoalError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
+from hypernav.evaluation.statistics import ratio_with_interval
 from hypernav.mapping.memory.memory import Memory
 from hypernav.worlds.simulation import SimulatedWorld
 
 _LEAST_M = 3.0
-_Row = tuple[int, float, float, bool, bool, bool]
-"""Number of the goal, SPL with and without memory, success of both, and whether it was moved."""
+_Row = tuple[str, int, float, float, bool, bool, bool]
+"""House, number of the goal, SPL with and without memory, success of both, whether it was moved."""
 
 
 def main(
@@ -82,7 +83,7 @@ def main(
             world.keep_map_frame(None)
             without, fresh_ms = _searched(fresh, world, episode, None)
             a, b = with_memory.metrics, without.metrics
-            rows.append((k, a.spl, b.spl, a.success, b.success, was_moved))
+            rows.append((str(number), k, a.spl, b.spl, a.success, b.success, was_moved))
             print(
                 f"{number} {k} {episode.goal.text:16} SPL {a.spl:.2f} in {with_memory.steps} "
                 f"steps of {ms:.0f} ms, fresh {b.spl:.2f} in {without.steps} of {fresh_ms:.0f}"
@@ -90,11 +91,11 @@ def main(
                 flush=True,
             )
         world.close()
-    _say("goals 2 and later", [one for one in rows if one[0] > 0])
+    _say("goals 2 and later", [one for one in rows if one[1] > 0])
     if not moved:
-        _say("the first goal again", [one for one in rows if one[0] == goals])
-    elif any(one[5] for one in rows):
-        _say("those of which one was moved", [one for one in rows if one[5]])
+        _say("the first goal again", [one for one in rows if one[1] == goals])
+    elif any(one[6] for one in rows):
+        _say("those of which one was moved", [one for one in rows if one[6]])
 
 
 def _distance_m(world: SimulatedWorld, name: str, start: Pose2) -> float:
@@ -126,10 +127,12 @@ def _searched(
 
 
 def _say(name: str, rows: list[_Row]) -> None:
-    _, spl, fresh, success, fresh_success, _ = np.array(rows, dtype=float).mean(axis=0)
+    houses, _, kept, fresh, success, fresh_success, _ = zip(*rows, strict=True)
+    times = ratio_with_interval(kept, fresh, houses)
     print(
-        f"{name}: SPL {spl:.3f} with memory, {fresh:.3f} without ({spl / fresh:.2f} times); "
-        f"SR {success:.2f} and {fresh_success:.2f}; {len(rows)} searches"
+        f"{name}: SPL {np.mean(kept):.3f} with memory, {np.mean(fresh):.3f} without "
+        f"({times.mean:.2f} times, {times.low:.2f} to {times.high:.2f} with 95 % over houses); "
+        f"SR {np.mean(success):.2f} and {np.mean(fresh_success):.2f}; {len(rows)} searches"
     )
 
 
