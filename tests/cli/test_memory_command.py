@@ -262,6 +262,23 @@ def test_the_page_says_of_which_things_later_images_show_nothing(home):
     assert 'class="gone"' in page
 
 
+def test_the_page_says_how_high_floors_lie_wherever_the_robots_frame_begins(home):
+    index = json.loads((home / "memory.json").read_text())
+    (first,) = index["floors"]
+    index["floors"] = [{**first, "z": 12.0}, {**first, "z": 15.0}, {**first, "z": 9.0}]
+    (home / "memory.json").write_text(json.dumps(index))
+    assert hypernav("memory", home) == 0
+    page = (home / "index.html").read_text()
+    assert re.findall(r"<h2>(Floor .+?):", page) == [
+        "Floor 1",
+        "Floor 2, 3.0 m above floor 1",
+        "Floor 3, 3.0 m below floor 1",
+    ]
+    (bed, *_) = [one for one in first["things"] if one["label"] == "bed"]
+    height = (bed["low"][2] + bed["high"][2]) / 2
+    assert page.count(f"{height:.1f} m above its floor") >= 3
+
+
 def test_things_are_exported_as_closed_polygons_on_the_map(home, tmp_path):
     assert hypernav("memory", home, "--export", tmp_path / "things.geojson") == 0
     found = json.loads((tmp_path / "things.geojson").read_text())

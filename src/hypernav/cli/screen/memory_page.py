@@ -13,6 +13,7 @@ from hypernav.core.labels import names_of
 from hypernav.mapping.memory.connectors import Connector
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.key_images import KeyImage
+from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.mapping.memory.thing import MOST_CHANCE, Thing
 from hypernav.show.climbs import StairsMark
@@ -50,10 +51,7 @@ def memory_page(home: MemoryFolder) -> str:
         building="" if home.place is None else home.place.building,
         left_out=home.left_out,
         most_chance=MOST_CHANCE,
-        floors=[
-            _floor(number, floor, _stairs(memory.connectors, number), images)
-            for number, floor in enumerate(memory.floors)
-        ],
+        floors=[_floor(number, memory, images) for number in range(len(memory.floors))],
         images=[
             {
                 "uri": images[one.number][1],
@@ -99,20 +97,19 @@ _Images = Mapping[int, tuple[KeyImage, str]]
 """Key images and their thumbnails, by number."""
 
 
-def _floor(
-    number: int, floor: Floor, stairs: Sequence[StairsMark], images: _Images
-) -> dict[str, Any]:
+def _floor(number: int, memory: Memory, images: _Images) -> dict[str, Any]:
+    floor = memory.floors[number]
     grid = floor.map.grid.cropped()
     view = MapView.fit(grid, _PLAN_PX)
     painter = MapPainter(grid, view=view)
     driven = ways(floor.trajectory)
     for way in driven:
         painter.trajectory(way)
-    painter.stairs(stairs, driven)
+    painter.stairs(_stairs(memory.connectors, number), driven)
     painter.scale_bar()
     return {
         "number": number + 1,
-        "z": floor.z,
+        "above_first_m": floor.z - memory.floors[0].z,
         "area_m2": float(grid.free.sum()) * grid.resolution_m**2,
         "plan": image_uri(painter.image),
         "size": _PLAN_PX,
@@ -143,7 +140,8 @@ def _thing(thing: Thing, view: MapView, images: _Images) -> dict[str, Any]:
         "words": " ".join(names_of(thing.label)),
         "box": (left, top, max(right - left, 4.0), max(bottom - top, 4.0)),
         "area": thing.size[0] * thing.size[1],
-        "position": f"{x:z.1f}, {y:z.1f}, {z:z.1f}",
+        "position": f"{x:z.1f}, {y:z.1f}",
+        "height": f"{z:z.1f}",
         "size": " × ".join(f"{side:.1f}" for side in thing.size),
         "chance": thing.chance,
         "is_gone": thing.is_gone,
