@@ -2,6 +2,7 @@
 
 import errno
 import json
+import math
 import os
 import re
 from pathlib import Path
@@ -197,10 +198,13 @@ def test_a_recorder_that_fails_leaves_the_memory_as_it_is(searched, home, tmp_pa
 def test_what_was_found_counts_though_the_memory_cannot_be_saved(
     searched, tmp_path, monkeypatch, capsys
 ):
+    """The disk is full at the search's end; one that takes long would be stopped on its way."""
+
     def full(home):
         raise OutputError("the disk is full")
 
     monkeypatch.setattr("hypernav.mapping.memory.memory_folder.MemoryFolder.save", full)
+    monkeypatch.setattr("hypernav.mapping.memory.memory_folder.SAVE_EVERY_S", math.inf)
     out, scene, home = tmp_path / "out", searched / "room.glb", tmp_path / "home"
     assert hypernav("find", "bed", "--scene", scene, "--out", out, "--memory", home, *SMALL) == 2
     assert json.loads((out / "result.json").read_text())["outcome"] == "found"
