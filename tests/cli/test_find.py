@@ -175,3 +175,17 @@ def test_in_a_building_with_stairs_the_robot_climbs_unless_told(tmp_path):
 
     assert step() == 0.2
     assert step("embodiment.body.max_step_m=0.1") == 0.1
+
+
+@pytest.mark.slow
+def test_a_start_may_be_on_any_floor(tmp_path, capsys):
+    def found_from(*start):
+        options = ("--start", *start, "--max-steps", 1, "--quiet", *SMALL)
+        return hypernav("find", "bed", "--scene", "storeys:3004", "--out", tmp_path, *options)
+
+    downstairs = (4.275, 8.425, 126.0, 0.03)
+    assert found_from(*downstairs) == 1
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert result["start"] == pytest.approx(downstairs)
+    assert found_from(*downstairs[:3], 20.0) == 2
+    assert "can't stand at (4.28, 8.43, 20.00)" in capsys.readouterr().err

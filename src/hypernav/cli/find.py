@@ -1,5 +1,6 @@
 """The command `hypernav find`: search for an object and leave a page about the search."""
 
+import math
 import re
 from contextlib import ExitStack, closing
 from dataclasses import asdict
@@ -116,8 +117,8 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         ExitStack() as opened,
     ):
         rng = np.random.default_rng(options.seed)
-        start = start_pose(options.start, world, goal, rng)
-        episode = Episode(options.scene, "", goal, start, max_steps=steps)
+        start, start_z = start_pose(options.start, world, goal, rng)
+        episode = Episode(options.scene, "", goal, start, start_z=start_z, max_steps=steps)
         memory, earlier_searches = None, 0
         if options.memory is not None:
             check_remembers(parts.agent)
@@ -162,7 +163,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
                     **options.who.describe(parts),
                     "seed": options.seed,
                     "max_steps": steps,
-                    "start": [start.x, start.y, float(np.degrees(start.yaw))],
+                    "start": start_values(start, start_z),
                     **_found_start(search),
                     **_memory_entry(options, search, earlier_searches),
                     **_numbers(outcome),
@@ -205,10 +206,10 @@ def check_start(start: tuple[float, ...] | None) -> None:
     Raises:
         ConfigError: It is not.
     """
-    if start is not None and len(start) != 3:
+    if start is not None and len(start) not in (3, 4):
         raise ConfigError(
-            f"--start takes three numbers, X and Y in metres and YAW in degrees; got "
-            f"{len(start)}: {' '.join(map(str, start)) or 'none'}"
+            f"--start takes three numbers, X and Y in metres and YAW in degrees, and the height of "
+            f"a floor if you like; got {len(start)}: {' '.join(map(str, start)) or 'none'}"
         )
     for number in start or ():
         check_option("--start", number, (-_FARTHEST, _FARTHEST), "metres or degrees in a building")
@@ -216,18 +217,33 @@ def check_start(start: tuple[float, ...] | None) -> None:
 
 def start_pose(
     start: tuple[float, ...] | None, world: SimulatedWorld, goal: Goal, rng: np.random.Generator
-) -> Pose2:
+) -> tuple[Pose2, float | None]:
     """The pose of ``--start``, or a random one from which the goal can be reached.
+
+    Returns:
+        The pose, and the height of its floor in metres, where one is given.
 
     Raises:
         StartError: The robot can't stand at the start.
     """
     if start is None:
-        return random_start(world.walkable, rng, world.regions.of(goal))
-    x, y, yaw_deg = start
-    pose = Pose2(x, y, float(np.radians(yaw_deg)))
-    check_standable(world.walkable, pose)
-    return pose
+        return random_start(world.walkable, rng, world.regions.of(goal)), None
+    pose, z = given_start(start)
+    if z is None:
+        check_standable(world.walkable, pose)
+    return pose, z
+
+
+def given_start(start: tuple[float, ...]) -> tuple[Pose2, float | None]:
+    """The pose of a ``--start`` that `check_start` took, and the height of its floor if given."""
+    x, y, yaw_deg, *z = start
+    return Pose2(x, y, math.radians(yaw_deg)), z[0] if z else None
+
+
+def start_values(start: Pose2, start_z: float | None) -> list[float]:
+    """A start as ``--start`` takes it: metres, degrees, and the height of a floor if given."""
+    given = () if start_z is None else (start_z,)
+    return [start.x, start.y, math.degrees(start.yaw), *given]
 
 
 def _search(

@@ -95,10 +95,12 @@ def check_standable(walkable: WalkableSurface, start: Pose2, z: float | None = N
         StartError: It can't; the message gives the nearest position where it can.
     """
     if not walkable.is_standable(start.x, start.y, z):
-        x, y, _ = walkable.nearest_standable(start.x, start.y, z)
+        x, y, floor_z = walkable.nearest_standable(start.x, start.y, z)
+        here, there = ("", "") if z is None else (f", {z:.2f}", f", {floor_z:.2f}")
         raise StartError(
-            f"the robot can't stand at ({start.x:.2f}, {start.y:.2f}): it is inside or too close "
-            f"to an obstacle, or off the floor; the nearest position is ({x:.2f}, {y:.2f})"
+            f"the robot can't stand at ({start.x:.2f}, {start.y:.2f}{here}): it is inside or too "
+            f"close to an obstacle, or off the floor; the nearest position is ({x:.2f}, {y:.2f}"
+            f"{there})"
         )
 
 

@@ -21,8 +21,9 @@ class Options:
     N), or the path of a GLB, another model or a Gazebo world."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agent."""
-    start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW")] = None
-    """Start pose in the scene: metres, and degrees counter-clockwise from x; else random."""
+    start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW [Z]")] = None
+    """Start pose in the scene: metres, and degrees counter-clockwise from x; then the height of its
+    floor in metres, where it isn't the main one. Random by default."""
     seed: int = 0
     """Seed of the random start and of all noise."""
     max_steps: int | None = None

@@ -33,8 +33,9 @@ class Simulate:
     """Agent of the search: hypernav, frontier; the server's by default."""
     preset: RobotPresetName | None = None
     """Values of the method; the server's by default."""
-    start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW")] = None
-    """Start pose in the scene: metres, and degrees counter-clockwise from x; else random."""
+    start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW [Z]")] = None
+    """Start pose in the scene: metres, and degrees counter-clockwise from x; then the height of its
+    floor in metres, where it isn't the main one. Random by default."""
     seed: int = 0
     """Seed of the random start, of all noise and of all faults."""
     max_steps: int = 500
@@ -86,8 +87,9 @@ class Wait:
     """Agent of the searches: hypernav, frontier; the server's by default."""
     preset: RobotPresetName | None = None
     """Values of the method; the server's by default."""
-    start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW")] = None
-    """First start pose in the scene: metres, and degrees counter-clockwise from x; else random."""
+    start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW [Z]")] = None
+    """First start pose in the scene: metres, and degrees counter-clockwise from x; then the height
+    of its floor in metres, where it isn't the main one. Random by default."""
     seed: int = 0
     """Seed of the random start."""
     config: Path | None = None

@@ -16,7 +16,7 @@ from rich.status import Status
 
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.cli.find import check_start, start_pose
+from hypernav.cli.find import check_start, start_pose, start_values
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
@@ -91,8 +91,8 @@ def run(options: Simulate) -> int:
         _placed(options, config, mishaps) as base,
     ):
         rng = np.random.default_rng(options.seed)
-        start = start_pose(options.start, base.world, goal, rng)
-        base.place(Episode(options.scene, "", goal, start), rng)
+        start, start_z = start_pose(options.start, base.world, goal, rng)
+        base.place(Episode(options.scene, "", goal, start, start_z=start_z), rng)
         opened = server.open(
             OpenSearch(
                 goal=goal.text,
@@ -135,7 +135,7 @@ def run(options: Simulate) -> int:
                     "detector": opened.detector_and_reasoner[0],
                     "reasoner": opened.detector_and_reasoner[1],
                     "seed": options.seed,
-                    "start": [start.x, start.y, float(np.degrees(start.yaw))],
+                    "start": start_values(start, start_z),
                     **found_start_values(found),
                     **memory_values(opened, told),
                     "outcome": _outcome(ending, metrics),

@@ -1,6 +1,5 @@
 """The command `hypernav robot wait`: a simulated robot that takes goals from the operator."""
 
-import math
 import time
 from contextlib import closing
 
@@ -10,14 +9,13 @@ from rich.status import Status
 
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.cli.find import check_start
+from hypernav.cli.find import check_start, given_start
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.robot import Wait
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.config import layered
 from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.errors import ConfigError, LinkLostError, RequestRefusedError
-from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.robot.client.links import HttpLink, HttpServer
 from hypernav.robot.client.robot_client import RobotClient
@@ -61,8 +59,12 @@ def run(options: Wait) -> int:
         world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
         with closing(world), closing(HttpServer(address)) as server:
             base = SimulatedBase(world, renderer, pace=_PACE)
+            if options.start is None:
+                start, start_z = random_start(world.walkable, rng), None
+            else:
+                start, start_z = given_start(options.start)
             # Once: its odometry goes on from search to search, as that of a real robot.
-            base.place(Episode(options.scene, "", _ANY, _start(options, world, rng)), rng)
+            base.place(Episode(options.scene, "", _ANY, start, start_z=start_z), rng)
             said_s = -_SAY_EVERY_S
             while True:
                 status.update(f"{options.name} waits for a goal from {escape(str(address))}/")
@@ -86,14 +88,6 @@ def run(options: Wait) -> int:
                     time.sleep(_PAUSE_S)
                 else:
                     console.print(f"{goal}: {ending or 'stopped'}", markup=False)
-
-
-def _start(options: Wait, world: SimulatedWorld, rng: np.random.Generator) -> Pose2:
-    """The pose of ``--start``, or a random one."""
-    if options.start is None:
-        return random_start(world.walkable, rng)
-    x, y, yaw_deg = options.start
-    return Pose2(x, y, math.radians(yaw_deg))
 
 
 def _search(
