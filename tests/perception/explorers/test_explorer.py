@@ -1,3 +1,4 @@
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -161,18 +162,28 @@ def test_where_the_only_block_is_the_robots_own_there_is_nowhere_to_go():
     assert next_of(explorer, grid=grid) is None
 
 
-def test_where_no_block_is_left_the_nearest_frontier_is_visited():
+def test_where_no_block_is_left_the_frontiers_are_visited():
     explorer, search = blocks_explorer(Declines()), SearchMemory()
     near_left = Pose2(-2.5, 0.0, 0.0)
     first = certain(next_of(explorer, search, robot=near_left))
     assert first.x < -3.5
-    assert first.reason == "no block is left; nearest frontier: 2.0 m long"
+    assert re.fullmatch(r"no block is left; frontier: 2.0 m long, 1.\d m away", first.reason)
     assert not first.blocks
     search.visits.append(first.xy)
     second = certain(next_of(explorer, search, robot=near_left))
     assert second.x > 3.5
     search.visits.append(second.xy)
     assert next_of(explorer, search, robot=near_left) is None
+
+
+def test_where_no_block_is_left_the_end_of_a_corridor_comes_before_a_gap_near_by():
+    grid = hall(length_m=8.0)
+    cells = grid.cells.copy()
+    cells[:, 19] = Cell.OCCUPIED  # the end near the robot, all but a gap of 0.5 m
+    cells[35:45, 19] = Cell.UNKNOWN
+    grid = OccupancyGrid(cells, grid.resolution_m, grid.origin)
+    there = certain(next_of(blocks_explorer(Declines()), robot=Pose2(-1.5, 0.0, 0.0), grid=grid))
+    assert there.x > 3.5
 
 
 def test_a_boundary_that_the_edges_of_blocks_cut_to_pieces_is_visited():

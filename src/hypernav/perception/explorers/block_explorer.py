@@ -126,7 +126,7 @@ class BlockExplorer:
         return answers_at_once(self.reasoner)
 
     def next_destination(self, view: ExplorationView) -> Destination | None:
-        """A block not visited yet; if none is left, the nearest frontier; None if there is none."""
+        """A block not visited yet; if none is left, a frontier; None if there is none."""
         destination = self._unvisited(view)
         if destination is None and self.config.forget_visits:
             # The robot is still at the last position.
@@ -187,7 +187,7 @@ class BlockExplorer:
         return frozenset(visited)
 
     def _last_frontier(self, view: ExplorationView) -> Destination | None:
-        """The nearest unvisited frontier, whatever blocks it lies in."""
+        """The unvisited frontier that is longest for the way there, whatever blocks it lies in."""
         least_m = self.config.last_frontier_m
         if least_m is None:
             return None
@@ -201,9 +201,9 @@ class BlockExplorer:
         )
         if not fresh:
             return None
-        nearest = min(fresh, key=lambda one: one.travel_m)
-        reason = f"no block is left; nearest frontier: {nearest.size_m:.1f} m long"
-        return Destination(*nearest.destination, reason=reason)
+        best = min(fresh, key=lambda one: one.travel_m / one.size_m)
+        size = f"{best.size_m:.1f} m long, {best.travel_m:.1f} m away"
+        return Destination(*best.destination, reason=f"no block is left; frontier: {size}")
 
     def _ask(self, overview: Overview, view: ExplorationView) -> Destination | None:
         blocks = overview.blocks
