@@ -39,13 +39,10 @@ BUMPED = 255
 
 
 @register_jitable(no_cfunc_wrapper=True)
-def is_level(depth, d, u, v, across, down, start, lens, x, y, z):
-    """Whether the surface at ``(x, y, z)`` is level, by its depth d and a pixel above, (u, v).
-
-    Up the image the ground goes away from the camera; the edge of what hangs over it comes nearer.
-    """
+def is_level(depth, u, v, across, down, start, lens, x, y, z):
+    """Whether the surface at ``(x, y, z)`` is level, seen from its pixel and one above, (u, v)."""
     e = depth[v, u]
-    if z >= start[2] - _BELOW_CAMERA_M or e <= d or not is_measured(e, lens[0], lens[1]):
+    if z >= start[2] - _BELOW_CAMERA_M or not is_measured(e, lens[0], lens[1]):
         return False
     dx = start[0] + e * (across[u, 0] + down[v, 0]) - x
     dy = start[1] + e * (across[u, 1] + down[v, 1]) - y
@@ -120,7 +117,7 @@ def survey(depth, across, down, start, lens, here, sizes, arrays, scratch):
                     below[i, j] = floor_z
             if not (0 <= row < rows and 0 <= column < columns and x >= x0 and y >= y0):
                 continue
-            level = is_level(depth, d, u, v - apart, across, down, start, lens, x, y, z)
+            level = is_level(depth, u, v - apart, across, down, start, lens, x, y, z)
             is_edge = on_floor[u] and not is_measured(depth[v - apart, u], lens[0], lens[1])
             on_floor[u] = (level or is_edge) and z - floor_z < low / 2.0
             if level:
@@ -154,7 +151,7 @@ def survey(depth, across, down, start, lens, here, sizes, arrays, scratch):
                 ground = floor_z
             if not (ground + low < z < ground + tall and blocked[row, column] < 255):
                 continue
-            if is_level(depth, d, u, v - apart, across, down, start, lens, x, y, z):
+            if is_level(depth, u, v - apart, across, down, start, lens, x, y, z):
                 continue
             if blocked[row, column] == 0 and top[row, column] == -np.inf:
                 touched[n] = row * columns + column
