@@ -23,6 +23,7 @@ CONFIG = with_changes(preset("default"), {"embodiment": {"body": {"max_step_m": 
         ("3152-14", 500),  # two flights, one above the other, and each head is beyond a railing
         ("3172-17", 420),  # at the foot of the stairs it touches something, whatever it tries
         ("3175-14", 330),  # it comes along the railing of L-shaped stairs, whose head is askew
+        ("3222-11", 300),  # half landings of 3.9 m² lie between its floors
         ("3209-17", 400),  # its stairs were seen in one image alone, from beside their railing
     ],
 )

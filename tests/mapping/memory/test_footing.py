@@ -1,10 +1,12 @@
 """What a robot stands on is told by heights, and by how much ground it has seen there."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
-from box_views import FLOOR, view_of
+from box_views import FLOOR, SolidBox, view_of
 from hypernav.core.embodiment import BodyConfig, Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.config import MappingConfig
@@ -27,6 +29,20 @@ def test_ground_that_nobody_has_seen_makes_no_floor():
     row, column = ground.grid.cell_of(0.0, 0.0)
     is_near = np.hypot(y - row, x - column) * ground.grid.resolution_m < 1.5
     assert not footing.has_room(replace(ground, seen=ground.seen & is_near))
+
+
+@pytest.mark.parametrize(("length_m", "is_floor"), [(1.7, False), (4.0, True)])
+def test_a_wide_half_landing_is_no_floor(length_m: float, is_floor: bool):
+    """It lies between two flights of 1.5 m; a room at this height is a floor."""
+    landing: SolidBox = ((0.0, 0.0, -0.2), (length_m, 3.2, 0.0))
+    memory = Memory(MappingConfig(), CLIMBER)
+    memory.begin_search(sees_stairs=True)
+    for y, turn in ((0.4, 1.0), (2.8, -1.0)):
+        for share in (0.0, 0.5, 1.0):
+            pose = Pose2(0.4, y, turn * share * math.pi / 2.0)
+            memory.follow(view_of([landing], pose, camera=CLIMBER.camera.intrinsics))
+    ground = memory.ground_around((0.4, 2.8), down=False)
+    assert replace(memory.footing, floor_z=-1.5).has_room(ground) is is_floor
 
 
 def test_a_robot_that_can_hardly_move_a_storey_away_is_on_another_floor():

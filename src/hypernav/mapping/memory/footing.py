@@ -28,8 +28,9 @@ poses on meshes of floors were off by up to 0.13, and less than a riser tells tr
 """
 _OFF_M = 0.12
 """Difference in height, metres, from which the robot is off the ground that it walked on."""
-_LEAST_FLOOR_M2 = 3.5
-"""Ground seen at one height in the robot's reach, square metres, that no landing has."""
+_LEAST_FLOOR_M2 = 6.0
+"""Ground seen at one height in the robot's reach, square metres, that hardly any landing has: a
+half landing between flights of 1.5 m has 5."""
 _STOREY_M = 2.2
 """Height, metres, above or below the last floor at which hardly any landing lies."""
 _LEAST_LANDING_M2 = 1.0
