@@ -12,6 +12,7 @@ that share of all things is moved between two goals, and the goals are such thin
 import itertools
 import time
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import tyro
@@ -27,13 +28,23 @@ from hypernav.core.errors import GoalError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
-from hypernav.evaluation.statistics import ratio_with_interval
+from hypernav.evaluation.statistics import drawn, ratio_with_interval
 from hypernav.mapping.memory.memory import Memory
 from hypernav.worlds.simulation import SimulatedWorld
 
 _LEAST_M = 3.0
-_Row = tuple[str, int, float, float, bool, bool, bool]
-"""House, number of the goal, SPL with and without memory, success of both, whether it was moved."""
+
+
+class _Row(NamedTuple):
+    """A goal of a life, with the memory kept and with a fresh one."""
+
+    house: str
+    number: int
+    spl: float
+    fresh_spl: float
+    success: bool
+    fresh_success: bool
+    was_moved: bool
 
 
 def main(
@@ -83,7 +94,7 @@ def main(
             world.keep_map_frame(None)
             without, fresh_ms = _searched(fresh, world, episode, None)
             a, b = with_memory.metrics, without.metrics
-            rows.append((str(number), k, a.spl, b.spl, a.success, b.success, was_moved))
+            rows.append(_Row(str(number), k, a.spl, b.spl, a.success, b.success, was_moved))
             print(
                 f"{number} {k} {episode.goal.text:16} SPL {a.spl:.2f} in {with_memory.steps} "
                 f"steps of {ms:.0f} ms, fresh {b.spl:.2f} in {without.steps} of {fresh_ms:.0f}"
@@ -91,11 +102,11 @@ def main(
                 flush=True,
             )
         world.close()
-    _say("goals 2 and later", [one for one in rows if one[1] > 0])
+    _say("goals 2 and later", [one for one in rows if one.number > 0])
     if not moved:
-        _say("the first goal again", [one for one in rows if one[1] == goals])
-    elif any(one[6] for one in rows):
-        _say("those of which one was moved", [one for one in rows if one[6]])
+        _say("the first goal again", [one for one in rows if one.number == goals])
+    elif any(one.was_moved for one in rows):
+        _say("those of which one was moved", [one for one in rows if one.was_moved])
 
 
 def _distance_m(world: SimulatedWorld, name: str, start: Pose2) -> float:
@@ -127,12 +138,14 @@ def _searched(
 
 
 def _say(name: str, rows: list[_Row]) -> None:
-    houses, _, kept, fresh, success, fresh_success, _ = zip(*rows, strict=True)
+    kept, fresh = [one.spl for one in rows], [one.fresh_spl for one in rows]
+    success = np.mean([(one.success, one.fresh_success) for one in rows], axis=0)
+    houses = [one.house for one in rows]
     times = ratio_with_interval(kept, fresh, houses)
     print(
         f"{name}: SPL {np.mean(kept):.3f} with memory, {np.mean(fresh):.3f} without "
-        f"({times.mean:.2f} times, {times.low:.2f} to {times.high:.2f} with 95 % over houses); "
-        f"SR {np.mean(success):.2f} and {np.mean(fresh_success):.2f}; {len(rows)} searches"
+        f"({times.mean:.2f} times, {times.low:.2f} to {times.high:.2f} with 95 % over "
+        f"{drawn(houses)}); SR {success[0]:.2f} and {success[1]:.2f}; {len(rows)} searches"
     )
 
 

@@ -254,15 +254,21 @@ def test_stairs_are_marked_where_they_begin(room: OccupancyGrid) -> None:
     assert len(pixels_near(draw_map(room, view=view), palette.STAIRS, tolerance=5)) == 0
 
 
-def test_the_words_of_two_flights_at_one_landing_are_apart(
-    room: OccupancyGrid, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def written(monkeypatch: pytest.MonkeyPatch) -> dict[str, tuple[float, float]]:
+    """Where the words of maps are written, pixels."""
     written = dict[str, tuple[float, float]]()
 
     def note(image: object, text: str, at: tuple[float, float], *_: object, **__: object) -> None:
         written[text] = at
 
     monkeypatch.setattr(map_painter, "draw_text", note)
+    return written
+
+
+def test_the_words_of_two_flights_at_one_landing_are_apart(
+    room: OccupancyGrid, written: dict[str, tuple[float, float]]
+) -> None:
     places = {"to floor 1": (1.0, -0.5), "to floor 3": (1.1, -0.5), "to floor 4": (1.0, -0.4)}
     marks = [StairsMark(position, words) for words, position in places.items()]
     draw_map(room, size=500, stairs=marks)
@@ -273,14 +279,8 @@ def test_the_words_of_two_flights_at_one_landing_are_apart(
 
 
 def test_the_words_of_stairs_lie_beside_the_trajectory(
-    room: OccupancyGrid, monkeypatch: pytest.MonkeyPatch
+    room: OccupancyGrid, written: dict[str, tuple[float, float]]
 ) -> None:
-    written = dict[str, tuple[float, float]]()
-
-    def note(image: object, text: str, at: tuple[float, float], *_: object, **__: object) -> None:
-        written[text] = at
-
-    monkeypatch.setattr(map_painter, "draw_text", note)
     view, mark = MapView.fit(room, 500), StairsMark((0.5, -0.5), "up to floor 2")
     u, v = view.pixel_of(*mark.position)
     for along in (1.0, -1.0):
