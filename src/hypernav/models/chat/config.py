@@ -1,8 +1,9 @@
 """Configuration of chat models: connection, retries, sampling and image quality."""
 
-from typing import Literal
+import json
+from typing import Any, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from hypernav.core.config import MOST_SEED, RoomConfig
 
@@ -17,6 +18,8 @@ DialectName = Literal[
     "decisions",
     "plain",
 ]
+
+_MOST_EXTRA = 10_000
 
 
 class ChatConfig(RoomConfig):
@@ -35,6 +38,11 @@ class ChatConfig(RoomConfig):
             which some hosted reasoning models require.
         seed: Seed for servers that sample. None sends none.
         logprobs: Whether to request the probabilities of allowed answers.
+        thinking: Whether the model may think before it answers: "off" and "low" are sent in the
+            server's own dialect and checked by what comes back; "auto" leaves it to the model. A
+            model that thinks all the same gets room for it.
+        extra_body: Fields that every question sends besides, as a JSON object; they come before
+            ours of the same name, and are never left out.
         decisions: Whether to use the server's decision endpoint, if it has one, which answers
             closed questions with a probability for every allowed answer.
         jpeg_quality: JPEG quality of the images that are sent (colour is not subsampled).
@@ -50,7 +58,24 @@ class ChatConfig(RoomConfig):
     temperature: float | None = Field(default=0.0, ge=0.0, le=10.0)
     seed: int | None = Field(default=0, ge=0, le=MOST_SEED)
     logprobs: bool = True
+    thinking: Literal["auto", "off", "low"] = "auto"
+    extra_body: dict[str, Any] = Field(default_factory=dict)
     decisions: bool = True
     jpeg_quality: int = Field(default=95, ge=1, le=100)
     device: str = "auto"
     dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"
+
+    @field_validator("extra_body")
+    @classmethod
+    def _is_a_request(cls, value: dict[str, Any]) -> dict[str, Any]:
+        """Refuse what would change the question, or what JSON cannot hold."""
+        ours = sorted({"model", "messages", "stream", "n"} & value.keys())
+        if ours:
+            raise ValueError(f"'{ours[0]}' is set by the question itself; leave it out")
+        try:
+            size = len(json.dumps(value, allow_nan=False))
+        except (TypeError, ValueError, RecursionError) as error:
+            raise ValueError(f"it cannot be sent as JSON ({error})") from error
+        if size > _MOST_EXTRA:
+            raise ValueError(f"it has {size:,} characters; at most {_MOST_EXTRA:,} are sent")
+        return value
