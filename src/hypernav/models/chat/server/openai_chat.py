@@ -40,7 +40,7 @@ from hypernav.models.chat.server.detection import ServerInfo, detect_server, wit
 from hypernav.models.chat.server.dialects import Constraint, constraint_for
 from hypernav.models.chat.server.http_client import HttpClient
 from hypernav.models.chat.server.refusals import LIMIT_NAMES, TOKEN_LIMIT, UNKNOWN, Refusals
-from hypernav.models.chat.server.reply_errors import LONGEST_MESSAGE
+from hypernav.models.chat.server.reply_errors import CONTEXT, LONGEST_MESSAGE, RefusedError
 from hypernav.models.chat.server.reply_fields import read_usage
 from hypernav.models.chat.server.retry import Retry, RetryLaterError
 from hypernav.models.chat.server.thinking import (
@@ -222,7 +222,7 @@ class OpenAiChat:
 
     def _probe(self, server: ServerInfo, question: Question, patience: Deadline) -> None:
         """Find out by the first answer that was cut whether it was thought without a mark."""
-        if self._thinking.is_probed or self._thinking.is_seen:
+        if self._thinking.is_probed or self._thinking.is_prefilled:
             return
         self._thinking = replace(self._thinking, is_probed=True)
         for room in PROBES:
@@ -328,10 +328,16 @@ def _learned(
     if not body:  # the optional endpoint; a 404 means only that it is missing
         is_passing = isinstance(error, RetryLaterError)
         return None if is_passing else replace(refusals, dropped=(*refusals.dropped, _DECISION))
-    if isinstance(error, ModelSetupError):
-        return None
-    if isinstance(error, RetryLaterError) and not (
-        error.status == 500 and UNKNOWN.search(said) and refusals.names(said, body)
+    if isinstance(error, RefusedError):
+        names_nothing = not refusals.names(said, body)
+        # An error in a good reply may be about anything; a known cause is no field's fault.
+        if names_nothing and (error.status == 200 or (error.remedy and not CONTEXT.search(said))):
+            return None
+    elif not (
+        isinstance(error, RetryLaterError)
+        and error.status == 500
+        and UNKNOWN.search(said)
+        and refusals.names(said, body)
     ):
         return None
     named = [name for name in own if re.search(rf"(?<!\w){re.escape(name)}(?!\w)", said)]

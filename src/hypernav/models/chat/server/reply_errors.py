@@ -20,6 +20,7 @@ _RETRYABLE_STATUSES = {408, 409, 425, 429}
 _REFUSING_STATUSES = {400, 413, 422, 501}
 LONGEST_MESSAGE = 1000
 """Characters of a server's words that are shown: proxies wrap the reason in several layers."""
+_MOST_LAYERS = 8
 
 CONTEXT = re.compile(
     r"context (?:size|length|window)|context_length_exceeded|exceed_context|maximum context|n_ctx",
@@ -95,9 +96,10 @@ def error_in_body(reply: Reply, body: dict[str, Any], where: str) -> ChatError |
     if not told:
         return None
     said = _message(told) or shortened(json.dumps(told), LONGEST_MESSAGE)
-    code = told.get("code", told.get("status")) if isinstance(told, dict) else None
-    status = int(code) if str(code).isdecimal() and 400 <= int(code) < 600 else 0
-    if status == 0:
+    code = str(told.get("code", "")) if isinstance(told, dict) else ""
+    if re.fullmatch(r"[45][0-9]{2}", code):
+        status = int(code)
+    else:
         words = f"{said} {json.dumps(told)}"
         status = 503 if _PASSING.search(words) else 404 if _WRONG_ADDRESS.search(words) else 400
     return _error(status, said, f"{where} answered {reply.status} with an error", reply, told)
@@ -126,14 +128,16 @@ def _error(status: int, said: str, what: str, reply: Reply, body: object) -> Cha
     return ModelSetupError(message, remedy=remedy)
 
 
-def _message(body: object) -> str:
+def _message(body: object, layers: int = _MOST_LAYERS) -> str:
     """The server's own words: OpenAI's form, FastAPI's, Google's list, or OpenRouter's layers."""
+    if layers == 0:
+        return ""
     match body:
         case str():
             inner = _json(body) if body.lstrip().startswith("{") else None
-            return (_message(inner) if inner is not None else "") or body
+            return (_message(inner, layers - 1) if inner is not None else "") or body
         case [dict() as first, *_] if "error" in first:
-            return _message(first)
+            return _message(first, layers - 1)
         case list():  # FastAPI: which fields, and what is wrong with them
             told = [one for one in body if isinstance(one, dict) and one.get("msg")]
             return "; ".join(
@@ -141,11 +145,13 @@ def _message(body: object) -> str:
             )
         case dict():
             found = (body.get(key) for key in ("error", "message", "detail", "msg"))
-            said = next((words for one in found if one and (words := _message(one))), "")
+            said = next(
+                (words for one in found if one and (words := _message(one, layers - 1))), ""
+            )
             metadata = body.get("metadata")
             raw = metadata.get("raw") if isinstance(metadata, dict) else None
             param = body.get("param")
-            if raw and (deeper := _message(raw)) not in said:
+            if raw and (deeper := _message(raw, layers - 1)) not in said:
                 said = f"{said}: {deeper}" if said else deeper
             if isinstance(param, str) and param and param not in said:
                 said = f"{said} ({param})"
@@ -166,7 +172,10 @@ def _text(reply: Reply) -> str:
 
 
 def _reason_phrase(status: int) -> str:
-    return HTTPStatus(status).phrase if status in HTTPStatus else "no reason given"
+    try:
+        return HTTPStatus(status).phrase
+    except ValueError:
+        return "no reason given"
 
 
 def _retry_after(reply: Reply) -> float | None:

@@ -109,8 +109,9 @@ def read_written(choice: dict[str, Any], usage: object, *, is_prefilled: bool) -
     is_cut = choice.get("finish_reason") == "length"
     told = _EMPTY.sub("", content)
     is_opened, is_closed = bool(_OPENED.search(told)), bool(_CLOSED.search(told))
-    if is_prefilled and is_cut and not is_closed and not is_opened:
-        content, is_opened = f"<think>{content}", True
+    has_closed_only = is_closed and not is_opened
+    if not is_opened and ("</think>" in content if is_closed else is_prefilled and is_cut):
+        content, is_opened = f"<think>{content}", True  # as the chat template did
     has_thoughts = bool(reasoning) or is_opened or is_closed or thinking_tokens(usage) > 0
     is_empty = not without_thinking(content)
     if is_empty and not content.strip() and reasoning:
@@ -120,7 +121,7 @@ def read_written(choice: dict[str, Any], usage: object, *, is_prefilled: bool) -
     return Written(
         text=content,
         has_thoughts=has_thoughts,
-        has_closed_only=is_closed and not is_opened,
+        has_closed_only=has_closed_only,
         is_cut=is_cut,
         is_thought_only=is_empty and (has_thoughts or is_cut),
     )
