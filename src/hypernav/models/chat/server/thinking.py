@@ -44,6 +44,8 @@ _EMPTY = re.compile(r"<think(?:ing)?>\s*</think(?:ing)?>")
 _OPENED = re.compile(r"<think(?:ing)?>|<reasoning>|<\|channel\|>\s*analysis|◁think▷", re.I)
 _CLOSED = re.compile(r"</think(?:ing)?>|</reasoning>|◁/think▷", re.I)
 
+_MARKS = re.compile(r"[<>\[\]{}|\\◁▷]")
+
 _TEMPLATE = {"chat_template_kwargs": {"enable_thinking": False, "thinking": False}}
 _NONE, _LOW = {"reasoning_effort": "none"}, {"reasoning_effort": "low"}
 _REASONING = {"reasoning": {"effort": "none"}}
@@ -115,8 +117,8 @@ def read_written(choice: dict[str, Any], usage: object, *, is_prefilled: bool) -
     has_thoughts = bool(reasoning) or is_opened or is_closed or thinking_tokens(usage) > 0
     is_empty = not without_thinking(content)
     if is_empty and not content.strip() and reasoning:
-        # Told in the one way that every reader of answers understands; tags of its own are undone.
-        kept = reasoning[:_MOST_KEPT].replace("<", "‹")
+        # Told in the one way that every reader of answers knows; no mark or box of it is left.
+        kept = _MARKS.sub(" ", reasoning[:_MOST_KEPT])
         content = f"<think>{kept}" if is_cut else f"<think>{kept}</think>"
     return Written(
         text=content,
