@@ -65,6 +65,12 @@ class ChatConfig(RoomConfig):
     device: str = "auto"
     dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"
 
+    @field_validator("thinking", mode="before")
+    @classmethod
+    def _as_a_word(cls, value: Any) -> Any:
+        """YAML reads a bare ``off`` as false."""
+        return "off" if value is False else value
+
     @field_validator("extra_body")
     @classmethod
     def _is_a_request(cls, value: dict[str, Any]) -> dict[str, Any]:

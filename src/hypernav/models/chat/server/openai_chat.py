@@ -211,42 +211,51 @@ class OpenAiChat:
             lost += again
             if reply.written is None:
                 return reply, lost
-            self._thinking = thinking.after(reply.written, last_switch=last_switch)
-            if reply.written.is_cut and not reply.written.is_thought_only:
-                self._probe(server, question, patience)
-            if self._thinking.asks_like(thinking):
-                if self._thinking.is_endless:
+            written, following = reply.written, thinking.after(reply.written, last_switch)
+            self._learn(following)
+            is_plain = not written.is_cut or written.is_thought_only
+            if following.asks_like(thinking) and (
+                is_plain or not self._thinks_unseen(server, question, patience)
+            ):
+                if following.is_endless:
                     _log.warning("%s: %s", self._who(), ENDLESS.format(room=thinking.room))
                 return reply, lost
             _log.info("%s: asking again: %s", self._who(), self._thinking)
 
-    def _probe(self, server: ServerInfo, question: Question, patience: Deadline) -> None:
-        """Find out by the first answer that was cut whether it was thought without a mark."""
-        if self._thinking.is_probed or self._thinking.is_prefilled:
-            return
-        self._thinking = replace(self._thinking, is_probed=True)
+    def _thinks_unseen(self, server: ServerInfo, question: Question, patience: Deadline) -> bool:
+        """Whether an answer that was cut was thought without a mark; the first one tells."""
+        known = self._thinking
+        if known.is_probed or known.is_prefilled:
+            return False
+        self._learn(replace(known, is_probed=True))
         for room in PROBES:
             try:
                 reply, _ = self._retry.call(
-                    partial(self._attempt, server, question, replace(self._thinking, room=room)),
+                    partial(self._attempt, server, question, replace(known, room=room)),
                     who=self._who(),
                     patience=patience,
                 )
             except ModelUnavailableError as error:
                 _log.info("%s: a longer answer does not come: %s", self._who(), error)
-                return
+                return False
             written = reply.written
-            if written is None or not (written.is_cut or written.has_closed_only):
-                return
-            if written.has_closed_only:
-                self._thinking = replace(self._thinking, room=room, is_seen=True, is_prefilled=True)
-                return
+            if written is not None and written.has_closed_only:
+                self._learn(replace(known, room=room, is_seen=True, is_prefilled=True))
+                return True
+            if written is None or not written.is_cut:
+                return False
+        return False
+
+    def _learn(self, thinking: Thinking) -> None:
+        with self._lock:
+            self._thinking = self._thinking.merged(thinking)
 
     def _attempt(
         self, server: ServerInfo, question: Question, thinking: Thinking, deadline: Deadline
     ) -> _Reply:
         """One attempt; a refused request is repeated at once as the refusal teaches."""
-        refusals, own = self._refusals, self.config.extra_body
+        refusals = known = self._refusals
+        own = self.config.extra_body
         while True:
             decides = (
                 self.config.decisions
@@ -273,7 +282,8 @@ class OpenAiChat:
                 _log.warning("%s; asking otherwise from now on", error)
                 refusals = learned
             else:
-                self._refusals = refusals
+                if refusals is not known:
+                    self._refusals = refusals
                 return reply
 
     def _decide(self, server: ServerInfo, question: Question, deadline: Deadline) -> _Reply:

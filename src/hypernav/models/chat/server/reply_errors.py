@@ -64,7 +64,7 @@ class RefusedError(ModelRejectedError):
         status: Status of HTTP; 200 if the error came in the body of a good reply.
     """
 
-    def __init__(self, message: str, *, status: int, remedy: str = "") -> None:
+    def __init__(self, message: str, *, status: int = 400, remedy: str = "") -> None:
         """Keep the status."""
         super().__init__(message, remedy=remedy)
         self.status = status

@@ -39,6 +39,7 @@ ENDLESS = (
     "the model's thinking took all of {room:,} tokens without an answer; try --set "
     "chat.thinking=off or low, a larger context, or a model that does not think"
 )
+_CUT = {"length", "max_tokens", "model_length"}  # the last two: Anthropic's and Mistral's words
 _MOST_KEPT = 2000
 _EMPTY = re.compile(r"<think(?:ing)?>\s*</think(?:ing)?>")
 _OPENED = re.compile(r"<think(?:ing)?>|<reasoning>|<\|channel\|>\s*analysis|◁think▷", re.I)
@@ -108,7 +109,7 @@ def read_written(choice: dict[str, Any], usage: object, *, is_prefilled: bool) -
     """
     message = choice["message"]
     content, reasoning = read_content(message.get("content")), read_reasoning(message)
-    is_cut = choice.get("finish_reason") == "length"
+    is_cut = str(choice.get("finish_reason")).casefold() in _CUT
     told = _EMPTY.sub("", content)
     is_opened, is_closed = bool(_OPENED.search(told)), bool(_CLOSED.search(told))
     has_closed_only = is_closed and not is_opened
@@ -155,7 +156,19 @@ class Thinking:
         """Whether a question is sent in the same way."""
         return (self.switch, self.room) == (other.switch, other.room)
 
-    def after(self, written: Written, *, last_switch: int) -> "Thinking":
+    def merged(self, other: "Thinking") -> "Thinking":
+        """What is known together with what another thread has found out meanwhile."""
+        first, later = sorted((self, other), key=lambda one: one.switch)
+        return replace(
+            later,
+            room=max(first.room, later.room),
+            is_seen=later.is_seen or (first.is_seen and first.switch == later.switch),
+            is_prefilled=first.is_prefilled or later.is_prefilled,
+            is_probed=first.is_probed or later.is_probed,
+            is_endless=first.is_endless or later.is_endless,
+        )
+
+    def after(self, written: Written, last_switch: int) -> "Thinking":
         """What is known after a reply; the question is asked again where switch or room differ."""
         known = replace(
             self,
