@@ -60,6 +60,7 @@ LITELLM = (
         ("body.seed: Extra inputs are not permitted", ["seed"], {}),
         ("'response_format.type' must be 'json_object' or 'text'", ["response_format"], {}),
         ('Invalid JSON payload: Unknown name "additionalProperties"', ["response_format"], {}),
+        ("Structured outputs are not available", ["response_format"], {}),
         ('"llama3.1:8b" does not support thinking', ["reasoning_effort"], {}),
         (
             "Unsupported value: 'reasoning_effort' does not support 'none' with this model. "

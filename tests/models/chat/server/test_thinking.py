@@ -283,3 +283,10 @@ def test_room_stays_within_what_the_server_has():
     thinker = Thinker(apart("reasoning"), tokens=2000)
     with FaultyServer(serve) as server:
         assert asking(serve, server).ask(SEEN).value == "yes"
+
+
+@pytest.mark.parametrize("begin", ["<think>", ""])
+def test_the_answer_after_long_thoughts_is_reached(begin: str):
+    text = f"{begin}{THOUGHT * 1000}</think>yes"
+    with FaultyServer(lambda talk: talk.say(text)) as server:
+        assert asking(lambda talk: None, server).ask(SEEN).value == "yes"

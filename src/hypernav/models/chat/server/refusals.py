@@ -34,7 +34,10 @@ _LEAST_TOKENS = 64
 _OTHER_WORDS = {
     TOKEN_LIMIT: r"max\w*tokens",
     "logprobs": r"\w*log_?probs",
-    **dict.fromkeys(CONSTRAINTS, r"json_schema|response_?schema|additionalProperties|grammar"),
+    **dict.fromkeys(
+        CONSTRAINTS,
+        r"json_?schema|response_?schema|additionalProperties|structured outputs?|grammar",
+    ),
     **dict.fromkeys(SWITCHES, r"enable_thinking|thinking|reasoning"),
 }
 _TOO_LARGE = re.compile(

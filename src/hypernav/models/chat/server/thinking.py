@@ -25,7 +25,7 @@ import re
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from hypernav.models.chat.answer_parsing import without_thinking
+from hypernav.models.chat.answer_parsing import LONGEST_ANSWER, without_thinking
 from hypernav.models.chat.config import DialectName
 from hypernav.models.chat.server.reply_fields import read_content, read_reasoning, thinking_tokens
 
@@ -110,7 +110,8 @@ def read_written(choice: dict[str, Any], usage: object, *, is_prefilled: bool) -
     message = choice["message"]
     content, reasoning = read_content(message.get("content")), read_reasoning(message)
     is_cut = str(choice.get("finish_reason")).casefold() in _CUT
-    told = _EMPTY.sub("", content)
+    content = _with_short_thoughts(content)
+    told = _EMPTY.sub("", content[:LONGEST_ANSWER])
     is_opened, is_closed = bool(_OPENED.search(told)), bool(_CLOSED.search(told))
     has_closed_only = is_closed and not is_opened
     if not is_opened and ("</think>" in content if is_closed else is_prefilled and is_cut):
@@ -128,6 +129,14 @@ def read_written(choice: dict[str, Any], usage: object, *, is_prefilled: bool) -
         is_cut=is_cut,
         is_thought_only=is_empty and (has_thoughts or is_cut),
     )
+
+
+def _with_short_thoughts(content: str) -> str:
+    """The content, so that readers, who stop at some length, reach the answer after long thoughts."""
+    ends = [match.end() for match in _CLOSED.finditer(content)]
+    if len(content) < LONGEST_ANSWER or not ends:
+        return content
+    return f"<think>{_MARKS.sub(' ', content[:_MOST_KEPT])}</think>{content[ends[-1] :]}"
 
 
 @dataclass(frozen=True)
