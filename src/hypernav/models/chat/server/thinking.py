@@ -132,7 +132,7 @@ def read_written(choice: dict[str, Any], usage: object, *, is_prefilled: bool) -
 
 
 def _with_short_thoughts(content: str) -> str:
-    """The content, so that readers, who stop at some length, reach the answer after long thoughts."""
+    """The content, so that readers of limited length reach the answer after long thoughts."""
     ends = [match.end() for match in _CLOSED.finditer(content)]
     if len(content) < LONGEST_ANSWER or not ends:
         return content
