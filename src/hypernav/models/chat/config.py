@@ -37,14 +37,11 @@ class ChatConfig(RoomConfig):
         temperature: Sampling temperature; 0 is the most repeatable. None leaves it to the server,
             which some hosted reasoning models require.
         seed: Seed for servers that sample. None sends none.
-        logprobs: Whether to request the probabilities of allowed answers.
         thinking: Whether the model may think before it answers: "off" and "low" are sent in the
             server's own dialect and checked by what comes back; "auto" leaves it to the model. A
             model that thinks all the same gets room for it.
         extra_body: Fields that every question sends besides, as a JSON object; they come before
             ours of the same name, and are never left out.
-        decisions: Whether to use the server's decision endpoint, if it has one, which answers
-            closed questions with a probability for every allowed answer.
         jpeg_quality: JPEG quality of the images that are sent (colour is not subsampled).
         device: Device of a model in this process: "auto", "cpu", "cuda", "cuda:1", "mps".
         dtype: Number format of a model in this process: "auto" is bfloat16 where supported.
@@ -57,10 +54,8 @@ class ChatConfig(RoomConfig):
     dialect: Literal["auto", DialectName] = "auto"
     temperature: float | None = Field(default=0.0, ge=0.0, le=10.0)
     seed: int | None = Field(default=0, ge=0, le=MOST_SEED)
-    logprobs: bool = True
     thinking: Literal["auto", "off", "low"] = "auto"
     extra_body: dict[str, Any] = Field(default_factory=dict)
-    decisions: bool = True
     jpeg_quality: int = Field(default=95, ge=1, le=100)
     device: str = "auto"
     dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"

@@ -73,10 +73,10 @@ def with_known_models(
     error: ModelRejectedError | ModelSetupError, server: ServerInfo, url: str
 ) -> ModelRejectedError | ModelSetupError:
     """The same error, or one about the model if the server has others but not this one."""
-    is_about_it = isinstance(error, NotFoundError) or re.search(
-        rf"(?<!\w){re.escape(server.model)}(?!\w)", str(error)
-    )
-    if len(server.models) == 0 or server.model in server.models or not is_about_it:
+    if len(server.models) == 0 or server.model in server.models:
+        return error
+    named = re.search(rf"(?<!\w){re.escape(server.model)}(?!\w)", str(error))
+    if named is None and not isinstance(error, NotFoundError):
         return error
     close = difflib.get_close_matches(server.model, server.models, 3, 0.3) or server.models[:3]
     others = f" (or {', '.join(close[1:])})" if len(close) > 1 else ""

@@ -257,10 +257,8 @@ class OpenAiChat:
         refusals = known = self._refusals
         own = self.config.extra_body
         while True:
-            decides = (
-                self.config.decisions
-                and _DECISION not in refusals.dropped
-                and accepts_question(server.dialect.decision, question)
+            decides = _DECISION not in refusals.dropped and accepts_question(
+                server.dialect.decision, question
             )
             constraint = constraint_for(server.dialect, question)
             if decides or set(constraint.fields) & set(refusals.dropped):
@@ -307,7 +305,7 @@ class OpenAiChat:
             "seed": config.seed,
             **switches(thinking.level, dialect.name)[thinking.switch],
         }
-        if config.logprobs and dialect.logprobs and question.allowed:
+        if dialect.logprobs and question.allowed:
             body |= {"logprobs": True, "top_logprobs": dialect.logprobs}
         own = set(config.extra_body)
         if own & LIMIT_NAMES:
