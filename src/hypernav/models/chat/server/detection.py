@@ -78,7 +78,9 @@ def with_known_models(
     named = re.search(rf"(?<!\w){re.escape(server.model)}(?!\w)", str(error))
     if named is None and not isinstance(error, NotFoundError):
         return error
-    close = difflib.get_close_matches(server.model, server.models, 3, 0.3) or server.models[:3]
+    close = difflib.get_close_matches(server.model, server.models, 3, 0.3) or list(
+        server.models[:3]
+    )
     others = f" (or {', '.join(close[1:])})" if len(close) > 1 else ""
     return ModelSetupError(
         f"{error}; the server has no model '{server.model}'",

@@ -72,4 +72,4 @@ def thinking_tokens(usage: object) -> int:
 
 
 def _thinks(part: dict[str, Any]) -> bool:
-    return part.get("type") in {"thinking", "reasoning", "redacted_thinking"}
+    return str(part.get("type")) in {"thinking", "reasoning", "redacted_thinking"}
