@@ -196,7 +196,13 @@ BROKEN_JSON = (
     _late("a choice that is null", _reply({"choices": [None]})),
     _late("a message that is null", _reply({"choices": [{"message": None}]})),
     _late("a message that is a list", _reply({"choices": [{"message": ["a bed"]}]})),
-    _late("an error with status 200", _error("the model has crashed", 200)),
+    Fault(
+        "an error with status 200",
+        3,
+        ("answered 200 with an error: the model has crashed",),
+        _error("the model has crashed", 200),
+    ),
+    _late("a passing error with status 200", _error("the model is busy", 200)),
     _harmless("UTF-16", _reply(json.dumps(completion("[]")).encode("utf-16"))),
     _harmless("a byte order mark", _reply(json.dumps(completion("[]")).encode("utf-8-sig"))),
 )

@@ -70,9 +70,7 @@ def test_the_server_is_recognised_and_its_decisions_are_used(chat: OpenAiChat):
 def test_ignored_constraints_are_found_out(transformers_server: str):
     """Without its decision endpoint this server ignores what is allowed; its words are nonsense."""
     spec = parse_vlm_spec(transformers_server)
-    plain = OpenAiChat(
-        spec.target, spec.model, ChatConfig(dialect="openai", decisions=False), environment={}
-    )
+    plain = OpenAiChat(spec.target, spec.model, ChatConfig(dialect="openai"), environment={})
     answer = plain.ask(Question("verify", "Is there a bed?", (VIEW,), ("yes", "no")))
     assert answer.fault in {Fault.UNPARSABLE, Fault.INVALID}
 

@@ -36,13 +36,19 @@ def run(options: Options) -> int:
         )
     console = Terminal(stderr=False, soft_wrap=True)
     faults: list[Finding] = []
+    settings: list[str] = []
     if options.data is not None:
         with console.status("reading the episodes …"):
-            faults += _shown(check_data(options.data), console)
+            faults += _faults(_shown(check_data(options.data), console))
     if options.vlm is not None:
         findings = _check_model(options.vlm, options)
         with console.status("asking the model …"):
-            faults += _shown(findings, console)
+            shown = _shown(findings, console)
+        faults += _faults(shown)
+        settings = [finding.setting for finding in shown if finding.setting]
+    if settings:
+        told = f"use it with: --vlm {options.vlm} --set {' '.join(settings)}"
+        console.print(told, markup=False)
     if not faults:
         if options.vlm is not None:
             told = (
@@ -68,12 +74,16 @@ def _check_model(vlm: str, options: Options) -> Iterator[Finding]:
 
 
 def _shown(findings: Iterator[Finding], console: Terminal) -> list[Finding]:
-    """Print findings as they come; returns the faults."""
-    faults = []
+    """Print findings as they come, and return them."""
+    shown = []
     for finding in findings:
         console.print(_line(finding))
-        faults += [finding] if finding.state is State.FAULT else []
-    return faults
+        shown.append(finding)
+    return shown
+
+
+def _faults(findings: list[Finding]) -> list[Finding]:
+    return [finding for finding in findings if finding.state is State.FAULT]
 
 
 def _line(finding: Finding) -> str:

@@ -82,7 +82,16 @@ class WorldError(HyPerNavError):
 
 
 class ChatError(HyPerNavError):
-    """A chat model could not be asked, or its answer cannot be used."""
+    """A chat model could not be asked, or its answer cannot be used.
+
+    Attributes:
+        remedy: What to change, by what the server said; empty if it said nothing that tells.
+    """
+
+    def __init__(self, message: str, *, remedy: str = "") -> None:
+        """Keep the remedy, which ends the message."""
+        super().__init__(f"{message}; {remedy}" if remedy else message)
+        self.remedy = remedy
 
 
 class ChatTransportError(ChatError):

@@ -18,8 +18,8 @@ from hypernav.core.network.bounded_http import (
     Reply,
     ReplyTooLargeError,
     Session,
-    environment_proxy,
 )
+from hypernav.core.network.proxies import environment_proxy
 from servers.faulty import Act, FaultyServer, Talk
 
 LIMIT_S = 0.4

@@ -4,6 +4,7 @@ from pathlib import Path
 import pytest
 
 from hypernav.core.errors import ConfigError, MissingExtraError, RecordingError
+from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.server.openai_chat import OpenAiChat
 from hypernav.models.chat.vlm_spec import VlmSpec, open_chat, parse_vlm_spec
 
@@ -57,3 +58,9 @@ def test_a_model_in_this_process_needs_its_extra():
     if find_spec("torch") is None:
         with pytest.raises(MissingExtraError, match=r"hypernav\[local-vlm\]"):
             open_chat("local:Qwen/Qwen2.5-VL-3B-Instruct")
+
+
+@pytest.mark.parametrize("config", [ChatConfig(thinking="off"), ChatConfig(extra_body={"a": 1})])
+def test_what_only_a_server_can_be_told_is_refused_in_this_process(config: ChatConfig):
+    with pytest.raises(ConfigError, match=r"chat\.thinking and chat\.extra_body"):
+        open_chat("local:nowhere", config)

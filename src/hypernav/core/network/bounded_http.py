@@ -10,7 +10,6 @@ import functools
 import ssl
 import threading
 import time
-import urllib.request
 import zlib
 from collections.abc import Callable, Mapping
 from contextlib import closing, suppress
@@ -18,7 +17,6 @@ from dataclasses import dataclass
 from queue import Empty, SimpleQueue
 from socket import SHUT_RDWR, socket
 from typing import Any
-from urllib.parse import urlsplit
 
 import httpx
 import truststore
@@ -82,7 +80,7 @@ class Session:
 
         Args:
             largest_reply_bytes: Largest body that a reply may have, packed or unpacked.
-            proxy: URL of a proxy, as `environment_proxy` finds it; None asks the server itself.
+            proxy: URL of a proxy (see `proxies.environment_proxy`); None asks the server itself.
         """
         self._largest = largest_reply_bytes
         self._proxy = proxy
@@ -206,9 +204,9 @@ class _Connection:
 
     def _watch(self, event: str, info: dict[str, Any]) -> None:
         """Called by httpx before and after each part of an exchange."""
-        if event == "connection.connect_tcp.started":
+        if event.endswith(".connect_tcp.started"):  # of "connection", or of "socks"
             self._is_new = True
-        if event == "connection.connect_tcp.complete":
+        if event.endswith(".connect_tcp.complete"):
             if self._socket is not None:
                 self._socket.close()
             # A copy, for TLS takes the socket itself over.
@@ -238,23 +236,6 @@ def _check_size(count: int, largest: int) -> None:
         raise ReplyTooLargeError(
             f"the reply is larger than {largest // 2**20} MiB, which no answer needs"
         )
-
-
-def environment_proxy(url: str) -> str | None:
-    """The proxy that the environment names (``http_proxy``, ``https_proxy``, ``no_proxy``).
-
-    Raises:
-        ValueError: It is not a proxy of HTTP.
-    """
-    parts, proxies = urlsplit(url), urllib.request.getproxies()
-    proxy = proxies.get(parts.scheme) or proxies.get("all")
-    if not proxy or urllib.request.proxy_bypass(parts.netloc):
-        return None
-    proxy = proxy if "://" in proxy else f"http://{proxy}"
-    found = urlsplit(proxy)
-    if found.scheme != "http" or not found.hostname:
-        raise ValueError(f"the environment names a proxy that is not http:// ({found.scheme}://)")
-    return proxy
 
 
 def _system_error(error: httpx.RemoteProtocolError | httpx.NetworkError) -> OSError | ValueError:

@@ -21,9 +21,11 @@ class Finding:
         state: Result of the check.
         said: Description of the finding.
         remedy: Change that helps; empty if none is needed.
+        setting: Value of the configuration to use from now on, as ``--set`` takes it.
     """
 
     check: str
     state: State
     said: str
     remedy: str = ""
+    setting: str = ""

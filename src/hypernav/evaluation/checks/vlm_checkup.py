@@ -6,7 +6,7 @@ a question that a free model would answer at length.
 """
 
 from collections.abc import Generator, Iterator
-from typing import Protocol, runtime_checkable
+from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -27,6 +27,8 @@ from hypernav.evaluation.checks.known_answers import (
 )
 from hypernav.models.chat.answer_parsing import shortened, without_thinking
 from hypernav.models.chat.server.detection import ServerInfo
+from hypernav.models.chat.server.refusals import CONSTRAINTS
+from hypernav.models.chat.server.thinking import ENDLESS, Thinking
 from hypernav.models.chat.vlm_families import VlmFamily, family_named, family_of
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.map_question import (
@@ -44,8 +46,15 @@ _COLOURS: dict[str, tuple[int, int, int]] = {"blue": (30, 60, 220), "green": (40
 _READINGS = ("pixels", "thousandths", "unit", "gemini")
 _MAP_GOAL = Goal("bed")
 _RIGHT_BLOCKS = (2, 3)
-_NO_WORDS = "let the model answer without thinking first; the server's log may say more"
+_HELLO = Question("hello", "Answer with the word: ready", max_tokens=16)
+_NO_WORDS = "look into the server's log for what became of the answer"
+_ALL_REASONING = (
+    "the server takes the whole answer for reasoning: start it without its reasoning parser, or "
+    "with the one of this model"
+)
 _WAIT = "look into the server's log; --set chat.timeout_s=… waits longer for an answer"
+_REFUSED = "what the server says tells; --set chat.extra_body='{…}' sends fields of your own"
+_NO_SUCH_MODEL = "name one of the server's models after #"
 
 
 @runtime_checkable
@@ -58,7 +67,12 @@ class _BehindServer(ChatModel, Protocol):
     @property
     def dropped(self) -> tuple[str, ...]: ...
 
+    @property
+    def thinking(self) -> Thinking: ...
+
     def server(self) -> ServerInfo: ...
+
+    def with_thinking(self, level: Literal["auto", "off", "low"]) -> "_BehindServer": ...
 
 
 def check_up(
@@ -78,28 +92,30 @@ def check_up(
         presence: Configuration of the question whether the goal is there.
     """
     try:
-        answers = True
+        model = chat
         if isinstance(chat, _BehindServer):
-            answers = yield from _check_server(chat)
-        if answers and (yield from _check_vision(chat)):
-            yield from _check_coordinates(chat, grounding)
-            yield from _check_constraints(chat)
-            yield from _check_map(chat, overview, block_choice)
-            yield from _check_presence(chat, presence)
-        elif answers:
-            yield from _check_constraints(chat)
+            model = yield from _check_server(chat)
+        if model is None:
+            return
+        sees = yield from _check_vision(model)
+        if sees:
+            yield from _check_coordinates(model, grounding)
+        yield from _check_constraints(model)
+        if sees:
+            yield from _check_map(model, overview, block_choice)
+            yield from _check_presence(model, presence)
     except ChatError as error:
-        yield Finding("answers", State.FAULT, str(error), _WAIT)
+        yield Finding("answers", State.FAULT, str(error), error.remedy or _WAIT)
 
 
-def _check_server(chat: _BehindServer) -> Generator[Finding, None, bool]:
-    """Whether the server can be reached and has the model."""
+def _check_server(chat: _BehindServer) -> Generator[Finding, None, _BehindServer | None]:
+    """Whether the server can be reached and has the model; what to go on with, if so."""
     try:
         server = chat.server()
     except ChatError as error:
-        remedy = "start the server, or correct the URL after openai:"
+        remedy = error.remedy or "start the server, or correct the URL after openai:"
         yield Finding("server", State.FAULT, str(error), remedy)
-        return False
+        return None
     about = f"{chat.url} answers and speaks the dialect '{server.dialect.name}'"
     if server.list_fault:
         yield Finding("server", State.NOTE, f"{about}, but has no list: {server.list_fault}")
@@ -107,19 +123,63 @@ def _check_server(chat: _BehindServer) -> Generator[Finding, None, bool]:
         yield Finding("server", State.GOOD, about)
     # Some servers list nothing, or list other names than they take: only an answer tells.
     try:
-        answer = chat.ask(Question("hello", "Answer with the word: ready", max_tokens=16))
+        answer = chat.ask(_HELLO)
     except (ModelRejectedError, ModelSetupError) as error:
-        remedy = "name one of the server's models after #"
-        yield Finding("model name", State.FAULT, str(error), remedy)
-        return False
+        default = _REFUSED if isinstance(error, ModelRejectedError) else _NO_SUCH_MODEL
+        yield Finding("model name", State.FAULT, str(error), error.remedy or default)
+        return None
     told = f"{server.model} answers"
     if answer.fault is not None:
-        yield Finding("model name", State.FAULT, f"{told}, but {answer.detail}", _NO_WORDS)
+        said = f"{told}, but {answer.detail}"
+        yield Finding("model name", State.FAULT, said, _remedy_without_words(chat))
     elif answer.usage.tokens_in == 0:
         yield Finding("model name", State.NOTE, f"{told}, but its server counts no tokens")
     else:
         yield Finding("model name", State.GOOD, told)
-    return True
+    if chat.dropped:
+        left_out = ", ".join(chat.dropped)
+        yield Finding("fields", State.NOTE, f"the server refuses {left_out}; they are left out")
+    return (yield from _check_thinking(chat, answer))
+
+
+def _check_thinking(chat: _BehindServer, answer: Answer) -> Generator[Finding, None, _BehindServer]:
+    """Whether the model thinks before it answers, and what stops it; what to go on with."""
+    known = chat.thinking
+    if not known.is_seen:
+        if known.level != "auto":
+            yield Finding("thinking", State.GOOD, "its replies show no thoughts")
+        return chat
+    told = f"it thinks before it answers, {answer.usage.tokens_out} tokens for one word"
+    if known.level == "auto":
+        quiet = chat.with_thinking("off")
+        if _answers_without_thinking(quiet):
+            told += "; with chat.thinking=off it answers at once"
+            yield Finding("thinking", State.NOTE, told, setting="chat.thinking=off")
+            return quiet
+    if known.level != "low":
+        told += ", also when told not to"
+    if known.is_endless:
+        yield Finding("thinking", State.FAULT, told, ENDLESS.format(room=known.room))
+    else:
+        told += f"; each answer gets {known.room:,} tokens more for it"
+        yield Finding("thinking", State.NOTE, told)
+    return chat
+
+
+def _answers_without_thinking(quiet: _BehindServer) -> bool:
+    try:
+        return quiet.ask(_HELLO).fault is None and not quiet.thinking.is_seen
+    except ChatError:
+        return False
+
+
+def _remedy_without_words(chat: ChatModel) -> str:
+    """What to change where an answer holds no words."""
+    if not isinstance(chat, _BehindServer) or not chat.thinking.is_seen:
+        return _NO_WORDS
+    if chat.thinking.is_endless:
+        return ENDLESS.format(room=chat.thinking.room)
+    return _ALL_REASONING
 
 
 def _check_vision(chat: ChatModel) -> Generator[Finding, None, bool]:
@@ -132,11 +192,11 @@ def _check_vision(chat: ChatModel) -> Generator[Finding, None, bool]:
             answer = chat.ask(Question("colour", text, (plain,), max_tokens=16))
         except (ModelRejectedError, ModelSetupError) as error:
             remedy = "serve a model that takes images (llama.cpp: with --mmproj)"
-            yield Finding("images", State.FAULT, f"no vision: {error}", remedy)
+            yield Finding("images", State.FAULT, f"no vision: {error}", error.remedy or remedy)
             return False
         if answer.fault is not None:
             said = f"whether it sees cannot be told: {answer.detail}"
-            yield Finding("images", State.FAULT, said, _NO_WORDS)
+            yield Finding("images", State.FAULT, said, _remedy_without_words(chat))
             return False
         said = without_thinking(answer.text)
         if colour not in said.lower():
@@ -160,7 +220,8 @@ def _check_coordinates(chat: ChatModel, config: VlmDetectorConfig) -> Iterator[F
         yield Finding("coordinates", State.GOOD, f"boxes are right, read as '{family.name}'")
     elif _overlap(answer.text, family_named(best)) >= _MATCH:
         why = unknown or f"boxes are wrong when read as '{family.name}', and right as '{best}'"
-        yield Finding("coordinates", State.FAULT, why, f"--set grounding.family={best}")
+        setting = f"grounding.family={best}"
+        yield Finding("coordinates", State.FAULT, why, f"--set {setting}", setting)
     elif scale is not None:
         said = f"boxes are {scale:.2f} times too large: the server resizes images"
         remedy = "raise its limit of pixels (vLLM: --mm-processor-kwargs with max_pixels)"
@@ -178,7 +239,7 @@ def _check_constraints(chat: ChatModel) -> Iterator[Finding]:
     answer = chat.ask(
         Question("constraint", text, allowed=("alpha", "bravo", "charlie"), max_tokens=24)
     )
-    rejected = isinstance(chat, _BehindServer) and "constraint" in chat.dropped
+    rejected = isinstance(chat, _BehindServer) and bool(set(chat.dropped) & set(CONSTRAINTS))
     if answer.fault is None and not rejected:
         told = "with" if answer.probabilities else "without"
         said = f"only what is allowed comes back, {told} probabilities"

@@ -1,8 +1,9 @@
 """Configuration of chat models: connection, retries, sampling and image quality."""
 
-from typing import Literal
+import json
+from typing import Any, Literal
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
 from hypernav.core.config import MOST_SEED, RoomConfig
 
@@ -17,6 +18,8 @@ DialectName = Literal[
     "decisions",
     "plain",
 ]
+
+_MOST_EXTRA = 10_000
 
 
 class ChatConfig(RoomConfig):
@@ -34,9 +37,11 @@ class ChatConfig(RoomConfig):
         temperature: Sampling temperature; 0 is the most repeatable. None leaves it to the server,
             which some hosted reasoning models require.
         seed: Seed for servers that sample. None sends none.
-        logprobs: Whether to request the probabilities of allowed answers.
-        decisions: Whether to use the server's decision endpoint, if it has one, which answers
-            closed questions with a probability for every allowed answer.
+        thinking: Whether the model may think before it answers: "off" and "low" are sent in the
+            server's own dialect and checked by what comes back; "auto" leaves it to the model. A
+            model that thinks all the same gets room for it.
+        extra_body: Fields that every question sends besides, as a JSON object; they come before
+            ours of the same name, and are never left out.
         jpeg_quality: JPEG quality of the images that are sent (colour is not subsampled).
         device: Device of a model in this process: "auto", "cpu", "cuda", "cuda:1", "mps".
         dtype: Number format of a model in this process: "auto" is bfloat16 where supported.
@@ -49,8 +54,29 @@ class ChatConfig(RoomConfig):
     dialect: Literal["auto", DialectName] = "auto"
     temperature: float | None = Field(default=0.0, ge=0.0, le=10.0)
     seed: int | None = Field(default=0, ge=0, le=MOST_SEED)
-    logprobs: bool = True
-    decisions: bool = True
+    thinking: Literal["auto", "off", "low"] = "auto"
+    extra_body: dict[str, Any] = Field(default_factory=dict)
     jpeg_quality: int = Field(default=95, ge=1, le=100)
     device: str = "auto"
     dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"
+
+    @field_validator("thinking", mode="before")
+    @classmethod
+    def _as_a_word(cls, value: Any) -> Any:
+        """YAML reads a bare ``off`` as false."""
+        return "off" if value is False else value
+
+    @field_validator("extra_body")
+    @classmethod
+    def _is_a_request(cls, value: dict[str, Any]) -> dict[str, Any]:
+        """Refuse what would change the question, or what JSON cannot hold."""
+        ours = sorted({"model", "messages", "stream", "n"} & value.keys())
+        if ours:
+            raise ValueError(f"'{ours[0]}' is set by the question itself; leave it out")
+        try:
+            size = len(json.dumps(value, allow_nan=False))
+        except (TypeError, ValueError, RecursionError) as error:
+            raise ValueError(f"it cannot be sent as JSON ({error})") from error
+        if size > _MOST_EXTRA:
+            raise ValueError(f"it has {size:,} characters; at most {_MOST_EXTRA:,} are sent")
+        return value

@@ -70,6 +70,11 @@ def open_chat(spec: VlmSpec | str, config: ChatConfig | None = None) -> ChatMode
 
             return OpenAiChat(spec.target, spec.model, config)
         case "local":
+            if config.thinking != "auto" or config.extra_body:
+                raise ConfigError(
+                    "chat.thinking and chat.extra_body are sent to servers, and local: asks none; "
+                    "serve the model (openai:URL), or leave them out"
+                )
             from hypernav.models.chat.local_chat import LocalChat
 
             return LocalChat(spec.target, config)

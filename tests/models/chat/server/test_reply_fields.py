@@ -8,7 +8,13 @@ from hypernav.core.chat import Question, Usage
 from hypernav.core.errors import ChatTransportError
 from hypernav.models.chat.server.answer_probabilities import answer_probabilities, parse_logprobs
 from hypernav.models.chat.server.decision_api import parse_decision
-from hypernav.models.chat.server.reply_fields import finite_number, read_content, read_usage
+from hypernav.models.chat.server.reply_fields import (
+    finite_number,
+    read_content,
+    read_reasoning,
+    read_usage,
+    thinking_tokens,
+)
 
 HUGE = 10**400
 NONSENSE: tuple[object, ...] = (None, True, "7", -1, 0.5, HUGE, -HUGE, math.nan, math.inf, [], {})
@@ -99,3 +105,34 @@ def test_no_decision_breaks_us(value: object, endpoint: str):
         except ChatTransportError:
             continue
         assert not told or math.isclose(sum(told.values()), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("usage", "tokens"),
+    [
+        ({"completion_tokens": 90, "completion_tokens_details": {"reasoning_tokens": 80}}, 80),
+        # Gemini: in the total alone (mozilla-ai/any-llm#1293)
+        ({"prompt_tokens": 20, "completion_tokens": 168, "total_tokens": 736}, 548),
+        ({"prompt_tokens": 20, "total_tokens": 36}, 16),
+        ({"prompt_tokens": 20, "completion_tokens": 5, "total_tokens": 25}, 0),
+        ({"completion_tokens": 5, "total_tokens": 25}, 0),
+        ({"prompt_tokens": 20, "completion_tokens": 5}, 0),
+        (None, 0),
+    ],
+)
+def test_tokens_of_thoughts_are_counted_wherever_they_are_told(usage: object, tokens: int):
+    assert thinking_tokens(usage) == tokens
+
+
+@given(json_values)
+def test_no_thoughts_break_us(value: object):
+    for name in ("reasoning", "reasoning_content", "content"):
+        assert isinstance(read_reasoning({name: value}), str)
+    assert thinking_tokens({"prompt_tokens": 1, "total_tokens": value}) >= 0
+    assert thinking_tokens({"completion_tokens_details": value}) == 0
+
+
+@pytest.mark.parametrize("field", ["reasoning", "reasoning_content", "thinking"])
+def test_thoughts_are_read_under_all_their_names(field: str):
+    assert read_reasoning({"content": "yes", field: "hm"}) == "hm"
+    assert read_content({field: "hm"}) == ""

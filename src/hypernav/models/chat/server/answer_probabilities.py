@@ -50,6 +50,25 @@ def parse_logprobs(content: object) -> list[TokenProbabilities]:
     return tokens
 
 
+def after_thoughts(tokens: Sequence[TokenProbabilities], answer: str) -> list[TokenProbabilities]:
+    """The tokens from where the answer begins, without those of thoughts before it.
+
+    Args:
+        tokens: Tokens of all that was written.
+        answer: The answer without the thoughts.
+
+    Returns:
+        The tokens; none where the answer isn't found among them.
+    """
+    begin = "".join(one.token for one in tokens).rfind(answer.strip())
+    offset = 0
+    for index, one in enumerate(tokens):
+        offset += len(one.token)
+        if answer.strip() and begin >= 0 and offset > begin:
+            return list(tokens[index:])
+    return []
+
+
 def answer_probabilities(
     tokens: Sequence[TokenProbabilities], labels: Sequence[str], *, wrapped: bool = False
 ) -> dict[str, float]:

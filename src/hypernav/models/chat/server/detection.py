@@ -16,7 +16,8 @@ from hypernav.core.errors import ModelRejectedError, ModelSetupError
 from hypernav.core.network.bounded_http import Deadline
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.server.dialects import ServerDialect, dialect_named
-from hypernav.models.chat.server.http_client import HttpClient, NotFoundError
+from hypernav.models.chat.server.http_client import HttpClient
+from hypernav.models.chat.server.reply_errors import NotFoundError, RefusedError
 from hypernav.models.chat.server.retry import RetryLaterError
 
 _OWNERS = {"vllm": "vllm", "sglang": "sglang", "llamacpp": "llamacpp", "library": "ollama"}
@@ -74,10 +75,16 @@ def with_known_models(
     """The same error, or one about the model if the server has others but not this one."""
     if len(server.models) == 0 or server.model in server.models:
         return error
-    close = difflib.get_close_matches(server.model, server.models, 3, 0.3) or server.models[:3]
+    named = re.search(rf"(?<!\w){re.escape(server.model)}(?!\w)", str(error))
+    if named is None and not isinstance(error, NotFoundError):
+        return error
+    close = difflib.get_close_matches(server.model, server.models, 3, 0.3) or list(
+        server.models[:3]
+    )
+    others = f" (or {', '.join(close[1:])})" if len(close) > 1 else ""
     return ModelSetupError(
-        f"{error}; the server has no model '{server.model}', try openai:{url}#{close[0]}"
-        + (f" (or {', '.join(close[1:])})" if len(close) > 1 else "")
+        f"{error}; the server has no model '{server.model}'",
+        remedy=f"try openai:{url}#{close[0]}{others}",
     )
 
 
@@ -91,7 +98,7 @@ def _models(
         if model is not None:
             return [], str(error)
         if not urlsplit(client.url).path.rstrip("/"):
-            raise ModelSetupError(f"{error}; try openai:{client.url}/v1") from error
+            raise ModelSetupError(str(error), remedy=f"try openai:{client.url}/v1") from error
         raise
     except RetryLaterError as error:
         # A broken list, as from `transformers serve` without a cache folder, is not an error here.
@@ -109,12 +116,14 @@ def _is_name(value: object) -> bool:
 
 def _only(names: tuple[str, ...], client: HttpClient) -> str:
     if len(names) == 0:
-        raise ModelSetupError(f"{client.url} lists no model; name it: openai:{client.url}#MODEL")
+        remedy = f"name it: openai:{client.url}#MODEL"
+        raise ModelSetupError(f"{client.url} lists no model", remedy=remedy)
     if len(names) == 1:
         return names[0]
     some = ", ".join(names[:5]) + (", …" if len(names) > 5 else "")
     raise ModelSetupError(
-        f"{client.url} has several models ({some}); name one: openai:{client.url}#{names[0]}"
+        f"{client.url} has several models ({some})",
+        remedy=f"name one: openai:{client.url}#{names[0]}",
     )
 
 
@@ -122,11 +131,6 @@ def _dialect(client: HttpClient, model: str, owners: set[str], deadline: Deadlin
     name = next((_OWNERS[owner] for owner in sorted(owners) if owner in _OWNERS), "openai")
     if name == "vllm" and _vllm_version(client, deadline) < _STRUCTURED_SINCE:
         name = "vllm-guided"
-    if name == "openai" and urlsplit(client.url).hostname == "api.openai.com":
-        known = dialect_named("openai")
-        return ServerDialect(
-            "openai", known.choice, known.form, known.logprobs, token_limit="max_completion_tokens"
-        )
     if name == "openai" and _has_systemone(client, deadline):
         name = "transformers"
     _log.info("%s: model %s, dialect %s", client.url, model, name)
@@ -148,7 +152,7 @@ def _has_systemone(client: HttpClient, deadline: Deadline) -> bool:
     try:
         client.post("systemone", {}, deadline)
     except (ModelRejectedError, ModelSetupError) as error:
-        return isinstance(error, ModelRejectedError)
+        return isinstance(error, RefusedError) and error.status in {400, 422}
     except RetryLaterError as error:
         if error.status != 500:
             raise

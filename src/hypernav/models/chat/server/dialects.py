@@ -38,7 +38,6 @@ class ServerDialect:
         form: Mechanism that enforces a JSON form.
         logprobs: Number of alternatives per token that the server reports; 0 for none.
         decision: Name of the decision endpoint; empty if it has none.
-        token_limit: Request field that bounds the length of the answer.
     """
 
     name: DialectName
@@ -46,7 +45,6 @@ class ServerDialect:
     form: Literal["none", "json"]
     logprobs: int = 20
     decision: Literal["", "systemone", "decisions"] = ""
-    token_limit: str = "max_tokens"
 
 
 DIALECTS: dict[str, ServerDialect] = {

@@ -1,21 +1,18 @@
 """JSON over HTTP with an OpenAI-compatible server; every failure is one of our errors."""
 
 import json
-import math
 import os
 import re
 from collections.abc import Mapping
 from contextlib import closing
+from dataclasses import replace
 from typing import Any
 from urllib.parse import urljoin, urlsplit
-
-import httpx
 
 from hypernav.core.errors import (
     ChatTimeoutError,
     ChatTransportError,
     ConfigError,
-    ModelRejectedError,
     ModelSetupError,
 )
 from hypernav.core.network.bounded_http import (
@@ -23,19 +20,19 @@ from hypernav.core.network.bounded_http import (
     Reply,
     ReplyTooLargeError,
     Session,
-    environment_proxy,
 )
+from hypernav.core.network.proxies import environment_proxy, is_loopback, without_password
 from hypernav.models.chat.answer_parsing import shortened
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.server.retry import RetryLaterError
-
-_RETRYABLE_STATUSES = {408, 409, 425, 429}
-_NO_VISION = re.compile(
-    r"image input is not supported|mmproj|does not support (?:image|vision)", re.I
+from hypernav.models.chat.server.reply_errors import (
+    LONGEST_MESSAGE,
+    error_in_body,
+    error_of_status,
 )
+
 _PLAIN = re.compile(r"[!-~]+")
+_QUERY = re.compile(r"(?:api-version=[\w.-]+)?")
 _MOST_CONTAINERS = 200_000
-_LOCAL_HOSTS = {"localhost", "127.0.0.1", "::1"}
 
 _CONNECT_LIMIT_S = 5.0
 """Longest wait for one of the server's addresses to connect."""
@@ -43,10 +40,6 @@ _CONNECT_LIMIT_S = 5.0
 LARGEST_REPLY_BYTES = 4 * 2**20
 """Limit of a reply: an answer has a few kilobytes, one with probabilities or a long list of models
 about one megabyte. Parsing the worst takes a second."""
-
-
-class NotFoundError(ModelSetupError):
-    """The server has nothing at this address, or no such model (404)."""
 
 
 class HttpClient:
@@ -64,7 +57,7 @@ class HttpClient:
         Raises:
             ConfigError: The URL is malformed, or holds a password.
         """
-        self.url = _checked(url)
+        self.url, self._query = _checked(url)
         self._key = _key_for(self.url, environment)
         self._config = config
 
@@ -95,14 +88,20 @@ class HttpClient:
         headers = {"Accept": "application/json", "Content-Type": "application/json"}
         # Questions come seconds apart; servers close idle connections sooner (vLLM after 5 s).
         headers["Connection"] = "close"
-        if self._key:
+        if self._key and self._query:  # Azure's older form has a header of its own
+            headers["api-key"] = self._key
+        elif self._key:
             headers["Authorization"] = f"Bearer {self._key}"
         try:
             proxy = environment_proxy(url)
+        except ValueError as error:
+            raise ModelSetupError(f"{self.url}: {error}") from error
+        asked = f" through the proxy {without_password(proxy)}" if proxy else ""
+        try:
             with closing(Session(largest_reply_bytes=LARGEST_REPLY_BYTES, proxy=proxy)) as session:
                 reply = session.exchange(
                     method,
-                    url,
+                    url + self._query,
                     headers=headers,
                     body=body,
                     deadline=deadline,
@@ -110,18 +109,27 @@ class HttpClient:
                 )
         except TimeoutError as error:
             raise ChatTimeoutError(
-                f"{self.url}: no answer within {deadline.limit_s:.3g} s"
+                f"{self.url}{asked}: no answer within {deadline.limit_s:.3g} s"
             ) from error
         except (ReplyTooLargeError, ValueError) as error:
-            raise ChatTransportError(f"{url}: {self._told(error)}") from error
+            raise ChatTransportError(f"{url}{asked}: {self._told(error)}") from error
         except OSError as error:
+            host, told = urlsplit(url).hostname, f"{self.url}{asked}: {self._told(error)}"
+            if proxy:
+                remedy = f"is the proxy right? no_proxy={host} asks the server without it"
+                raise ChatTransportError(told, remedy=remedy) from error
             raise ChatTransportError(
-                f"{self.url}: {self._told(error)}; is the server running? "
-                f"try: hypernav doctor --vlm openai:{self.url}"
+                f"{told}; is the server running? try: hypernav doctor --vlm openai:{self.url}"
             ) from error
+        if self._key:
+            body_without_key = reply.body.replace(self._key.encode(), b"***")
+            reply = replace(reply, body=body_without_key)
         if not 200 <= reply.status < 300:
-            raise self._status_error(reply, url)
-        return self._parsed(reply, url)
+            raise error_of_status(reply, f"{url}{asked}")
+        parsed = self._parsed(reply, f"{url}{asked}")
+        if (error := error_in_body(reply, parsed, f"{url}{asked}")) is not None:
+            raise error
+        return parsed
 
     def _parsed(self, reply: Reply, url: str) -> dict[str, Any]:
         # Each costs fifty times its bytes, and the garbage collector looks at all of them.
@@ -135,28 +143,9 @@ class HttpClient:
             cause = self._without_key(str(error))
             raise ChatTransportError(f"{url}: the answer is not JSON: {cause}") from error
         if not isinstance(parsed, dict):
-            found = self._without_key(_text(reply))
+            found = shortened(reply.body.decode("utf-8", "replace"), LONGEST_MESSAGE)
             raise ChatTransportError(f"{url}: expected a JSON object, found '{found}'")
         return parsed
-
-    def _status_error(self, reply: Reply, url: str) -> Exception:
-        status, said = reply.status, self._without_key(_message(reply))
-        where = f"{url} answered {status}"
-        if _NO_VISION.search(said):  # llama.cpp answers 500
-            return ModelSetupError(f"{where}: {said}; this model cannot see, choose another")
-        if status in _RETRYABLE_STATUSES or status >= 500 or status < 200:
-            return RetryLaterError(f"{where}: {said}", _retry_after(reply), status=status)
-        if status < 400:
-            target = shortened(reply.headers.get("location", "nowhere"), 240)
-            return ModelSetupError(
-                f"{where}: the server points to {target}; write its own URL after openai:"
-            )
-        if status in {400, 413, 422}:
-            return ModelRejectedError(f"{where}: {said}")
-        if status == 404:
-            return NotFoundError(f"{where}: {said}")
-        hint = "; set the environment variable HYPERNAV_API_KEY to the server's key"
-        return ModelSetupError(f"{where}: {said}{hint if status in {401, 403} else ''}")
 
     def _told(self, error: Exception) -> str:
         # Systems number their errors differently, and the words say it all.
@@ -164,10 +153,11 @@ class HttpClient:
         return self._without_key(words or str(error) or type(error).__name__)
 
     def _without_key(self, text: str) -> str:
-        return shortened(text.replace(self._key, "***") if self._key else text, 240)
+        return shortened(text.replace(self._key, "***") if self._key else text, LONGEST_MESSAGE)
 
 
-def _checked(url: str) -> str:
+def _checked(url: str) -> tuple[str, str]:
+    """The URL without its query, and the query, which may only hold Azure's version."""
     try:
         parts = urlsplit(url)
         host, _ = parts.hostname, parts.port
@@ -177,43 +167,18 @@ def _checked(url: str) -> str:
         raise ConfigError(
             f"'{url}' is not a server's URL; expected something like http://localhost:8000/v1"
         )
-    if parts.username or parts.password or parts.query:
+    if parts.username or parts.password or not _QUERY.fullmatch(parts.query):
         raise ConfigError(
             f"the URL of {parts.scheme}://{host} holds a name, password or query; put the key into "
             "the environment variable HYPERNAV_API_KEY instead"
         )
-    return url.rstrip("/")
+    query = f"?{parts.query}" if parts.query else ""
+    return url.removesuffix(query).rstrip("/"), query
 
 
 def _key_for(url: str, environment: Mapping[str, str]) -> str:
     own = environment.get("HYPERNAV_API_KEY", "")
     parts = urlsplit(url)
-    if own or not (parts.scheme == "https" or parts.hostname in _LOCAL_HOSTS):
+    if own or not (parts.scheme == "https" or is_loopback(parts.hostname or "")):
         return own
     return environment.get("OPENAI_API_KEY", "")
-
-
-def _message(reply: Reply) -> str:
-    """The server's own words: OpenAI's form, FastAPI's, or whatever it sent."""
-    text = _text(reply)
-    try:
-        body = json.loads(text)
-    except (ValueError, RecursionError):
-        return text or httpx.codes.get_reason_phrase(reply.status) or "no reason given"
-    for key in ("error", "message", "detail"):
-        if isinstance(body, dict) and body.get(key):
-            body = body[key]
-    return body if isinstance(body, str) else text
-
-
-def _text(reply: Reply) -> str:
-    return reply.body.decode("utf-8", "replace")
-
-
-def _retry_after(reply: Reply) -> float | None:
-    """Seconds that the server asks to wait; None where it names none, or a date, or nonsense."""
-    try:
-        wait_s = float(reply.headers.get("retry-after", ""))
-    except ValueError:
-        return None
-    return wait_s if math.isfinite(wait_s) and wait_s >= 0.0 else None

@@ -1,21 +1,36 @@
 """Chat models behind an OpenAI-compatible server: vLLM, SGLang, Ollama, llama.cpp, hosted APIs."""
 
+import copy
+import json
 import logging
 import os
-import reprlib
+import re
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Literal
 
 from hypernav.core.chat import Answer, Question, Usage
-from hypernav.core.errors import ChatTransportError, ModelRejectedError, ModelSetupError
+from hypernav.core.errors import (
+    ChatError,
+    ChatTimeoutError,
+    ChatTransportError,
+    ModelRejectedError,
+    ModelSetupError,
+    ModelUnavailableError,
+)
 from hypernav.core.network.bounded_http import Deadline
-from hypernav.models.chat.answer_parsing import parse_answer
+from hypernav.models.chat.answer_parsing import parse_answer, shortened, without_thinking
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.image_encoding import jpeg_data_url
-from hypernav.models.chat.server.answer_probabilities import answer_probabilities, parse_logprobs
+from hypernav.models.chat.server.answer_probabilities import (
+    after_thoughts,
+    answer_probabilities,
+    parse_logprobs,
+)
 from hypernav.models.chat.server.decision_api import (
     accepts_question,
     decision_request,
@@ -24,11 +39,23 @@ from hypernav.models.chat.server.decision_api import (
 from hypernav.models.chat.server.detection import ServerInfo, detect_server, with_known_models
 from hypernav.models.chat.server.dialects import Constraint, constraint_for
 from hypernav.models.chat.server.http_client import HttpClient
-from hypernav.models.chat.server.reply_fields import read_content, read_usage
-from hypernav.models.chat.server.retry import Retry
+from hypernav.models.chat.server.refusals import LIMIT_NAMES, TOKEN_LIMIT, UNKNOWN, Refusals
+from hypernav.models.chat.server.reply_errors import CONTEXT, LONGEST_MESSAGE, RefusedError
+from hypernav.models.chat.server.reply_fields import read_usage
+from hypernav.models.chat.server.retry import Retry, RetryLaterError
+from hypernav.models.chat.server.thinking import (
+    ENDLESS,
+    PROBES,
+    Thinking,
+    Written,
+    read_written,
+    switches,
+)
 
 _log = logging.getLogger(__name__)
 _DETECTION_LIMIT_S = 10.0
+_DECISION = "decision"
+_SLOW_THOUGHTS = "the model thinks long: try --set chat.thinking=off, or a larger chat.timeout_s"
 
 
 @dataclass(frozen=True)
@@ -39,14 +66,15 @@ class _Reply:
     usage: Usage
     probabilities: Mapping[str, float]
     refused: bool
+    written: Written | None = None
 
 
 class OpenAiChat:
     """Asks a server over HTTP. Safe to share between threads.
 
-    Optional fields that a server does not understand are left out from then on: if it rejects a
-    request with such fields (a decision, label probabilities, a constraint, sampling), the same
-    question is asked without them, one kind at a time. Answers are checked here in any case.
+    What a server refuses by name is renamed, made smaller or left out from then on
+    (`Refusals`), and a model that thinks before it answers gets room for it (`Thinking`); the
+    same question is then asked again at once. Answers are checked here in any case.
     """
 
     def __init__(
@@ -79,7 +107,8 @@ class OpenAiChat:
         self._clock = clock
         self._server: ServerInfo | None = None
         self._lock = threading.Lock()
-        self._dropped: tuple[str, ...] = ()
+        self._refusals = Refusals()
+        self._thinking = Thinking(level=self.config.thinking)
 
     @property
     def url(self) -> str:
@@ -97,8 +126,20 @@ class OpenAiChat:
 
     @property
     def dropped(self) -> tuple[str, ...]:
-        """Kinds of optional fields that the server has rejected so far."""
-        return self._dropped
+        """Fields that the server has refused so far, and that are not sent any more."""
+        return self._refusals.dropped
+
+    @property
+    def thinking(self) -> Thinking:
+        """What is known so far of the model's thinking."""
+        return self._thinking
+
+    def with_thinking(self, level: Literal["auto", "off", "low"]) -> "OpenAiChat":
+        """The same server with another ``chat.thinking``; what was learned of fields is kept."""
+        other = copy.copy(self)
+        other.config = self.config.model_copy(update={"thinking": level})
+        other._thinking = Thinking(level=level)
+        return other
 
     def server(self) -> ServerInfo:
         """Model and dialect of the server; detected once.
@@ -129,13 +170,13 @@ class OpenAiChat:
         patience = self._retry.begin()
         server = self._server_within(patience)
         try:
-            reply, lost = self._retry.call(
-                lambda deadline: self._attempt(server, question, deadline),
-                who=self._who(),
-                patience=patience,
-            )
+            reply, lost = self._answered(server, question, patience)
         except (ModelRejectedError, ModelSetupError) as error:
             raise with_known_models(error, server, self.url) from error
+        except ModelUnavailableError as error:
+            if self._thinking.room and isinstance(error.__cause__, ChatTimeoutError):
+                raise ModelUnavailableError(str(error), remedy=_SLOW_THOUGHTS) from error
+            raise
         return parse_answer(
             question,
             reply.text,
@@ -154,42 +195,94 @@ class OpenAiChat:
         within = deadline.within(_DETECTION_LIMIT_S)
         return detect_server(self._client, self._wanted, self.config, within)
 
-    def _attempt(self, server: ServerInfo, question: Question, deadline: Deadline) -> _Reply:
-        """One attempt; a rejected request is repeated at once with fewer optional fields."""
-        dropped = self._dropped
+    def _answered(
+        self, server: ServerInfo, question: Question, patience: Deadline
+    ) -> tuple[_Reply, Counter[str]]:
+        """A reply, asked for again where the model thinks and was not meant to, or had no room."""
+        lost: Counter[str] = Counter()
+        last_switch = len(switches(self._thinking.level, server.dialect.name)) - 1
         while True:
-            optional = self._optional(server, question, dropped)
+            thinking = self._thinking
+            reply, again = self._retry.call(
+                partial(self._attempt, server, question, thinking),
+                who=self._who(),
+                patience=patience,
+            )
+            lost += again
+            if reply.written is None:
+                return reply, lost
+            written, following = reply.written, thinking.after(reply.written, last_switch)
+            self._learn(following)
+            is_plain = not written.is_cut or written.is_thought_only
+            if following.asks_like(thinking) and (
+                is_plain or not self._thinks_unseen(server, question, patience)
+            ):
+                if following.is_endless:
+                    _log.warning("%s: %s", self._who(), ENDLESS.format(room=thinking.room))
+                return reply, lost
+            _log.info("%s: asking again: %s", self._who(), self._thinking)
+
+    def _thinks_unseen(self, server: ServerInfo, question: Question, patience: Deadline) -> bool:
+        """Whether an answer that was cut was thought without a mark; the first one tells."""
+        known = self._thinking
+        if known.is_probed or known.is_prefilled:
+            return False
+        self._learn(replace(known, is_probed=True))
+        for room in PROBES:
             try:
-                if "decision" in optional:
+                reply, _ = self._retry.call(
+                    partial(self._attempt, server, question, replace(known, room=room)),
+                    who=self._who(),
+                    patience=patience,
+                )
+            except ModelUnavailableError as error:
+                _log.info("%s: a longer answer does not come: %s", self._who(), error)
+                return False
+            written = reply.written
+            if written is not None and written.has_closed_only:
+                self._learn(replace(known, room=room, is_seen=True, is_prefilled=True))
+                return True
+            if written is None or not written.is_cut:
+                return False
+        return False
+
+    def _learn(self, thinking: Thinking) -> None:
+        with self._lock:
+            self._thinking = self._thinking.merged(thinking)
+
+    def _attempt(
+        self, server: ServerInfo, question: Question, thinking: Thinking, deadline: Deadline
+    ) -> _Reply:
+        """One attempt; a refused request is repeated at once as the refusal teaches."""
+        refusals = known = self._refusals
+        own = self.config.extra_body
+        while True:
+            decides = _DECISION not in refusals.dropped and accepts_question(
+                server.dialect.decision, question
+            )
+            constraint = constraint_for(server.dialect, question)
+            if decides or set(constraint.fields) & set(refusals.dropped):
+                constraint = Constraint({})
+            body = {} if decides else self._body(server, question, constraint, thinking)
+            try:
+                if decides:
                     reply = self._decide(server, question, deadline)
                 else:
-                    reply = self._complete(server, question, optional, deadline)
-            except (ModelRejectedError, ModelSetupError) as error:
-                # 404 for an optional endpoint means only that it is missing.
-                forgiven = isinstance(error, ModelRejectedError) or "decision" in optional
-                if not forgiven or not optional:
+                    fitted = refusals.fitted(body) | own
+                    sent = self._client.post("chat/completions", fitted, deadline)
+                    reply = _parse_completion(
+                        sent, question, constraint, is_prefilled=thinking.is_prefilled
+                    )
+            except (ModelRejectedError, ModelSetupError, RetryLaterError) as error:
+                learned = _learned(refusals, error, body, own)
+                if learned is None:
                     raise
-                _log.warning("%s; asking without %s", error, optional[0])
-                dropped = (*dropped, optional[0])
+                _log.warning("%s; asking otherwise from now on", error)
+                refusals = learned
             else:
-                self._dropped = dropped
+                if refusals is not known:
+                    self._refusals = refusals
                 return reply
-
-    def _optional(
-        self, server: ServerInfo, question: Question, dropped: tuple[str, ...]
-    ) -> tuple[str, ...]:
-        """The kinds of optional fields of this question; the first is left out first."""
-        dialect = server.dialect
-        kinds = []
-        if self.config.decisions and accepts_question(dialect.decision, question):
-            kinds.append("decision")
-        if self.config.logprobs and dialect.logprobs and question.allowed:
-            kinds.append("logprobs")
-        if constraint_for(dialect, question).fields:
-            kinds.append("constraint")
-        if self.config.temperature is not None or self.config.seed is not None:
-            kinds.append("sampling")
-        return tuple(kind for kind in kinds if kind not in dropped)
 
     def _decide(self, server: ServerInfo, question: Question, deadline: Deadline) -> _Reply:
         endpoint = server.dialect.decision
@@ -198,25 +291,26 @@ class OpenAiChat:
         text, probabilities, usage, refused = parse_decision(endpoint, reply, question)
         return _Reply(text, usage, probabilities, refused)
 
-    def _complete(
-        self, server: ServerInfo, question: Question, optional: tuple[str, ...], deadline: Deadline
-    ) -> _Reply:
-        constraint = Constraint({})
-        if "constraint" in optional:
-            constraint = constraint_for(server.dialect, question)
+    def _body(
+        self, server: ServerInfo, question: Question, constraint: Constraint, thinking: Thinking
+    ) -> dict[str, Any]:
+        """The request as OpenAI's API has it, without what `ChatConfig.extra_body` holds."""
+        config, dialect = self.config, server.dialect
         body: dict[str, Any] = {
             "model": server.model,
             "messages": [{"role": "user", "content": self._content(question, constraint.note)}],
-            server.dialect.token_limit: question.max_tokens + constraint.extra_tokens,
+            TOKEN_LIMIT: question.max_tokens + constraint.extra_tokens + thinking.room,
             **constraint.fields,
+            "temperature": config.temperature,
+            "seed": config.seed,
+            **switches(thinking.level, dialect.name)[thinking.switch],
         }
-        if "logprobs" in optional:
-            body |= {"logprobs": True, "top_logprobs": server.dialect.logprobs}
-        if "sampling" in optional:
-            sampling = {"temperature": self.config.temperature, "seed": self.config.seed}
-            body |= {key: value for key, value in sampling.items() if value is not None}
-        reply = self._client.post("chat/completions", body, deadline)
-        return _parse_completion(reply, question, wrapped=constraint.wrapped)
+        if dialect.logprobs and question.allowed:
+            body |= {"logprobs": True, "top_logprobs": dialect.logprobs}
+        own = set(config.extra_body)
+        if own & LIMIT_NAMES:
+            own.add(TOKEN_LIMIT)
+        return {name: one for name, one in body.items() if one is not None and name not in own}
 
     def _content(self, question: Question, note: str) -> str | list[dict[str, Any]]:
         text = f"{question.text}\n\n{note}" if note else question.text
@@ -230,20 +324,58 @@ class OpenAiChat:
         return [*images, {"type": "text", "text": text}]
 
 
-def _parse_completion(reply: dict[str, Any], question: Question, *, wrapped: bool) -> _Reply:
+def _learned(
+    refusals: Refusals, error: ChatError, body: Mapping[str, Any], own: Mapping[str, Any]
+) -> Refusals | None:
+    """What an error teaches about the fields of the next request; None if nothing.
+
+    Raises:
+        ModelRejectedError: It names a field of the user's own.
+    """
+    said = str(error).partition(" answered ")[2] or str(error)
+    if not body:  # the optional endpoint; a 404 means only that it is missing
+        is_passing = isinstance(error, RetryLaterError)
+        return None if is_passing else replace(refusals, dropped=(*refusals.dropped, _DECISION))
+    if isinstance(error, RefusedError):
+        names_nothing = not refusals.names(said, body)
+        # An error in a good reply may be about anything; a known cause is no field's fault.
+        if names_nothing and (error.status == 200 or (error.remedy and not CONTEXT.search(said))):
+            return None
+    elif not (
+        isinstance(error, RetryLaterError)
+        and error.status == 500
+        and UNKNOWN.search(said)
+        and refusals.names(said, body)
+    ):
+        return None
+    named = [name for name in own if re.search(rf"(?<!\w){re.escape(name)}(?!\w)", said)]
+    if named:
+        remedy = f"'{named[0]}' comes from chat.extra_body"
+        raise ModelRejectedError(str(error), remedy=remedy) from error
+    return refusals.after(said, body)
+
+
+def _parse_completion(
+    reply: dict[str, Any], question: Question, constraint: Constraint, *, is_prefilled: bool
+) -> _Reply:
     """Parse a chat completion; an incomplete one counts as a transport error."""
     choices = reply.get("choices")
     choice = choices[0] if isinstance(choices, list) and choices else None
     message = choice.get("message") if isinstance(choice, dict) else None
     if not isinstance(choice, dict) or not isinstance(message, dict):
-        raise ChatTransportError(f"the server sent no choice: {reprlib.repr(reply)}")
-    text, refusal = read_content(message.get("content")), message.get("refusal")
+        found = shortened(json.dumps(reply), LONGEST_MESSAGE)
+        raise ChatTransportError(f"the server sent no choice: {found}")
+    usage, refusal = reply.get("usage"), message.get("refusal")
+    written = read_written(choice, usage, is_prefilled=is_prefilled)
+    text = written.text
     refused = bool(refusal) or choice.get("finish_reason") == "content_filter"
     probabilities: dict[str, float] = {}
     logprobs = choice.get("logprobs")
     if question.allowed and isinstance(logprobs, dict):
         tokens = parse_logprobs(logprobs.get("content"))
-        probabilities = answer_probabilities(tokens, question.allowed, wrapped=wrapped)
+        if written.has_thoughts:
+            tokens = after_thoughts(tokens, without_thinking(text))
+        probabilities = answer_probabilities(tokens, question.allowed, wrapped=constraint.wrapped)
     if refused and not text and isinstance(refusal, str):
         text = refusal
-    return _Reply(text, read_usage(reply.get("usage")), probabilities, refused)
+    return _Reply(text, read_usage(usage), probabilities, refused, written)

@@ -1,5 +1,6 @@
 """Reads fields of a server's reply, checking their types and sizes."""
 
+import json
 import math
 from typing import Any
 
@@ -41,5 +42,34 @@ def read_content(content: Any) -> str:
     if isinstance(content, str):
         return content
     parts = content if isinstance(content, list) else []
-    texts = [part.get("text") for part in parts if isinstance(part, dict)]
+    texts = [part.get("text") for part in parts if isinstance(part, dict) and not _thinks(part)]
     return "".join(text for text in texts if isinstance(text, str))
+
+
+def read_reasoning(message: dict[str, Any]) -> str:
+    """Thoughts that a server tells apart from the answer; never an answer."""
+    for name in ("reasoning", "reasoning_content", "thinking"):
+        if isinstance(message.get(name), str) and message[name].strip():
+            return message[name]
+    content = message.get("content")
+    parts = content if isinstance(content, list) else []
+    thoughts = [part for part in parts if isinstance(part, dict) and _thinks(part)]
+    return json.dumps(thoughts) if thoughts else ""
+
+
+def thinking_tokens(usage: object) -> int:
+    """Tokens that went into thinking; 0 where the server doesn't tell.
+
+    Gemini's compatible endpoint counts them in the total alone.
+    """
+    if not isinstance(usage, dict):
+        return 0
+    details = usage.get("completion_tokens_details")
+    told = _tokens(details.get("reasoning_tokens")) if isinstance(details, dict) else 0
+    known = read_usage(usage)
+    hidden = _tokens(usage.get("total_tokens")) - known.tokens_in - known.tokens_out
+    return told or (max(hidden, 0) if known.tokens_in else 0)
+
+
+def _thinks(part: dict[str, Any]) -> bool:
+    return str(part.get("type")) in {"thinking", "reasoning", "redacted_thinking"}

@@ -24,9 +24,11 @@ class RetryLaterError(ChatTransportError):
         status: HTTP status code.
     """
 
-    def __init__(self, message: str, wait_s: float | None = None, *, status: int = 503) -> None:
+    def __init__(
+        self, message: str, wait_s: float | None = None, *, status: int = 503, remedy: str = ""
+    ) -> None:
         """Store wait and status with the message."""
-        super().__init__(message)
+        super().__init__(message, remedy=remedy)
         self.wait_s = wait_s
         self.status = status
 
@@ -93,9 +95,11 @@ class Retry:
                     times = f"{attempts} {'attempt' if attempts == 1 else 'attempts'}"
                     if config.patience_s > 0.0:
                         times += f" within a patience of {config.patience_s:g} s"
-                    raise ModelUnavailableError(
+                    unavailable = ModelUnavailableError(
                         f"{who} gave no answer in {times}; last: {error}"
-                    ) from error
+                    )
+                    unavailable.remedy = error.remedy  # the message has it already
+                    raise unavailable from error
                 _log.warning(
                     "%s; asking again in %.1f s (attempt %d)", error, pause, lost.total() + 1
                 )
