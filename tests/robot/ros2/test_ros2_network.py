@@ -1,5 +1,6 @@
 """What DDS refuses or cannot decode ends neither the thread of the network nor a search unsaid."""
 
+import re
 import struct
 import threading
 import time
@@ -100,3 +101,23 @@ def test_what_dds_refuses_names_the_topic(monkeypatch, refused):
         if refused != "DataReader":
             with pytest.raises(RosNetworkError, match="'/nose' can't be written as Image"):
                 network.publisher("/nose", ros.Image)
+
+
+@pytest.mark.parametrize(
+    ("offered", "asked", "words"),
+    [
+        (Quality.RELIABLE, Quality.STATIC, "its durability is less.*as transient local"),
+        (Quality.SENSOR, Quality.RELIABLE, "its reliability is less.*as reliable"),
+    ],
+)
+def test_a_publisher_of_another_quality_of_service_is_named(caplog, offered, asked, words):
+    with closing(Ros2Network(DOMAIN)) as theirs, closing(Ros2Network(DOMAIN)) as ours:
+        ours.subscribe("/tf_static", ros.TFMessage, asked, print)
+        publisher = theirs.publisher("/tf_static", ros.TFMessage, offered)
+        for _ in range(300):
+            if "isn't heard" in caplog.text and "doesn't hear" in caplog.text:
+                break
+            time.sleep(0.1)
+        del publisher
+    assert re.search(f"'/tf_static': a publisher isn't heard, because {words}", caplog.text)
+    assert "'/tf_static': a reader doesn't hear hypernav" in caplog.text

@@ -18,6 +18,7 @@ from cyclonedds.builtin import (
 from cyclonedds.core import (
     DDSException,
     InstanceState,
+    Listener,
     Policy,
     Qos,
     ReadCondition,
@@ -43,6 +44,12 @@ _WAIT_S = 0.1
 _ALL_S = 2.0
 """Time in a domain after which all topics are known, seconds."""
 _ANY = SampleState.Any | ViewState.Any | InstanceState.Any
+_POLICIES = {
+    2: ("durability", "a static transform, or a map, must be published as transient local"),
+    11: ("reliability", "transforms must be published as reliable"),
+}
+"""Quality-of-service policies by their numbers in DDS, and what their publishers have to do."""
+_OTHER_POLICY = ("quality of service", "`ros2 topic info -v` shows it")
 _NAMES = {kind.__idl_typename__.replace(".", "::"): name for name, kind in ROS_TYPES.items()}
 _UNDECODABLE = (struct.error, ValueError, AssertionError)
 """Errors of reading bytes that are not a message of the type."""
@@ -80,6 +87,32 @@ class Quality(Enum):
         _XCDR1,
     )
     """The same with many publishers: ``/tf_static``."""
+
+
+class _Mismatches(Listener):
+    """Names publishers and readers that DDS keeps apart because of their quality of service."""
+
+    def __init__(self, topic: str) -> None:
+        """Listen for a topic of ROS."""
+        super().__init__()
+        self._topic = topic
+
+    def on_requested_incompatible_qos(self, _: Any, status: Any) -> None:
+        """Say that a publisher isn't heard."""
+        policy, cure = _POLICIES.get(status.last_policy_id, _OTHER_POLICY)
+        _LOG.warning(
+            "'%s': a publisher isn't heard, because its %s is less than hypernav asks for; %s",
+            *(self._topic, policy, cure),
+        )
+
+    def on_offered_incompatible_qos(self, _: Any, status: Any) -> None:
+        """Say that a reader doesn't hear."""
+        policy, _ = _POLICIES.get(status.last_policy_id, _OTHER_POLICY)
+        _LOG.warning(
+            "'%s': a reader doesn't hear hypernav, because it asks for more %s than is offered; "
+            "change the reader's quality of service (`ros2 topic info -v %s` shows it)",
+            *(self._topic, policy, self._topic),
+        )
 
 
 class Publisher(Generic[_MessageT]):
@@ -179,7 +212,9 @@ class Ros2Network:
         """
         with _told_as(f"'{topic}' can't be written as {kind.__name__}"):
             described = Topic(self._participant, _dds_name(topic), kind)
-            return Publisher(DataWriter(self._participant, described, qos=quality.value))
+            listener = _Mismatches(topic)
+            writer = DataWriter(self._participant, described, qos=quality.value, listener=listener)
+            return Publisher(writer)
 
     def subscribe(
         self,
@@ -204,7 +239,9 @@ class Ros2Network:
         """
         with _told_as(f"'{topic}' can't be read as {kind.__name__}"):
             described = Topic(self._participant, _dds_name(topic), kind)
-            reader = DataReader(self._participant, described, qos=quality.value)
+            reader = DataReader(
+                self._participant, described, qos=quality.value, listener=_Mismatches(topic)
+            )
             subscription = _Subscription(topic, reader, ReadCondition(reader, _ANY), receive)
             self._subscriptions.append(subscription)
             self._waiting.attach(subscription.condition)
