@@ -1,5 +1,6 @@
 """Plausible but misread input of a robot is said, with the evidence; right input is not."""
 
+import json
 import math
 from collections.abc import Callable, Iterator
 
@@ -7,12 +8,16 @@ import numpy as np
 import pytest
 
 from box_views import room, view_of
+from hypernav.core.actions import Action
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.robot.server.doubts.doubts import Doubts
+from hypernav.robot.wire.frames import pack_observation
 from hypernav.robot.wire.requests import ObservationFacts
 from hypernav.robot.wire.values import PlanarPose
+from hypernav.worlds.box_room import BoxRoom
+from servers.robots import RobotLink, real_plan, robot_server
 
 CAMERA = PinholeCamera.from_hfov(80, 60, 79.0)
 MOUNT = optical_to_base(0.9, 5.0)
@@ -81,7 +86,7 @@ def test_nothing_is_said_of_a_tilt_that_is_wrong_by_two_degrees():
 def test_depth_in_another_unit_is_said(factor):
     (words,) = doubts(depth=lambda image: image * np.float32(factor))
     said = float(words.split(" is ")[1].split(" times")[0])
-    assert said == pytest.approx(factor, rel=0.08)
+    assert said == factor
     assert "in another unit (png-mm and 16UC1 count millimetres" in words
 
 
@@ -168,3 +173,32 @@ def test_red_and_blue_that_are_exchanged_are_said():
 
 def test_images_without_any_depth_or_colour_are_no_doubt():
     assert doubts(rgb=np.zeros_like, depth=np.zeros_like) == []
+
+
+def told(link: RobotLink, factor: float) -> tuple[list[str], list[str]]:
+    """Reasons and events of a search in whose depth one unit counts so many millimetres."""
+    search, room, reasons = link.open(), BoxRoom(), list[str]()
+    for sequence in range(13):
+        seen = room.observe()
+        pose = PlanarPose(x=seen.robot.x, y=seen.robot.y, yaw=seen.robot.yaw)
+        facts = ObservationFacts(sequence=sequence, stamp_s=0.5 * sequence, base_to_odom=pose)
+        depth = seen.depth * np.float32(factor)
+        reply = link.observe(search, pack_observation(facts, seen.rgb, depth, seen.truth)).json
+        reply = link.answer(search, sequence) if reply["hold"] else reply
+        reasons.append(reply["reason"])
+        if reply["done"]:
+            break
+        room.step(Action(reply["action"]))
+    trace = link.call("GET", f"{search}/trace").content.decode().splitlines()
+    return reasons, [event for line in trace for event in json.loads(line)["events"]]
+
+
+def test_robot_and_operator_read_the_doubt_once(tmp_path, caplog):
+    with robot_server(tmp_path, real_plan) as link:
+        reasons, events = told(link, 4.0)
+        right, _ = told(link, 1.0)
+    words = "4 times as far away as it is for a camera 0.88 m above it; is depth in another unit"
+    assert sum(words in event for event in events) == 1
+    assert sum("Check what the robot sends: the floor" in reason for reason in reasons) == 1
+    assert words in caplog.text
+    assert not any("Check what the robot sends" in reason for reason in right)

@@ -108,13 +108,15 @@ class FloorFit:
         return self._words_of_a_factor(math.exp(-log), share)
 
     def _words_of_a_factor(self, factor: float, share: float) -> str:
-        is_unit = any(abs(math.log(factor / unit)) < _NEAR for unit in _UNITS)
+        nearest = min(_UNITS, key=lambda unit: abs(math.log(factor / unit)))
+        is_unit = abs(math.log(factor / nearest)) < _NEAR
         unit = (
             "is depth in another unit (png-mm and 16UC1 count millimetres; some cameras count 0.1 "
             "or 0.25 mm)? Else "
         )
         return (
-            f"the floor ({share:.0%} of the depth that looks down) is {factor:.2g} times as far "
+            f"the floor ({share:.0%} of the depth that looks down) is "
+            f"{nearest if is_unit else factor:.2g} times as far "
             f"away as it is for a camera {self._height_m:.2f} m above it; {unit if is_unit else ''}"
             "are the camera's height and tilt right, fx and fy those of this image size, and depth "
             "registered to colour?"
