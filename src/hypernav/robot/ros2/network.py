@@ -97,7 +97,7 @@ class _Mismatches(Listener):
         super().__init__()
         self._topic = topic
 
-    def on_requested_incompatible_qos(self, _: Any, status: Any) -> None:
+    def on_requested_incompatible_qos(self, reader: Any, status: Any) -> None:
         """Say that a publisher isn't heard."""
         policy, cure = _POLICIES.get(status.last_policy_id, _OTHER_POLICY)
         _LOG.warning(
@@ -105,7 +105,7 @@ class _Mismatches(Listener):
             *(self._topic, policy, cure),
         )
 
-    def on_offered_incompatible_qos(self, _: Any, status: Any) -> None:
+    def on_offered_incompatible_qos(self, writer: Any, status: Any) -> None:
         """Say that a reader doesn't hear."""
         policy, _ = _POLICIES.get(status.last_policy_id, _OTHER_POLICY)
         _LOG.warning(
