@@ -4,6 +4,7 @@ import logging
 import struct
 import threading
 import time
+import uuid
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -18,7 +19,6 @@ from cyclonedds.builtin import (
 from cyclonedds.core import (
     DDSException,
     InstanceState,
-    Listener,
     Policy,
     Qos,
     ReadCondition,
@@ -44,12 +44,14 @@ _WAIT_S = 0.1
 _ALL_S = 2.0
 """Time in a domain after which all topics are known, seconds."""
 _ANY = SampleState.Any | ViewState.Any | InstanceState.Any
-_POLICIES = {
-    2: ("durability", "a static transform, or a map, must be published as transient local"),
-    11: ("reliability", "transforms must be published as reliable"),
-}
-"""Quality-of-service policies by their numbers in DDS, and what their publishers have to do."""
-_OTHER_POLICY = ("quality of service", "`ros2 topic info -v` shows it")
+_LOOK_S = 1.0
+"""Time between two looks for publishers that aren't heard, seconds."""
+_LESS = (
+    (Policy.Durability, "TransientLocal", "Volatile", "durability", "transient local"),
+    (Policy.Reliability, "Reliable", "BestEffort", "reliability", "reliable"),
+)
+"""Policies, what a reader may ask for, what is less, and both for people: DDS keeps such a
+publisher from the reader, and says nothing."""
 _NAMES = {kind.__idl_typename__.replace(".", "::"): name for name, kind in ROS_TYPES.items()}
 _UNDECODABLE = (struct.error, ValueError, AssertionError)
 """Errors of reading bytes that are not a message of the type."""
@@ -89,32 +91,6 @@ class Quality(Enum):
     """The same with many publishers: ``/tf_static``."""
 
 
-class _Mismatches(Listener):
-    """Names publishers and readers that DDS keeps apart because of their quality of service."""
-
-    def __init__(self, topic: str) -> None:
-        """Listen for a topic of ROS."""
-        super().__init__()
-        self._topic = topic
-
-    def on_requested_incompatible_qos(self, reader: Any, status: Any) -> None:
-        """Say that a publisher isn't heard."""
-        policy, cure = _POLICIES.get(status.last_policy_id, _OTHER_POLICY)
-        _LOG.warning(
-            "'%s': a publisher isn't heard, because its %s is less than hypernav asks for; %s",
-            *(self._topic, policy, cure),
-        )
-
-    def on_offered_incompatible_qos(self, writer: Any, status: Any) -> None:
-        """Say that a reader doesn't hear."""
-        policy, _ = _POLICIES.get(status.last_policy_id, _OTHER_POLICY)
-        _LOG.warning(
-            "'%s': a reader doesn't hear hypernav, because it asks for more %s than is offered; "
-            "change the reader's quality of service (`ros2 topic info -v %s` shows it)",
-            *(self._topic, policy, self._topic),
-        )
-
-
 class Publisher(Generic[_MessageT]):
     """Writes messages of one topic."""
 
@@ -143,6 +119,7 @@ class _Subscription:
     reader: DataReader[Any]
     condition: ReadCondition
     receive: Callable[[Any], None]
+    quality: Quality
 
     def take(self) -> None:
         """Pass on what arrived; a message that cannot be decoded counts as lost."""
@@ -188,6 +165,7 @@ class Ros2Network:
             ) from error
         self._joined_s = time.monotonic()
         self._subscriptions: list[_Subscription] = []
+        self._unheard: set[tuple[uuid.UUID, str]] = set()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._read, name="ros2", daemon=True)
         self._thread.start()
@@ -212,9 +190,7 @@ class Ros2Network:
         """
         with _told_as(f"'{topic}' can't be written as {kind.__name__}"):
             described = Topic(self._participant, _dds_name(topic), kind)
-            listener = _Mismatches(topic)
-            writer = DataWriter(self._participant, described, qos=quality.value, listener=listener)
-            return Publisher(writer)
+            return Publisher(DataWriter(self._participant, described, qos=quality.value))
 
     def subscribe(
         self,
@@ -239,10 +215,9 @@ class Ros2Network:
         """
         with _told_as(f"'{topic}' can't be read as {kind.__name__}"):
             described = Topic(self._participant, _dds_name(topic), kind)
-            reader = DataReader(
-                self._participant, described, qos=quality.value, listener=_Mismatches(topic)
-            )
-            subscription = _Subscription(topic, reader, ReadCondition(reader, _ANY), receive)
+            reader = DataReader(self._participant, described, qos=quality.value)
+            condition = ReadCondition(reader, _ANY)
+            subscription = _Subscription(topic, reader, condition, receive, quality)
             self._subscriptions.append(subscription)
             self._waiting.attach(subscription.condition)
 
@@ -301,14 +276,42 @@ class Ros2Network:
         }
         return sorted(types)
 
+    def _name_unheard(self) -> None:
+        """Name each publisher once that DDS keeps from a reader of ours."""
+        asked = {_dds_name(one.topic): one for one in list(self._subscriptions)}
+        for offer in self._offers.read(10_000):
+            if not offer.sample_info.valid_data or offer.topic_name not in asked:
+                continue
+            reader = asked[offer.topic_name]
+            for policy, wish, less, word, wished in _LESS:
+                is_asked = _kind(reader.quality.value, policy) == wish
+                if not is_asked or _kind(offer.qos, policy) != less:
+                    continue
+                if (offer.key, word) not in self._unheard:
+                    self._unheard.add((offer.key, word))
+                    _LOG.warning(
+                        "'%s': a publisher isn't heard, because its %s is less than hypernav asks "
+                        "for (%s); `ros2 topic info -v %s` names it",
+                        *(reader.topic, word, wished, reader.topic),
+                    )
+
     def _read(self) -> None:
+        looked_s = time.monotonic()
         while not self._ended.is_set():
+            if time.monotonic() - looked_s > _LOOK_S:
+                looked_s = time.monotonic()
+                self._name_unheard()
             if not self._subscriptions:
                 time.sleep(_WAIT_S)
                 continue
             self._waiting.wait(duration(seconds=_WAIT_S))
             for subscription in list(self._subscriptions):
                 subscription.take()
+
+
+def _kind(quality: Qos, policy: Any) -> str:
+    """Name of the policy of one kind in a quality of service; empty without one."""
+    return type(quality[policy]).__name__.rpartition(".")[2] if policy in quality else ""
 
 
 def _dds_name(topic: str) -> str:
