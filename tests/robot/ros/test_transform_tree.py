@@ -59,6 +59,14 @@ def test_frames_of_other_trees_have_no_pose():
         tree.pose("camera", "map", 0.0)
 
 
+def test_a_frame_with_the_prefix_of_a_robot_is_named():
+    tree = TransformTree()
+    tree.add("robot1/odom", "robot1/base_link", Transform.identity(), 0.0, static=False)
+    words = "there is 'robot1/base_link' instead of 'base_link', 'robot1/odom' instead of 'odom'"
+    with pytest.raises(TransformMissingError, match=words):
+        tree.pose("base_link", "odom", 0.0)
+
+
 def test_a_loop_of_frames_ends():
     tree = tree_of((0.0, Transform.identity()))
     tree.add("camera", "odom", Transform.identity(), 0.0, static=True)

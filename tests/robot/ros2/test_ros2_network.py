@@ -1,5 +1,6 @@
 """What DDS refuses or cannot decode ends neither the thread of the network nor a search unsaid."""
 
+import re
 import struct
 import threading
 import time
@@ -100,3 +101,31 @@ def test_what_dds_refuses_names_the_topic(monkeypatch, refused):
         if refused != "DataReader":
             with pytest.raises(RosNetworkError, match="'/nose' can't be written as Image"):
                 network.publisher("/nose", ros.Image)
+
+
+@pytest.mark.parametrize(
+    ("offered", "asked", "words"),
+    [
+        (Quality.RELIABLE, Quality.STATIC, "its durability is less .*transient local"),
+        (Quality.SENSOR, Quality.RELIABLE, r"its reliability is less .*\(reliable\)"),
+        (Quality.STATIC, Quality.SENSOR, None),
+    ],
+)
+def test_a_publisher_of_another_quality_of_service_is_named_once(caplog, offered, asked, words):
+    with closing(Ros2Network(DOMAIN)) as theirs, closing(Ros2Network(DOMAIN)) as ours:
+        ours.subscribe("/tf_static", ros.TFMessage, asked, print)
+        publisher = theirs.publisher("/tf_static", ros.TFMessage, offered)
+        until_s = time.monotonic() + (3.0 if words is None else 60.0)
+        while time.monotonic() < until_s and not (words and words_in(caplog)):
+            time.sleep(0.1)
+        time.sleep(1.5)
+        del publisher
+    said = words_in(caplog)
+    assert len(said) == (words is not None)
+    if words is not None:
+        assert re.search(f"'/tf_static': a publisher isn't heard, because {words}", said[0])
+
+
+def words_in(caplog: pytest.LogCaptureFixture) -> list[str]:
+    """Warnings about publishers that aren't heard."""
+    return [one.message for one in caplog.records if "isn't heard" in one.message]

@@ -45,6 +45,7 @@ def legged_robot(
     odometry_behind_s: float = 0.0,
     speed_m_s: float = 0.0,
     namespace: str = "",
+    mount: ros.Quaternion = OPTICAL,
 ) -> Iterator[None]:
     """Publishes 20 times a second until the block ends; the body stands at the origin of odom.
 
@@ -65,7 +66,7 @@ def legged_robot(
         ros.TransformStamped(
             ros.Header(frame_id="base_link"),
             f"{name}_optical",
-            ros.Transform(ros.Vector3(0.2), OPTICAL),
+            ros.Transform(ros.Vector3(0.2), mount),
         )
         for name in cameras
     ]
@@ -164,6 +165,32 @@ def test_frames_of_a_robot_in_a_namespace_are_heard(networks):
         assert pose.xy == (0.0, 0.0)
         with pytest.raises(TransformMissingError):
             Ros2Sensors(ours, configured(*NAMED[:3], *NAMED[4:], "timing.find_s=4"))
+
+
+@pytest.mark.slow
+def test_two_robots_with_the_same_names_are_said(networks):
+    theirs, ours = networks
+    with legged_robot(theirs), legged_robot(theirs, speed_m_s=-5.0):
+        sensors = Ros2Sensors(ours, configured(*NAMED))
+
+        def watch() -> None:
+            until_s = time.monotonic() + 30.0
+            while time.monotonic() < until_s:
+                sensors.wait_for_pair()
+                time.sleep(0.05)
+
+        with pytest.raises(TransformMissingError, match=r"'base_link' in 'odom': .* two robots"):
+            watch()
+
+
+def test_a_frame_that_is_not_optical_is_said(networks):
+    theirs, ours = networks
+    level = ros.Quaternion(y=-math.sin(PITCH / 2), w=math.cos(PITCH / 2))
+    with (
+        legged_robot(theirs, mount=level),
+        pytest.raises(ConfigError, match=r"looks up by 90°.*'front_optical'.*_optical_frame"),
+    ):
+        Ros2Base(ours, configured(*NAMED), Ros2Sensors(ours, configured(*NAMED)))
 
 
 @pytest.mark.slow

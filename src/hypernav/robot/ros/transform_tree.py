@@ -15,6 +15,7 @@ from hypernav.core.errors import TransformMissingError
 from hypernav.core.geometry.transforms import Transform
 from hypernav.robot.ros.messages import frame_name, rigid_transform, stamp_s
 
+_NOT_RUNNING = "is the node that publishes it running?"
 _REACH_S = 0.2
 """Time before the first and after the last known pose for which that pose still holds."""
 _GAP_S = 1.0
@@ -131,10 +132,21 @@ class TransformTree:
         if common is None:
             raise TransformMissingError(
                 f"tf does not connect '{frame}' (below '{below[-1]}') with '{parent}' (below "
-                f"'{above[-1]}'); is the node that publishes it running?"
+                f"'{above[-1]}'); {self._alike(frame, parent) or _NOT_RUNNING}"
             )
         up = self._climb(below[: below.index(common)], at_s)
         return self._climb(above[: above.index(common)], at_s).inverse() @ up
+
+    def _alike(self, *frames: str) -> str:
+        """Which known frames differ from unknown ones only by the prefix of a robot, for people."""
+        known = self._parents.keys() | set(self._parents.values())
+        alike = [
+            f"'{name}' instead of '{frame}'"
+            for frame in frames
+            for name in sorted(known)
+            if frame not in known and name.endswith(f"/{frame}")
+        ]
+        return f"there is {', '.join(alike)}: name it in the configuration" if alike else ""
 
     def _climb(self, frames: list[str], at_s: float) -> Transform:
         """The pose of the first frame in the parent of the last."""

@@ -4,6 +4,7 @@ import logging
 import struct
 import threading
 import time
+import uuid
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -43,6 +44,14 @@ _WAIT_S = 0.1
 _ALL_S = 2.0
 """Time in a domain after which all topics are known, seconds."""
 _ANY = SampleState.Any | ViewState.Any | InstanceState.Any
+_LOOK_S = 1.0
+"""Time between two looks for publishers that aren't heard, seconds."""
+_LESS = (
+    (Policy.Durability, "TransientLocal", "Volatile", "durability", "transient local"),
+    (Policy.Reliability, "Reliable", "BestEffort", "reliability", "reliable"),
+)
+"""Policies, what a reader may ask for, what is less, and both for people: DDS keeps such a
+publisher from the reader, and says nothing."""
 _NAMES = {kind.__idl_typename__.replace(".", "::"): name for name, kind in ROS_TYPES.items()}
 _UNDECODABLE = (struct.error, ValueError, AssertionError)
 """Errors of reading bytes that are not a message of the type."""
@@ -110,6 +119,7 @@ class _Subscription:
     reader: DataReader[Any]
     condition: ReadCondition
     receive: Callable[[Any], None]
+    quality: Quality
 
     def take(self) -> None:
         """Pass on what arrived; a message that cannot be decoded counts as lost."""
@@ -155,6 +165,7 @@ class Ros2Network:
             ) from error
         self._joined_s = time.monotonic()
         self._subscriptions: list[_Subscription] = []
+        self._unheard: set[tuple[uuid.UUID, str]] = set()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._read, name="ros2", daemon=True)
         self._thread.start()
@@ -205,7 +216,8 @@ class Ros2Network:
         with _told_as(f"'{topic}' can't be read as {kind.__name__}"):
             described = Topic(self._participant, _dds_name(topic), kind)
             reader = DataReader(self._participant, described, qos=quality.value)
-            subscription = _Subscription(topic, reader, ReadCondition(reader, _ANY), receive)
+            condition = ReadCondition(reader, _ANY)
+            subscription = _Subscription(topic, reader, condition, receive, quality)
             self._subscriptions.append(subscription)
             self._waiting.attach(subscription.condition)
 
@@ -264,14 +276,42 @@ class Ros2Network:
         }
         return sorted(types)
 
+    def _name_unheard(self) -> None:
+        """Name each publisher once that DDS keeps from a reader of ours."""
+        asked = {_dds_name(one.topic): one for one in list(self._subscriptions)}
+        for offer in self._offers.read(10_000):
+            if not offer.sample_info.valid_data or offer.topic_name not in asked:
+                continue
+            reader = asked[offer.topic_name]
+            for policy, wish, less, word, wished in _LESS:
+                is_asked = _kind(reader.quality.value, policy) == wish
+                if not is_asked or _kind(offer.qos, policy) != less:
+                    continue
+                if (offer.key, word) not in self._unheard:
+                    self._unheard.add((offer.key, word))
+                    _LOG.warning(
+                        "'%s': a publisher isn't heard, because its %s is less than hypernav asks "
+                        "for (%s); `ros2 topic info -v %s` names it",
+                        *(reader.topic, word, wished, reader.topic),
+                    )
+
     def _read(self) -> None:
+        looked_s = time.monotonic()
         while not self._ended.is_set():
+            if time.monotonic() - looked_s > _LOOK_S:
+                looked_s = time.monotonic()
+                self._name_unheard()
             if not self._subscriptions:
                 time.sleep(_WAIT_S)
                 continue
             self._waiting.wait(duration(seconds=_WAIT_S))
             for subscription in list(self._subscriptions):
                 subscription.take()
+
+
+def _kind(quality: Qos, policy: Any) -> str:
+    """Name of the policy of one kind in a quality of service; empty without one."""
+    return type(quality[policy]).__name__.rpartition(".")[2] if policy in quality else ""
 
 
 def _dds_name(topic: str) -> str:

@@ -19,6 +19,9 @@ from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.rgbd_stream import ImagePair
 from hypernav.robot.ros2.sensors import Ros2Sensors
 
+_MOST_UP_DEG = 60.0
+"""Angle above the horizon at which no robot's camera looks: the z axis of its body does."""
+
 
 class SensingRobot:
     """Images and poses of a robot, and the embodiment that they belong to.
@@ -106,6 +109,14 @@ def _embodiment(robot: Embodiment, sensors: Ros2Sensors) -> Embodiment:
     pair = sensors.wait_for_pair()
     assert pair is not None, "nothing else ends the wait"
     pose: Transform = sensors.camera_to_base(pair.stamp_s)
+    up = math.degrees(math.asin(max(min(float(pose.rotation[2, 2]), 1.0), -1.0)))
+    if up > _MOST_UP_DEG:
+        frame = sensors.calibration.frame
+        raise ConfigError(
+            f"by tf the camera looks up by {up:.0f}°: z of the frame '{frame}', which frame_id of "
+            "its images names, must point forward, x right and y down (REP 103: "
+            "'…_optical_frame'); name an optical frame in the camera's driver or simulator"
+        )
     height_m, values = float(pose.translation[2]), robot.model_dump()
     values["camera"] |= {
         "width": camera.width,

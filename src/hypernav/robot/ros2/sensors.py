@@ -4,6 +4,7 @@ import math
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from typing import Any, TypeVar
 
@@ -24,6 +25,7 @@ from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.idl_types import ROS_TYPES, Odometry, TFMessage
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.robot.ros2.rgbd_stream import ImagePair, RgbdStream
+from hypernav.robot.ros2.rival_odometry import RivalOdometry
 from hypernav.robot.ros2.robot_clock import RobotClock
 
 _MEMORY_S = 10.0
@@ -49,6 +51,7 @@ class Ros2Sensors:
         self._network, self._config = network, config
         self._tree, self._tree_lock = TransformTree(memory_s=_MEMORY_S), threading.Lock()
         self._odometry_s, self._clock = -1.0, RobotClock(config.timing.clock_drift)
+        self._rivals = RivalOdometry()
         self._first_messages, self._ends_of_looks = dict[str, Any](), list[Callable[[], None]]()
         self.stream = RgbdStream(config.timing.apart_s)
         self._subscribe_frames()
@@ -97,7 +100,13 @@ class Ros2Sensors:
 
         Raises:
             RosNetworkError: It takes longer than the patience.
+            TransformMissingError: The odometry has two publishers.
         """
+        with self._tree_lock:
+            rivals = self._rivals.words
+        if rivals is not None:
+            frames = self._config.frames
+            raise TransformMissingError(f"'{frames.base}' in '{frames.odom}': {rivals}")
         patience_s, found = self._config.timing.patience_s, None
 
         def is_over() -> bool:
@@ -204,6 +213,9 @@ class Ros2Sensors:
         if newest_s is not None and newest_s > self._odometry_s:
             self._odometry_s = newest_s
             self._clock.hear(newest_s)
+            frames = self._config.frames
+            with suppress(TransformMissingError):  # a frame between them lacks that time
+                self._rivals.note(_planar(self._tree.pose(frames.base, frames.odom, newest_s)))
 
     def _found(self, find: Callable[[], _FoundT]) -> _FoundT:
         """The result of a function, which is called again until it raises nothing.

@@ -22,6 +22,7 @@ from hypernav.robot.motion.config import DriveConfig
 from hypernav.robot.motion.obstacles import MapObstacles
 from hypernav.robot.motion.pure_pursuit import PurePursuit
 from hypernav.robot.motion.velocity import Velocity as BaseVelocity
+from hypernav.robot.server.doubts.doubts import Doubts
 from hypernav.robot.server.sensing import Sensing
 from hypernav.robot.server.state.journal import EndRecord, Journal, SearchRecord, StepRecord
 from hypernav.robot.server.unknown_start import UnknownStart
@@ -68,6 +69,8 @@ class Decisions:
         self._robot, self._camera = request.robot, request.camera
         self._camera_to_base = request.embodiment.camera.camera_to_base
         self._sensing = Sensing(request.embodiment)
+        self._doubts = Doubts(self._camera, self._camera_to_base)
+        self._not_in_trace: list[str] = []
         self._has_labels = request.labels
         self._start: UnknownStart | None = None
         if record.relocalize:
@@ -104,6 +107,7 @@ class Decisions:
             HyPerNavError: The agent cannot go on.
         """
         step, grid = self._decided(packed, seen)
+        step = self._with_doubts(step, self._doubts.look(packed.header, seen))
         self._told = step.reply.action
         return step if self._start is None else self._start.as_robot_knows(step), grid
 
@@ -130,6 +134,20 @@ class Decisions:
             trace = trace.model_copy(update={"events": [*trace.events, _BLOCKED]})
         reply = reply_of(number, trace, grid, self._robot)
         return StepRecord(reply=reply, trace=trace), grid.cropped().copy()
+
+    def _with_doubts(self, step: StepRecord, doubts: list[str]) -> StepRecord:
+        """Tell robot and operator what may be misread; the trace, from its first step on."""
+        for words in doubts:
+            _LOG.warning("search %s: %s", self._name, words)
+        self._not_in_trace += doubts
+        reply, trace = step.reply, step.trace
+        if doubts:
+            reason = ". Check what the robot sends: ".join([reply.reason, *doubts])
+            reply = reply.model_copy(update={"reason": reason})
+        if trace is not None and self._not_in_trace:
+            trace = trace.model_copy(update={"events": [*trace.events, *self._not_in_trace]})
+            self._not_in_trace = []
+        return step.model_copy(update={"reply": reply, "trace": trace})
 
     def _begin(self, facts: ObservationFacts, seen: Observation) -> Observation:
         """Begin with the memory, if there is one and the robot's place there is sure.

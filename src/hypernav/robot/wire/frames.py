@@ -172,8 +172,7 @@ def decode_observation(
             f"the robot would be at ({x:.1f}, {y:.1f}) m, but a map reaches {MAP_REACH_M:g} m from "
             "its origin; is a pose wrong, or must odom_to_map move the origin to where it starts?"
         )
-    if header.camera_to_base is not None:
-        camera_to_base = Transform.from_matrix(np.array(header.camera_to_base))
+    camera_to_base = header.camera_pose(camera_to_base)
     return Observation(
         rgb=_decoded_colour(packed, camera),
         depth=_decoded_depth(packed, camera),

@@ -4,6 +4,7 @@ import json
 import math
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import BaseModel, Field, model_validator
 
 from hypernav.core.config import MOST_STEPS
@@ -132,6 +133,15 @@ class ObservationFacts(Message):
     def base_to_map(self) -> Transform:
         """Pose of the robot in the ``map`` frame."""
         return self.odom_to_map.transform @ self.base_to_odom.transform
+
+    def camera_pose(self, usual: Transform) -> Transform:
+        """Pose of the camera on the robot.
+
+        Args:
+            usual: That of the search's embodiment.
+        """
+        matrix = self.camera_to_base
+        return usual if matrix is None else Transform.from_matrix(np.array(matrix))
 
 
 class ColourPart(Message):
