@@ -69,12 +69,14 @@ class Fault(StrEnum):
     REFUSED = "refused"
     UNPARSABLE = "unparsable"
     INVALID = "invalid"
+    CUT = "cut while thinking"
 
 
 _FAULT_ERRORS = {
     Fault.REFUSED: RefusalError,
     Fault.UNPARSABLE: UnparsableAnswerError,
     Fault.INVALID: InvalidAnswerError,
+    Fault.CUT: UnparsableAnswerError,
 }
 
 

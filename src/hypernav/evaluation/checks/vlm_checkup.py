@@ -25,8 +25,9 @@ from hypernav.evaluation.checks.known_answers import (
     drawn_house,
     drawn_shape,
 )
-from hypernav.models.chat.answer_parsing import shortened, without_thinking
+from hypernav.models.chat.answer_parsing import shortened
 from hypernav.models.chat.server.detection import ServerInfo
+from hypernav.models.chat.unwrapping import final_answer
 from hypernav.models.chat.vlm_families import VlmFamily, family_named, family_of
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.map_question import (
@@ -138,7 +139,7 @@ def _check_vision(chat: ChatModel) -> Generator[Finding, None, bool]:
             said = f"whether it sees cannot be told: {answer.detail}"
             yield Finding("images", State.FAULT, said, _NO_WORDS)
             return False
-        said = without_thinking(answer.text)
+        said = final_answer(answer.text)
         if colour not in said.lower():
             wrong.append(f"{colour} is '{shortened(said, 30)}'")
     if wrong:

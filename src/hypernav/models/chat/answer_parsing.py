@@ -13,9 +13,8 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from hypernav.core.chat import Answer, Fault, Question, Usage
+from hypernav.models.chat.unwrapping import unwrapped
 
-_THINKING = re.compile(r"<think>.*?(?:</think>|\Z)", re.DOTALL)
-_FENCE = re.compile(r"```[a-zA-Z]*\s*(.*?)(?:```|\Z)", re.DOTALL)
 _REFUSAL = re.compile(
     r"\s*(?:i['’]?m (?:very )?sorry|sorry\b|i (?:can ?not|can['’]t|am unable|'m unable|won['’]t)\b"
     r"|as an ai\b|unfortunately,? i (?:can ?not|can['’]t))",
@@ -54,19 +53,24 @@ def parse_answer(
         refused: Whether the server reports that the model declined.
     """
     text = writable(text[:LONGEST_ANSWER])
+    final = unwrapped(text)
+    said = final.text
+    # The server's probabilities are of the first words: of thinking, where the text begins so.
+    told = probabilities if text.strip().startswith(said) else None
     answer = Answer(
         text=text,
         model=model,
         usage=usage or Usage(),
         seconds=seconds,
         lost=lost or {},
-        probabilities=probabilities or {},
+        probabilities=told or {},
     )
-    said = without_thinking(text)
     if refused:
         return _faulty(answer, Fault.REFUSED, f"declined: {shortened(said) or 'no reason given'}")
+    if final.is_cut:
+        return _faulty(answer, Fault.CUT, final.problem)
     if not said:
-        return _faulty(answer, Fault.UNPARSABLE, "the answer is empty")
+        return _faulty(answer, Fault.UNPARSABLE, final.problem or "the answer is empty")
     if len(text) >= LONGEST_ANSWER:
         detail = f"the answer has {LONGEST_ANSWER:,} characters or more: '{shortened(said)}'"
         return _faulty(answer, Fault.UNPARSABLE, detail)
@@ -75,11 +79,6 @@ def parse_answer(
     if question.form is not None:
         return _parse_form(answer, said, question.form)
     return replace(answer, value=said)
-
-
-def without_thinking(text: str) -> str:
-    """The answer proper, without the reasoning that some models put before it."""
-    return _THINKING.sub("", text).strip()
 
 
 def writable(text: str) -> str:
@@ -99,7 +98,7 @@ def _faulty(answer: Answer, fault: Fault, detail: str) -> Answer:
 
 def _parse_allowed(answer: Answer, said: str, allowed: tuple[str, ...]) -> Answer:
     by_key = {_key(label): label for label in allowed}
-    bare = _unwrapped(said)
+    bare = _single(said)
     if _key(bare) in by_key:
         return replace(answer, value=by_key[_key(bare)])
     words = [_key(word) for word in _LEAD.sub("", bare, count=1).split()]
@@ -120,16 +119,14 @@ def _key(text: str) -> str:
     return text.strip(" \t\r\n.,:;!?\"'`*()[]{}#").casefold()
 
 
-def _unwrapped(said: str) -> str:
-    """The text without a code fence and without the JSON object around a single answer."""
-    fenced = _FENCE.search(said)
-    inner = fenced[1].strip() if fenced else said
-    value = _json_in(inner)
+def _single(said: str) -> str:
+    """The text without the JSON object around a single answer."""
+    value = _json_in(said)
     if isinstance(value, dict) and len(value) == 1:
         value = next(iter(value.values()))
     if isinstance(value, str | int) and not isinstance(value, bool):
         return str(value)
-    return inner
+    return said
 
 
 def _json_in(text: str) -> Any:
@@ -140,14 +137,12 @@ def _json_in(text: str) -> Any:
 
 
 def _parse_form(answer: Answer, said: str, form: type[BaseModel]) -> Answer:
-    fenced = _FENCE.search(said)
-    body = fenced[1] if fenced else said
-    begin, end = body.find("{"), body.rfind("}")
+    begin, end = said.find("{"), said.rfind("}")
     if begin < 0 or end < begin:
         fault = Fault.REFUSED if _REFUSAL.match(said) else Fault.UNPARSABLE
         return _faulty(answer, fault, f"no JSON object in '{shortened(said)}'")
     try:
-        return replace(answer, value=form.model_validate_json(body[begin : end + 1]))
+        return replace(answer, value=form.model_validate_json(said[begin : end + 1]))
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         broken = first["type"] == "json_invalid"
@@ -155,5 +150,5 @@ def _parse_form(answer: Answer, said: str, form: type[BaseModel]) -> Answer:
         return _faulty(
             answer,
             Fault.UNPARSABLE if broken else Fault.INVALID,
-            f"{where}: {first['msg']} in '{shortened(body)}'",
+            f"{where}: {first['msg']} in '{shortened(said)}'",
         )
