@@ -56,7 +56,7 @@ def parse_answer(
     final = unwrapped(text)
     said = final.text
     # The server's probabilities are of the first words: of thinking, where the text begins so.
-    told = probabilities if text.strip().startswith(said) else None
+    told = probabilities if said and text.strip().startswith(said) else None
     answer = Answer(
         text=text,
         model=model,

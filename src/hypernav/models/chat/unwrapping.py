@@ -89,7 +89,7 @@ _TURN_ENDS = re.compile(
     r"|\[\|endofturn\|\]|<｜end▁of▁sentence｜>"
 )
 _TURN_BEGINS = re.compile(
-    r"\A\s*(?:<s>|<bos>|<\|begin_of_text\|>|\[/INST\]"
+    r"\A\s*(?:(?:</s>\s*)?<s>|<bos>|<\|begin_of_text\|>|\[/INST\]"
     r"|<\|(?:im_start|start)\|>\s*assistant|<\|im_assistant\|>\s*assistant\s*<\|im_middle\|>"
     r"|<\|start_header_id\|>\s*assistant\s*<\|end_header_id\|>"
     r"|<\|assistant\|>|<start_of_turn>\s*model|<\|turn>\s*model|<｜Assistant｜>"

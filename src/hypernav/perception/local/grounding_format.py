@@ -261,9 +261,8 @@ def _pointed(text: str) -> Iterator[_Item]:
         else:
             side, found = SIDES["thousandths"], list[list[str]]()
             for image in re.split(r"[;\t]", coords[1]):
-                numbers = re.findall(_NUMBER, image)
-                triples = _in_groups(numbers[len(numbers) % 3 == 1 :], 3)
-                found += [triple[1:] for triple in triples]
+                triples = _in_groups(re.findall(_NUMBER, image)[1:], 3)
+                found += [triple[1:] if len(triple) == 3 else [] for triple in triples]
         for numbers in found:
             yield _Item(numbers, label, rows_first=False, side=side, is_point=True)
 

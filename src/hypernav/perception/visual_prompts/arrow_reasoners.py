@@ -36,7 +36,7 @@ ARROW_WORDS = f"{_ONE}\n{_SEVERAL}"
 """The questions about one arrow and about several."""
 
 _OBJECT = re.compile(r"\{[^{}]*\}")
-_BARE = re.compile(r"\A\W*\d{1,6}(?:[\s,]+\d{1,6})*\W*\Z")
+_BARE = re.compile(r"\W*\d{1,6}(?:[\s,]+\d{1,6})*\W*")
 _NUMBERS = re.compile(r"-?\d+")
 
 
@@ -127,14 +127,15 @@ def named_numbers(said: str, view: ArrowView) -> tuple[int, ...]:
 
     An answer that is nothing but one number or a list of numbers counts as well.
     """
-    objects = _OBJECT.findall(said) or _BARE.findall(said)
-    if not objects:
+    objects = _OBJECT.findall(said)
+    if not objects and not _BARE.fullmatch(said):
         return ()
+    text = objects[-1] if objects else said
     try:
-        values = list(json.loads(objects[-1]).values())
+        values = list(json.loads(text).values()) if objects else [text]
         text = str(values[-1]) if values else ""
     except json.JSONDecodeError:
-        text = objects[-1]
+        pass
     possible = {arrow.number for arrow in view.arrows}
     if view.may_turn:
         possible.add(TURN_AROUND)

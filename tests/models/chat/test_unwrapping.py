@@ -1,0 +1,90 @@
+import time
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hypernav.core.chat import Fault, Question
+from hypernav.models.chat.answer_parsing import parse_answer
+from hypernav.models.chat.unwrapping import (
+    CUT_IN_THINKING,
+    SEVERAL_ANSWERS,
+    final_answer,
+    unwrapped,
+)
+
+MARKS = [
+    *("<think>", "</think>", "<thinking>", "</thinking>", "[THINK]", "[/THINK]", "◁think▷"),
+    *("◁/think▷", "<|channel|>analysis<|message|>", "<|channel|>final<|message|>", "<|end|>"),
+    *("<|channel>thought\n", "<channel|>", "<answer>", "</answer>", "<|begin_of_box|>"),
+    *("<|end_of_box|>", "\\boxed{", "}", "{", "**", "```", "```json\n", "<|im_end|>", "</s>"),
+    *("analysis", "assistantfinal", '"', "`", "$", "yes", "no", "3", "[1, 2, 3, 4]", " ", "\n"),
+]
+texts = st.lists(st.sampled_from(MARKS), max_size=14).map("".join) | st.text(max_size=60)
+
+
+@given(texts)
+def test_unwrapping_twice_is_unwrapping_once(text: str):
+    once = unwrapped(text)
+    again = unwrapped(once.text)
+    assert (again.text, again.removed, again.problem) == (once.text, (), "")
+
+
+@given(st.text(alphabet="abc yes NO 123 [],.{}:'-\n", max_size=80))
+def test_a_plain_text_is_unchanged(text: str):
+    assert unwrapped(text).text == text.strip()
+    assert unwrapped(text).removed == ()
+
+
+@given(texts, st.sampled_from(["yes", "Answer: 3", "[10, 20, 30, 40]", "left"]))
+def test_only_what_follows_the_thinking_counts(thought: str, answer: str):
+    """Whatever is thought, also in tags and with answers of its own."""
+    thought = thought.replace("<|im_end|>", "").replace("</s>", "").replace("<|end|>", "")
+    for text in (f"<think>{thought}\n</think>\n{answer}", f"{thought}\n</think>\n{answer}"):
+        assert final_answer(text) == answer
+
+
+@given(texts)
+def test_thinking_without_an_end_is_no_answer(thought: str):
+    begun = unwrapped("<think> " + "".join(c for c in thought if c not in "<>[]◁▷|"))
+    assert begun.text == ""
+
+
+@pytest.mark.parametrize("mention", ['"<think>"', "'</think>'", "`<answer>`", "“<|im_end|>”"])
+def test_a_mark_between_quotes_is_a_mention(mention: str):
+    text = f"The sign says {mention} in red"
+    assert unwrapped(text).text == text
+
+
+def test_says_what_is_wrong_and_what_was_taken_off():
+    assert unwrapped("<think>yes").problem == CUT_IN_THINKING
+    assert "chat.thinking" in CUT_IN_THINKING
+    assert unwrapped("<answer>yes</answer><answer>no</answer>").problem == SEVERAL_ANSWERS
+    whole = unwrapped("<think>no</think><answer>\\boxed{**yes**}</answer><|im_end|>")
+    assert whole.text == "yes"
+    assert whole.removed == ("turn tokens", "<think>", "<answer>", "\\boxed", "emphasis")
+
+
+def test_probabilities_of_a_thoughts_first_words_are_not_those_of_the_answer():
+    question = Question("verify", "Is it there?", allowed=("yes", "no"))
+    told = {"yes": 0.1, "no": 0.9}
+    thought = parse_answer(question, "No sofa? </think>yes", model="m", probabilities=told)
+    assert (thought.value, dict(thought.probabilities)) == ("yes", {})
+    plain = parse_answer(question, "no", model="m", probabilities=told)
+    assert plain.probabilities == told
+    cut = parse_answer(question, "<think>no", model="m", probabilities=told)
+    assert (cut.fault, dict(cut.probabilities)) == (Fault.CUT, {})
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("<think>" * 5_000, "</think>" * 5_000, "<answer>" * 5_000, "\\boxed{" * 5_000),
+        *("**" * 16_000, "```" * 10_000, "<|im_end|>" * 3_000, "<think " * 5_000),
+        *("\\boxed{" * 2_000 + "}" * 2_000, "<answer>" * 2_000 + "x" + "</answer>" * 2_000),
+    ],
+)
+def test_monstrous_texts_hang_nothing(text: str):
+    begin = time.monotonic()
+    unwrapped(text)
+    assert time.monotonic() - begin < 5.0
