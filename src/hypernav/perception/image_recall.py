@@ -108,6 +108,7 @@ def images_question(config: ImageRecallConfig, images: Sequence[Image], goal: Go
         text=goal.named_in(config.prompt),
         images=(sheet_of(images),),
         max_tokens=64,
+        at_once=True,
     )
 
 

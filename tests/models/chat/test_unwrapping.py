@@ -88,3 +88,28 @@ def test_monstrous_texts_hang_nothing(text: str):
     begin = time.monotonic()
     unwrapped(text)
     assert time.monotonic() - begin < 5.0
+
+
+@pytest.mark.parametrize(
+    ("text", "is_thought"),
+    [
+        ("So the user wants every sofa. I see one at [100, 200, 300, 400], but", True),
+        ("The sofa on the left might be [100, 200, 300, 400]. Is it", True),
+        (
+            "我们需要在图片中找到所有的沙发，然后给出它们的位置和坐标，左边有一个灰色的沙发看起来比较像，让我再看一下",
+            True,
+        ),
+        ('[{"bbox_2d": [100, 200, 300, 400], "label": "sofa"}, {"bbox', False),
+        ('Here are the boxes:\n[{"bbox_2d": [100, 200, 300, 400]', False),
+        ("Left. The hallway leads to", False),
+    ],
+)
+def test_prose_that_reached_the_limit_may_be_thinking_that_the_prompt_began(
+    text: str, is_thought: bool
+):
+    """Its boxes are not read; whoever asks for reasoning first takes a cut answer as it is."""
+    boxes = Question("ground", "Where?", at_once=True)
+    cut = parse_answer(boxes, text, model="m", is_cut=True)
+    assert (cut.fault is Fault.CUT) == is_thought
+    assert parse_answer(boxes, text, model="m").fault is None
+    assert parse_answer(Question("choose block", "?"), text, model="m", is_cut=True).fault is None

@@ -250,7 +250,7 @@ def test_a_point_without_depth_has_a_small_box_around_it():
 def test_ones_own_words_go_before_a_familys(view: Observation):
     for prompt, begin in ((None, "detect bed"), ("Find the {goal}!", "Find the bed!")):
         parrot = Parrot("")
-        words = {} if prompt is None else {"prompt": prompt}
-        config = VlmDetectorConfig(family="paligemma", score_crops=0, **words)
+        config = VlmDetectorConfig(family="paligemma", score_crops=0)
+        config = config if prompt is None else config.model_copy(update={"prompt": prompt})
         VlmDetector(parrot, ExchangeLog(), config).detect(view, BED)
         assert parrot.asked[0].text == begin

@@ -13,7 +13,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from hypernav.core.chat import Answer, Fault, Question, Usage
-from hypernav.models.chat.unwrapping import unwrapped
+from hypernav.models.chat.unwrapping import CUT_IN_THINKING, unwrapped
 
 _REFUSAL = re.compile(
     r"\s*(?:i['’]?m (?:very )?sorry|sorry\b|i (?:can ?not|can['’]t|am unable|'m unable|won['’]t)\b"
@@ -24,6 +24,7 @@ _REFUSAL = re.compile(
 _LEAD = re.compile(
     r"^\W*(?:(?:the|my|final|answer|choice|block|number|is)\b[\s:#*]*)+", re.IGNORECASE
 )
+_FIRST_SENTENCE = re.compile(r"[^\W\d_][^.!:\n\[{]*")
 _SHORT = 80
 LONGEST_ANSWER = 32_768
 """Characters of an answer that are kept: 20 times the longest answer that is asked for."""
@@ -39,6 +40,7 @@ def parse_answer(
     lost: Mapping[str, int] | None = None,
     probabilities: Mapping[str, float] | None = None,
     refused: bool = False,
+    is_cut: bool = False,
 ) -> Answer:
     """Parse the text of a model and check it against the question.
 
@@ -51,6 +53,7 @@ def parse_answer(
         lost: Number of failed attempts before this answer, by reason.
         probabilities: Probabilities of the allowed answers.
         refused: Whether the server reports that the model declined.
+        is_cut: Whether the text ends because it reached the limit of tokens.
     """
     text = writable(text[:LONGEST_ANSWER])
     final = unwrapped(text)
@@ -67,8 +70,8 @@ def parse_answer(
     )
     if refused:
         return _faulty(answer, Fault.REFUSED, f"declined: {shortened(said) or 'no reason given'}")
-    if final.is_cut:
-        return _faulty(answer, Fault.CUT, final.problem)
+    if final.is_cut or (is_cut and question.at_once and _thinks_aloud(said)):
+        return _faulty(answer, Fault.CUT, CUT_IN_THINKING)
     if not said:
         return _faulty(answer, Fault.UNPARSABLE, final.problem or "the answer is empty")
     if len(text) >= LONGEST_ANSWER:
@@ -90,6 +93,12 @@ def shortened(text: str, length: int = _SHORT) -> str:
     """Text as one line of limited length, for messages."""
     line = " ".join(writable(text[: 8 * length]).split())  # an answer may be long
     return line if len(line) <= length else line[: length - 1] + "…"
+
+
+def _thinks_aloud(said: str) -> bool:
+    """Whether a text begins with prose, as thinking does whose begin is in the prompt."""
+    sentence = _FIRST_SENTENCE.match(said)
+    return sentence is not None and (len(sentence[0].split()) > 4 or len(sentence[0]) > 40)
 
 
 def _faulty(answer: Answer, fault: Fault, detail: str) -> Answer:

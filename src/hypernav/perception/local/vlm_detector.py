@@ -101,6 +101,7 @@ def grounding_question(
         images=(family.prepared(image),),
         form=_Things if config.constrained else None,
         max_tokens=config.max_tokens,
+        at_once=True,
     )
 
 
@@ -161,7 +162,7 @@ class VlmDetector:
         answer = self._chat.ask(question)
         height, width = observation.rgb.shape[:2]
         grounding = read_grounding(
-            answer.text,
+            "" if answer.fault is Fault.CUT else answer.text,
             self.family,
             width,
             height,

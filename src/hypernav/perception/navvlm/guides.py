@@ -75,6 +75,7 @@ class ChatGuide:
             text=goal.named_in(template.replace("{past}", _PAST if later else "")),
             images=view.images,
             max_tokens=self.config.max_tokens,
+            at_once=True,
         )
         answer = self.chat.ask(question)
         said = final_answer(answer.text)

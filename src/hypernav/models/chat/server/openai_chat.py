@@ -39,6 +39,7 @@ class _Reply:
     usage: Usage
     probabilities: Mapping[str, float]
     refused: bool
+    is_cut: bool = False
 
 
 class OpenAiChat:
@@ -145,6 +146,7 @@ class OpenAiChat:
             lost=lost,
             probabilities=reply.probabilities,
             refused=reply.refused,
+            is_cut=reply.is_cut,
         )
 
     def _who(self) -> str:
@@ -246,4 +248,5 @@ def _parse_completion(reply: dict[str, Any], question: Question, *, wrapped: boo
         probabilities = answer_probabilities(tokens, question.allowed, wrapped=wrapped)
     if refused and not text and isinstance(refusal, str):
         text = refusal
-    return _Reply(text, read_usage(reply.get("usage")), probabilities, refused)
+    is_cut = choice.get("finish_reason") == "length"
+    return _Reply(text, read_usage(reply.get("usage")), probabilities, refused, is_cut)
