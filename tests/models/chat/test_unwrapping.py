@@ -113,3 +113,11 @@ def test_prose_that_reached_the_limit_may_be_thinking_that_the_prompt_began(
     assert (cut.fault is Fault.CUT) == is_thought
     assert parse_answer(boxes, text, model="m").fault is None
     assert parse_answer(Question("choose block", "?"), text, model="m", is_cut=True).fault is None
+
+
+def test_a_cut_reply_without_an_allowed_answer_says_that_it_reached_its_limit():
+    question = Question("verify", "Is it there?", allowed=("yes", "no"), max_tokens=8)
+    text = "Okay, let's see. The image shows"
+    assert "limit of tokens" in parse_answer(question, text, model="m", is_cut=True).detail
+    assert "limit of tokens" not in parse_answer(question, text, model="m").detail
+    assert parse_answer(question, "yes", model="m", is_cut=True).detail == ""

@@ -25,6 +25,10 @@ _LEAD = re.compile(
     r"^\W*(?:(?:the|my|final|answer|choice|block|number|is)\b[\s:#*]*)+", re.IGNORECASE
 )
 _FIRST_SENTENCE = re.compile(r"[^\W\d_][^.!:\n\[{]*")
+_AT_LIMIT = (
+    "the reply reached its limit of tokens: if the model thinks, switch thinking off "
+    "(--set chat.thinking=off) or raise the limit"
+)
 _SHORT = 80
 LONGEST_ANSWER = 32_768
 """Characters of an answer that are kept: 20 times the longest answer that is asked for."""
@@ -78,7 +82,9 @@ def parse_answer(
         detail = f"the answer has {LONGEST_ANSWER:,} characters or more: '{shortened(said)}'"
         return _faulty(answer, Fault.UNPARSABLE, detail)
     if question.allowed:
-        return _parse_allowed(answer, said, question.allowed)
+        parsed = _parse_allowed(answer, said, question.allowed)
+        hint = f"; {_AT_LIMIT}" if is_cut and parsed.fault is not None else ""
+        return replace(parsed, detail=parsed.detail + hint)
     if question.form is not None:
         return _parse_form(answer, said, question.form)
     return replace(answer, value=said)
