@@ -69,6 +69,15 @@ def test_another_box_gives_another_mask(
     assert (first != second).any()
 
 
+@pytest.mark.parametrize("name", ["sam", "sam2"])
+def test_another_point_gives_another_mask(tiny: Tiny, device: str, name: str):
+    segmenter = SamSegmenter(str(tiny(name)), SamConfig(device=device))
+    view = observe(48, 64)
+    first, second = (segmenter.segment_point(view, *at) for at in ((4.0, 4.0), (60.0, 40.0)))
+    assert first.shape == second.shape == (48, 64)
+    assert (first != second).any()
+
+
 def test_a_box_outside_the_image_holds_nothing(tiny: Tiny):
     segmenter = SamSegmenter(str(tiny("sam")))
     assert not segmenter.segment(observe(48, 64), Box(70.0, 0.0, 90.0, 20.0)).any()

@@ -31,6 +31,8 @@ class Question:
         allowed: The only possible answers; empty for an open question.
         form: Form of a JSON answer, as a pydantic model; None for an open question.
         max_tokens: Limit on the length of the answer, tokens.
+        at_once: Whether the answer is asked for without reasoning before it: a reply that begins
+            with prose, and is cut, may be nothing but thinking.
     """
 
     kind: str
@@ -39,6 +41,7 @@ class Question:
     allowed: tuple[str, ...] = ()
     form: type[BaseModel] | None = None
     max_tokens: int = 256
+    at_once: bool = False
 
     def __post_init__(self) -> None:
         """Reject a question that cannot be answered."""
@@ -69,12 +72,14 @@ class Fault(StrEnum):
     REFUSED = "refused"
     UNPARSABLE = "unparsable"
     INVALID = "invalid"
+    CUT = "cut while thinking"
 
 
 _FAULT_ERRORS = {
     Fault.REFUSED: RefusalError,
     Fault.UNPARSABLE: UnparsableAnswerError,
     Fault.INVALID: InvalidAnswerError,
+    Fault.CUT: UnparsableAnswerError,
 }
 
 

@@ -99,8 +99,8 @@ class Exchange(_Record):
         tokens_in: Number of prompt tokens; 0 where there is no model.
         tokens_out: Number of answer tokens.
         seconds: Time from the question to the answer.
-        fault: Reason why the answer could not be used: "refused", "unparsable" or "invalid", or
-            "unavailable" if there was no answer; empty if it could.
+        fault: Reason why the answer could not be used: "refused", "unparsable", "invalid" or "cut
+            while thinking", or "unavailable" if there was no answer; empty if it could.
         remarks: Oddities of the answer ("1 box inverted", "fell back to geometric").
     """
 

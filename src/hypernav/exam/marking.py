@@ -12,6 +12,7 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Exchange
 from hypernav.exam.questions import NO_IMAGE, RIGHT_IOU, Answered, ExamQuestion, Role, Shown
+from hypernav.models.chat.unwrapping import final_answer
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
 from hypernav.perception.local.noisy_detector import resembles
 from hypernav.perception.local.persistence import view_of
@@ -46,7 +47,7 @@ def marked(question: ExamQuestion, given: Given, exchanges: list[Exchange]) -> A
     overlap = _overlap(question, given)
     score = _score(question, chosen, given, overlap) if not unusable else 0.0
     image = getattr(question.subject, "rgb", None)
-    texts = [one.answer for one in exchanges if one.kind == "ground"]
+    texts = [final_answer(one.answer) for one in exchanges if one.kind == "ground"]
     return Answered(
         id=question.id,
         kind=question.kind,

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -20,6 +21,7 @@ from hypernav.exam.pictures import picture_of
 from hypernav.exam.prediction import Prediction
 from hypernav.exam.questions import KINDS, STRATA, Answered
 from hypernav.exam.worth import worth_of
+from hypernav.models.chat.unwrapping import unwrapped
 from hypernav.show.pages.templating import data_uri, page_environment, plain
 
 PAGE, RESULT = "index.html", "exam.json"
@@ -99,7 +101,7 @@ def write_results(
     """
     marks, cost = marks_of(answers), examined.cost(answers)
     faults = faults_of(answers, examined.model, examined.family)
-    questions = digest_of(answers)
+    questions, wrappings = digest_of(answers), wrappings_of(answers)
     content = {
         "format": "hypernav-exam",
         "version": VERSION,
@@ -112,6 +114,7 @@ def write_results(
         "types": [asdict(one) | {"verdict": one.verdict} for one in marks],
         "faults": [asdict(one) for one in faults],
         "cost": cost,
+        "wrappings": wrappings,
     }
     page = page_environment("hypernav.evaluation", "hypernav.exam").get_template("exam.html.j2")
     text = page.render(
@@ -124,6 +127,7 @@ def write_results(
         faults=faults,
         lead=_lead(marks, faults, predictions),
         cost=cost,
+        wrappings=wrappings,
         wrong=_examples(folder, _worst(answers)),
         right=_examples(folder, [one for one in answers if one.score][: _MOST_RIGHT * 40]),
         state=State,
@@ -135,6 +139,13 @@ def write_results(
     except OSError as error:
         raise OutputError(f"{folder} cannot be written ({error.strerror or error})") from error
     return folder / PAGE
+
+
+def wrappings_of(answers: Sequence[Answered]) -> dict[str, int]:
+    """What was taken off the model's answers before they were read, with the number of answers."""
+    texts = [one.answer for answer in answers for one in answer.exchanges if one.by_model]
+    found = Counter(name for text in texts for name in unwrapped(text).removed)
+    return dict(found.most_common())
 
 
 def digest_of(answers: Sequence[Answered]) -> str:

@@ -15,7 +15,7 @@ from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
-from hypernav.models.chat.answer_parsing import without_thinking
+from hypernav.models.chat.unwrapping import final_answer
 from hypernav.perception.exchanges import exchange_of
 from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.text import draw_text
@@ -108,6 +108,7 @@ def images_question(config: ImageRecallConfig, images: Sequence[Image], goal: Go
         text=goal.named_in(config.prompt),
         images=(sheet_of(images),),
         max_tokens=64,
+        at_once=True,
     )
 
 
@@ -125,7 +126,7 @@ def named_images(text: str, count: int) -> tuple[int, ...] | None:
     Returns:
         None if it can't be read.
     """
-    said = without_thinking(text)
+    said = final_answer(text)
     parts = (*_LAST_LINE.findall(said)[-1:], said.partition("\n")[0], said)
     read = (_named(part, count) for part in parts)
     return next((one for one in read if one is not None), None)

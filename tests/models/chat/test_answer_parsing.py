@@ -59,7 +59,7 @@ def test_reads_what_was_allowed(question: Question, text: str, value: str):
     [
         (YES_NO, "", Fault.UNPARSABLE),
         (YES_NO, "   ", Fault.UNPARSABLE),
-        (YES_NO, "<think>yes", Fault.UNPARSABLE),
+        (YES_NO, "<think>yes", Fault.CUT),
         (YES_NO, "maybe", Fault.INVALID),
         (YES_NO, "yes or no, who knows", Fault.UNPARSABLE),
         (YES_NO, "I'm sorry, I can't help with that.", Fault.REFUSED),

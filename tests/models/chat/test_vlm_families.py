@@ -6,7 +6,13 @@ from hypothesis import strategies as st
 from chat_models import image
 from hypernav.core.errors import ConfigError, ModelError
 from hypernav.core.geometry.boxes import Box
-from hypernav.models.chat.vlm_families import FAMILIES, family_named, family_of, smart_resize
+from hypernav.models.chat.vlm_families import (
+    FAMILIES,
+    MODEL_LINES,
+    family_named,
+    family_of,
+    smart_resize,
+)
 
 sides = st.integers(1, 4000)
 families = st.sampled_from(sorted(FAMILIES.values(), key=lambda family: family.name))
@@ -68,17 +74,59 @@ def test_boxes_there_and_back(family, width: int, height: int, data: st.DataObje
         ("qwen3-vl-235b-a22b", "qwen3-vl"),
         ("Qwen/Qwen3.5-27B", "qwen3-vl"),
         ("zai-org/GLM-4.5V", "glm-v"),
+        ("glm-4.1v-9b-thinking", "glm-v"),
+        ("zai-org/GLM-5V-Turbo", "glm-v"),
         ("gemini-3-flash", "gemini"),
+        ("google/gemma-4-31B-it", "gemini"),
+        ("gemma4:27b", "gemini"),
+        ("OpenGVLab/InternVL3_5-8B", "thousandths"),
+        ("internvl2.5-26b", "thousandths"),
+        ("BAAI/RoboBrain2.0-7B", "qwen2.5-vl"),
+        ("BAAI/RoboBrain2.5-8B-NV", "thousandths"),
+        ("nvidia/cosmos-reason2-8b", "thousandths"),
+        ("openbmb/MiniCPM-V-4_5", "thousandths"),
+        ("openbmb/MiniCPM-Llama3-V-2_5", "thousandths"),
+        ("openbmb/minicpm-o-2_6", "thousandths"),
+        ("LiquidAI/LFM2.5-VL-1.6B", "unit"),
+        ("allenai/Molmo-7B-D-0924", "molmo"),
+        ("allenai/Molmo2-8B", "molmo2"),
+        ("google/paligemma2-3b-mix-448", "paligemma"),
+        ("microsoft/Florence-2-large", "florence-2"),
+        ("IffYuan/Embodied-R1-3B-v1", "embodied-r1"),
+        ("deepseek-ai/deepseek-vl2-small", "deepseek-vl2"),
+        ("doubao-seed-1-6-vision-250815", "thousandths"),
+        ("ByteDance-Seed/Seed1.5-VL", "thousandths"),
+        ("XiaomiMiMo/MiMo-VL-7B-RL", "qwen2.5-vl"),
+        ("moondream/moondream3-preview", "unit"),
+        ("claude-opus-4-5", "claude"),
+        ("01-ai/Yi-VL-6B", "thousandths"),
+        ("Qwen/Qwen-VL-Chat", "thousandths"),
+        ("Qwen/Qwen2.5-Omni-7B", "qwen2.5-vl"),
     ],
 )
 def test_reads_the_family_off_the_name(model: str, family: str):
     assert family_of(model).name == family
 
 
-@pytest.mark.parametrize("model", ["gpt-6-luna", "my-finetune", "glm-4.6", "qwen2.5-7b-instruct"])
+@pytest.mark.parametrize(
+    "model",
+    [
+        *("gpt-6-luna", "my-finetune", "glm-4.6", "qwen2.5-7b-instruct", "glm-4v-9b"),
+        *("moonshotai/Kimi-VL-A3B-Thinking", "google/gemma-3-27b-it", "nvidia/Cosmos-Reason1-7B"),
+        *("meta-llama/Llama-3.2-11B-Vision", "mistralai/Pixtral-12B-2409", "CohereLabs/aya-vision"),
+        *("microsoft/Phi-4-multimodal-instruct", "HuggingFaceTB/SmolVLM-Instruct", "MolmoAct-7B"),
+        *("IffYuan/Embodied-R1.5", "openbmb/MiniCPM-OCR", "allenai/MolmoPoint-8B"),
+    ],
+)
 def test_never_guesses_a_family(model: str):
     with pytest.raises(ConfigError, match=r"name its family: qwen2\.5-vl"):
         family_of(model)
+
+
+def test_every_line_of_models_has_a_source_and_a_family():
+    assert len(MODEL_LINES) >= 25
+    assert len({line.name for line in MODEL_LINES}) == len(MODEL_LINES)
+    assert all(line.source and line.family in FAMILIES for line in MODEL_LINES)
 
 
 def test_unknown_family_lists_the_known_ones():

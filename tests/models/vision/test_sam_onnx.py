@@ -135,6 +135,13 @@ def test_one_image_is_encoded_once_for_all_its_boxes(networks: tuple[Encoder, De
     assert len(networks[0].blobs) == 2
 
 
+def test_a_point_is_given_with_a_point_that_pads(networks: tuple[Encoder, Decoder]):
+    segmenter().segment_point(observe(), 100.0, 50.0)
+    inputs = networks[1].inputs
+    np.testing.assert_allclose(inputs["point_coords"], [[[160.0, 80.0], [0.0, 0.0]]])
+    np.testing.assert_array_equal(inputs["point_labels"], [[1.0, -1.0]])
+
+
 def test_a_box_outside_the_image_holds_nothing(networks: tuple[Encoder, Decoder]):
     assert not segmenter().segment(observe(), Box(700.0, 0.0, 900.0, 9.0)).any()
     assert networks[0].blobs == []

@@ -112,3 +112,28 @@ def test_what_lies_on_the_floor_is_kept():
     observation, rug = seen_in_a_room("rug", (3.0, 0.6, 0.0), (4.6, 1.8, 0.02))
     mask = DepthCutSegmenter().segment(observation, rug.box)
     assert overlap(mask, rug.mask) > 0.6
+
+
+@pytest.mark.parametrize("point", [(80.0, 60.0), (61.0, 41.0), (99.5, 79.5)])
+def test_a_point_takes_the_thing_that_it_is_on(point):
+    observation = thing_before_wall()
+    mask = DepthCutSegmenter().segment_point(observation, *point)
+    assert not (mask & ~thing_pixels(observation)).any()
+    assert overlap(mask, thing_pixels(observation)) > 0.95
+
+
+def test_a_point_takes_no_floor_and_a_point_on_a_rug_takes_it():
+    observation, bed = seen_in_a_room("bed", (3.5, 0.4, 0.0), (5.5, 1.8, 0.5))
+    x, y = (bed.box.x_min + bed.box.x_max) / 2.0, (bed.box.y_min + bed.box.y_max) / 2.0
+    mask = DepthCutSegmenter().segment_point(observation, x, y)
+    points = points_under_mask(mask, observation, min_depth_m=0.5, max_depth_m=5.0)
+    assert points[:, 2].min() > 0.04
+    assert (mask & bed.mask).sum() > 0.5 * mask.sum()
+    on_floor = DepthCutSegmenter().segment_point(observation, 80.0, 118.0)
+    assert (on_floor & bed.mask).sum() < 0.1 * on_floor.sum()
+
+
+def test_a_point_without_depth_around_it_holds_nothing():
+    observation = thing_before_wall(thing_m=0.0)
+    assert not DepthCutSegmenter().segment_point(observation, 80.0, 60.0).any()
+    assert DepthCutSegmenter().segment_point(observation, 61.0, 60.0).any()  # the wall, 2 px away

@@ -485,3 +485,21 @@ def test_in_a_view_that_is_not_new_the_goal_alone_is_remembered(is_new):
     local.look(thing_before_wall())
     labels = {one.label for one in local.floor.things.known}
     assert labels == ({"thing", "wall"} if is_new else {"thing"})
+
+
+class Pointing(WholeBox):
+    """Takes all pixels right of a point."""
+
+    def segment_point(self, observation, x, y):
+        mask = np.zeros(observation.depth.shape, dtype=bool)
+        mask[int(y) - 5 : int(y) + 5, int(x) : int(x) + 10] = True
+        return mask
+
+
+@pytest.mark.parametrize(("segmenter", "pixels"), [(Pointing(), 100), (WholeBox(), 1600)])
+def test_a_point_goes_to_a_segmenter_that_takes_points_else_its_box(segmenter, pixels):
+    seen = Detection(Box(60.0, 40.0, 100.0, 80.0), 1.0, "thing", point=(70.0, 60.0))
+    local = LocalPerception(
+        ScriptedDetector(), segmenter, LocalConfig(), CameraConfig(), cell_size_m=0.05
+    )
+    assert local._mask(seen, thing_before_wall()).sum() == pixels

@@ -6,6 +6,7 @@ import pytest
 from chat_models import Parrot
 from hypernav.core.chat import Answer, Question
 from hypernav.core.errors import ConfigError, ModelUnavailableError
+from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
@@ -13,6 +14,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.perception.local.crop_check import confusions, crop_question
 from hypernav.perception.local.vlm_detector import VlmDetector, VlmDetectorConfig, labels_agree
+from images import thing_before_wall
 
 BED = Goal("bed")
 AS_THEY_ARE = VlmDetectorConfig(score_crops=0)
@@ -208,3 +210,47 @@ def test_goals_are_asked_for_without_their_article(view: Observation):
     VlmDetector(model, ExchangeLog()).detect(view, Goal("the chair in the office"))
     assert "Locate every chair in the office in the picture" in model.asked[0].text
     assert "no chair in the office in" in model.asked[0].text
+
+
+def test_boxes_that_were_only_thought_about_are_none(view: Observation):
+    log = ExchangeLog()
+    text = "…[100,200,300,400] is no bed</think> []"
+    assert VlmDetector(Parrot(text), log, AS_THEY_ARE).detect(view, BED) == []
+    assert log.drain()[0].remarks == []
+
+
+def test_a_reply_cut_in_its_thinking_is_told_with_the_remedy(view: Observation):
+    log = ExchangeLog()
+    detector = VlmDetector(Parrot("<think>[100, 200, 300, 400] is a bed"), log, AS_THEY_ARE)
+    assert detector.detect(view, BED) == []
+    (exchange,) = log.drain()
+    assert exchange.fault == "cut while thinking"
+    assert "--set chat.thinking=off" in exchange.remarks[0]
+    assert detector.rejected == {"cut while thinking": 1}
+
+
+def test_a_point_becomes_the_box_of_what_depth_connects_with_it():
+    seen = thing_before_wall()  # the thing fills (60, 40, 100, 80) of 160 by 120 pixels
+    parrot = Parrot('<point x="50" y="50" alt="bed">bed</point>')
+    config = VlmDetectorConfig(family="molmo", score_crops=0)
+    (found,) = VlmDetector(parrot, ExchangeLog(), config).detect(seen, BED)
+    assert (found.box, found.point) == (Box(60.0, 40.0, 100.0, 80.0), (80.0, 60.0))
+    assert (found.label, found.score) == ("bed", 1.0)
+    assert parrot.asked[0].text.startswith("Point to every bed")
+
+
+def test_a_point_without_depth_has_a_small_box_around_it():
+    seen = thing_before_wall(thing_m=0.0)
+    config = VlmDetectorConfig(family="molmo", score_crops=0)
+    parrot = Parrot('<point x="50" y="50" alt="bed">bed</point>')
+    (found,) = VlmDetector(parrot, ExchangeLog(), config).detect(seen, BED)
+    assert found.box == Box(72.0, 52.0, 88.0, 68.0)
+
+
+def test_ones_own_words_go_before_a_familys(view: Observation):
+    for prompt, begin in ((None, "detect bed"), ("Find the {goal}!", "Find the bed!")):
+        parrot = Parrot("")
+        config = VlmDetectorConfig(family="paligemma", score_crops=0)
+        config = config if prompt is None else config.model_copy(update={"prompt": prompt})
+        VlmDetector(parrot, ExchangeLog(), config).detect(view, BED)
+        assert parrot.asked[0].text == begin

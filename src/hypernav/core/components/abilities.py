@@ -4,6 +4,9 @@ from collections.abc import Collection, Mapping, Sequence
 from inspect import getattr_static, signature
 from typing import Any, Protocol, TypeGuard, runtime_checkable
 
+import numpy as np
+from jaxtyping import Bool
+
 from hypernav.core.components.protocols import Agent, Remembers
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import ConfigError
@@ -94,6 +97,17 @@ class Learns(Protocol):
 
     def learn(self, view: ExplorationView) -> None:
         """Note in `ExplorationView.notes` what the present image tells; called at every step."""
+        ...
+
+
+@runtime_checkable
+class SegmentsPoints(Protocol):
+    """A segmenter that needs no box: a point on the object is enough."""
+
+    def segment_point(
+        self, observation: Observation, x: float, y: float
+    ) -> Bool[np.ndarray, "height width"]:
+        """Mask of the object at a point of the image, pixels; all False if there is none."""
         ...
 
 

@@ -242,7 +242,7 @@ CHECKS: dict[str, dict[str, Check]] = {
         "name_things": _things,
         "things_in": _detections,
     },
-    "Segmenter": _ALL | {"segment": _mask},
+    "Segmenter": _ALL | {"segment": _mask, "segment_point": _mask},
     "Explorer": _ALL | {"next_destination": _destination},
     "BlockReasoner": _ALL | {"choose": _block},
     "ArrowReasoner": _ALL | {"choose": _arrows},

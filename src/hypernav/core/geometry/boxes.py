@@ -68,6 +68,8 @@ class Detection:
         label: The detector's word for the object.
         mask: Mask of the object's pixels, from detectors that segment as well; else a segmenter is
             asked.
+        point: Point ``(x, y)`` on the object in pixels, from detectors that point; the box is then
+            a guess around it.
         is_goal: Whether the object satisfies the goal. A detector that knows other labels may
             return such objects, too, as evidence that the goal is not there.
     """
@@ -76,4 +78,5 @@ class Detection:
     score: float
     label: str
     mask: Bool[np.ndarray, "height width"] | None = None
+    point: tuple[float, float] | None = None
     is_goal: bool = True

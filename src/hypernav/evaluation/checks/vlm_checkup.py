@@ -25,10 +25,11 @@ from hypernav.evaluation.checks.known_answers import (
     drawn_house,
     drawn_shape,
 )
-from hypernav.models.chat.answer_parsing import shortened, without_thinking
+from hypernav.models.chat.answer_parsing import shortened
 from hypernav.models.chat.server.detection import ServerInfo
 from hypernav.models.chat.server.refusals import CONSTRAINTS
 from hypernav.models.chat.server.thinking import ENDLESS, Thinking
+from hypernav.models.chat.unwrapping import final_answer
 from hypernav.models.chat.vlm_families import VlmFamily, family_named, family_of
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.map_question import (
@@ -43,7 +44,7 @@ from hypernav.perception.local.vlm_detector import VlmDetectorConfig, grounding_
 
 _MATCH = 0.5
 _COLOURS: dict[str, tuple[int, int, int]] = {"blue": (30, 60, 220), "green": (40, 160, 60)}
-_READINGS = ("pixels", "thousandths", "unit", "gemini")
+_READINGS = ("pixels", "thousandths", "unit", "gemini", "molmo")
 _MAP_GOAL = Goal("bed")
 _RIGHT_BLOCKS = (2, 3)
 _HELLO = Question("hello", "Answer with the word: ready", max_tokens=16)
@@ -198,7 +199,7 @@ def _check_vision(chat: ChatModel) -> Generator[Finding, None, bool]:
             said = f"whether it sees cannot be told: {answer.detail}"
             yield Finding("images", State.FAULT, said, _remedy_without_words(chat))
             return False
-        said = without_thinking(answer.text)
+        said = final_answer(answer.text)
         if colour not in said.lower():
             wrong.append(f"{colour} is '{shortened(said, 30)}'")
     if wrong:
@@ -217,9 +218,9 @@ def _check_coordinates(chat: ChatModel, config: VlmDetectorConfig) -> Iterator[F
     best = max(_READINGS, key=lambda name: _overlap(answer.text, family_named(name)))
     scale = _scale(answer.text)
     if _overlap(answer.text, family) >= _MATCH and not unknown:
-        yield Finding("coordinates", State.GOOD, f"boxes are right, read as '{family.name}'")
+        yield Finding("coordinates", State.GOOD, f"they are right, read as '{family.name}'")
     elif _overlap(answer.text, family_named(best)) >= _MATCH:
-        why = unknown or f"boxes are wrong when read as '{family.name}', and right as '{best}'"
+        why = unknown or f"they are wrong when read as '{family.name}', and right as '{best}'"
         setting = f"grounding.family={best}"
         yield Finding("coordinates", State.FAULT, why, f"--set {setting}", setting)
     elif scale is not None:
@@ -227,7 +228,7 @@ def _check_coordinates(chat: ChatModel, config: VlmDetectorConfig) -> Iterator[F
         remedy = "raise its limit of pixels (vLLM: --mm-processor-kwargs with max_pixels)"
         yield Finding("coordinates", State.FAULT, said, remedy)
     else:
-        said = f"no box is where the shape is, in no coordinates: '{shortened(answer.text, 60)}'"
+        said = f"no box or point is on the shape, in no coordinates: '{shortened(answer.text, 60)}'"
         remedy = "use a model that was trained on grounding, or another --detector"
         yield Finding("coordinates", State.FAULT, said, remedy)
     yield _timed(answer, "ground")
@@ -323,9 +324,16 @@ def _family(chat: ChatModel, config: VlmDetectorConfig) -> tuple[VlmFamily, str]
 
 
 def _overlap(text: str, family: VlmFamily) -> float:
-    """Overlap of the best box, read as this family's, with the shape, 0 to 1."""
-    boxes = read_grounding(text, family, WIDTH, HEIGHT).boxes
-    return max((one.box.iou(SHAPE_BOX) for one in boxes), default=0.0)
+    """Overlap of the best box of this family with the shape, 0 to 1; that of a point on it is 1."""
+    found = read_grounding(text, family, WIDTH, HEIGHT)
+    overlaps = [one.box.iou(SHAPE_BOX) for one in found.boxes]
+    overlaps += [
+        float(
+            SHAPE_BOX.x_min < one.x < SHAPE_BOX.x_max and SHAPE_BOX.y_min < one.y < SHAPE_BOX.y_max
+        )
+        for one in found.points
+    ]
+    return max(overlaps, default=0.0)
 
 
 def _scale(text: str) -> float | None:

@@ -13,9 +13,8 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from hypernav.core.chat import Answer, Fault, Question, Usage
+from hypernav.models.chat.unwrapping import CUT_IN_THINKING, unwrapped
 
-_THINKING = re.compile(r"<think>.*?(?:</think>|\Z)", re.DOTALL)
-_FENCE = re.compile(r"```[a-zA-Z]*\s*(.*?)(?:```|\Z)", re.DOTALL)
 _REFUSAL = re.compile(
     r"\s*(?:i['’]?m (?:very )?sorry|sorry\b|i (?:can ?not|can['’]t|am unable|'m unable|won['’]t)\b"
     r"|as an ai\b|unfortunately,? i (?:can ?not|can['’]t))",
@@ -24,6 +23,11 @@ _REFUSAL = re.compile(
 # "Answer: block 3" says 3, but "I would not go to 3" does not.
 _LEAD = re.compile(
     r"^\W*(?:(?:the|my|final|answer|choice|block|number|is)\b[\s:#*]*)+", re.IGNORECASE
+)
+_FIRST_SENTENCE = re.compile(r"[^\W\d_][^.!:\n\[{]*")
+_AT_LIMIT = (
+    "the reply reached its limit of tokens: if the model thinks, switch thinking off "
+    "(--set chat.thinking=off) or raise the limit"
 )
 _SHORT = 80
 LONGEST_ANSWER = 32_768
@@ -40,6 +44,7 @@ def parse_answer(
     lost: Mapping[str, int] | None = None,
     probabilities: Mapping[str, float] | None = None,
     refused: bool = False,
+    is_cut: bool = False,
 ) -> Answer:
     """Parse the text of a model and check it against the question.
 
@@ -52,8 +57,11 @@ def parse_answer(
         lost: Number of failed attempts before this answer, by reason.
         probabilities: Probabilities of the allowed answers.
         refused: Whether the server reports that the model declined.
+        is_cut: Whether the text ends because it reached the limit of tokens.
     """
     text = writable(text[:LONGEST_ANSWER])
+    final = unwrapped(text)
+    said = final.text
     answer = Answer(
         text=text,
         model=model,
@@ -62,24 +70,22 @@ def parse_answer(
         lost=lost or {},
         probabilities=probabilities or {},
     )
-    said = without_thinking(text)
     if refused:
         return _faulty(answer, Fault.REFUSED, f"declined: {shortened(said) or 'no reason given'}")
+    if final.is_cut or (is_cut and question.at_once and _thinks_aloud(said)):
+        return _faulty(answer, Fault.CUT, CUT_IN_THINKING)
     if not said:
-        return _faulty(answer, Fault.UNPARSABLE, "the answer is empty")
+        return _faulty(answer, Fault.UNPARSABLE, final.problem or "the answer is empty")
     if len(text) >= LONGEST_ANSWER:
         detail = f"the answer has {LONGEST_ANSWER:,} characters or more: '{shortened(said)}'"
         return _faulty(answer, Fault.UNPARSABLE, detail)
     if question.allowed:
-        return _parse_allowed(answer, said, question.allowed)
+        parsed = _parse_allowed(answer, said, question.allowed)
+        hint = f"; {_AT_LIMIT}" if is_cut and parsed.fault is not None else ""
+        return replace(parsed, detail=parsed.detail + hint)
     if question.form is not None:
         return _parse_form(answer, said, question.form)
     return replace(answer, value=said)
-
-
-def without_thinking(text: str) -> str:
-    """The answer proper, without the reasoning that some models put before it."""
-    return _THINKING.sub("", text).strip()
 
 
 def writable(text: str) -> str:
@@ -93,13 +99,19 @@ def shortened(text: str, length: int = _SHORT) -> str:
     return line if len(line) <= length else line[: length - 1] + "…"
 
 
+def _thinks_aloud(said: str) -> bool:
+    """Whether a text begins with prose, as thinking does whose begin is in the prompt."""
+    sentence = _FIRST_SENTENCE.match(said)
+    return sentence is not None and (len(sentence[0].split()) > 4 or len(sentence[0]) > 40)
+
+
 def _faulty(answer: Answer, fault: Fault, detail: str) -> Answer:
     return replace(answer, fault=fault, detail=detail)
 
 
 def _parse_allowed(answer: Answer, said: str, allowed: tuple[str, ...]) -> Answer:
     by_key = {_key(label): label for label in allowed}
-    bare = _unwrapped(said)
+    bare = _single(said)
     if _key(bare) in by_key:
         return replace(answer, value=by_key[_key(bare)])
     words = [_key(word) for word in _LEAD.sub("", bare, count=1).split()]
@@ -120,16 +132,14 @@ def _key(text: str) -> str:
     return text.strip(" \t\r\n.,:;!?\"'`*()[]{}#").casefold()
 
 
-def _unwrapped(said: str) -> str:
-    """The text without a code fence and without the JSON object around a single answer."""
-    fenced = _FENCE.search(said)
-    inner = fenced[1].strip() if fenced else said
-    value = _json_in(inner)
+def _single(said: str) -> str:
+    """The text without the JSON object around a single answer."""
+    value = _json_in(said)
     if isinstance(value, dict) and len(value) == 1:
         value = next(iter(value.values()))
     if isinstance(value, str | int) and not isinstance(value, bool):
         return str(value)
-    return inner
+    return said
 
 
 def _json_in(text: str) -> Any:
@@ -140,14 +150,12 @@ def _json_in(text: str) -> Any:
 
 
 def _parse_form(answer: Answer, said: str, form: type[BaseModel]) -> Answer:
-    fenced = _FENCE.search(said)
-    body = fenced[1] if fenced else said
-    begin, end = body.find("{"), body.rfind("}")
+    begin, end = said.find("{"), said.rfind("}")
     if begin < 0 or end < begin:
         fault = Fault.REFUSED if _REFUSAL.match(said) else Fault.UNPARSABLE
         return _faulty(answer, fault, f"no JSON object in '{shortened(said)}'")
     try:
-        return replace(answer, value=form.model_validate_json(body[begin : end + 1]))
+        return replace(answer, value=form.model_validate_json(said[begin : end + 1]))
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         broken = first["type"] == "json_invalid"
@@ -155,5 +163,5 @@ def _parse_form(answer: Answer, said: str, form: type[BaseModel]) -> Answer:
         return _faulty(
             answer,
             Fault.UNPARSABLE if broken else Fault.INVALID,
-            f"{where}: {first['msg']} in '{shortened(body)}'",
+            f"{where}: {first['msg']} in '{shortened(said)}'",
         )

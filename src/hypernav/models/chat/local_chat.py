@@ -84,6 +84,7 @@ class LocalChat:
             usage=Usage(int(inputs["input_ids"].shape[1]), tokens_out),
             seconds=time.monotonic() - begin,
             probabilities=probabilities,
+            is_cut=tokens_out >= question.max_tokens,
         )
 
     def _inputs(self, question: Question) -> dict[str, Any]:

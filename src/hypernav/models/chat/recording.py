@@ -73,6 +73,7 @@ class _RecordedAnswer(_Line):
     lost: dict[str, Annotated[int, Field(ge=0)]] = Field(default_factory=dict)
     probabilities: dict[str, Annotated[float, Field(ge=0.0)]] = Field(default_factory=dict)
     refused: bool = False
+    is_cut: bool = False
     unavailable: str = ""
 
 
@@ -130,6 +131,7 @@ class RecordingChat:
             lost=dict(sorted(answer.lost.items())),
             probabilities=dict(answer.probabilities),
             refused=answer.fault is Fault.REFUSED,
+            is_cut=answer.fault is Fault.CUT,
         )
         self._write(question, recorded)
         return answer
@@ -208,6 +210,7 @@ class ReplayChat:
             lost=answer.lost,
             probabilities=answer.probabilities,
             refused=answer.refused,
+            is_cut=answer.is_cut,
         )
 
     def _missing(self, asked: _RecordedQuestion) -> str:

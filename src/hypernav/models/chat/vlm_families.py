@@ -1,15 +1,7 @@
-"""Families of vision-language models: their box coordinates and image sizes.
+"""Families of vision-language models: their coordinates, image sizes and words.
 
-Sources:
-
-- Qwen2.5-VL: "we will output absolute coordinates based on the actual input size of the image …
-  this is the size after processer" (its makers, github.com/QwenLM/Qwen3-VL/issues/676 and 866);
-  the resizing is ``smart_resize`` in ``qwen-vl-utils/src/qwen_vl_utils/vision_process.py`` with
-  patches of 14 pixels merged two by two, hence multiples of 28.
-- Qwen2-VL and Qwen3-VL: relative, 0 to 1000 (github.com/QwenLM/Qwen3-VL/issues/866 and 1486).
-- GLM-V: relative, 0 to 1000 (zai-org's glmv-grounding skill).
-- Gemini: relative, 0 to 1000, rows first: ``box_2d: [ymin, xmin, ymax, xmax]``
-  (ai.google.dev/gemini-api/docs/image-understanding).
+A family is a convention; `MODEL_LINES` names the models that follow one, each with the page of its
+makers that says so. A model without such a page is in no family: it is not guessed.
 """
 
 import math
@@ -26,8 +18,25 @@ from hypernav.core.errors import ConfigError, ModelError
 from hypernav.core.geometry.boxes import Box
 
 FamilyName = Literal[
-    "qwen2.5-vl", "qwen2-vl", "qwen3-vl", "glm-v", "gemini", "pixels", "thousandths", "unit"
+    "qwen2.5-vl",
+    "qwen2-vl",
+    "qwen3-vl",
+    "glm-v",
+    "gemini",
+    "claude",
+    "embodied-r1",
+    "molmo",
+    "molmo2",
+    "paligemma",
+    "florence-2",
+    "deepseek-vl2",
+    "pixels",
+    "thousandths",
+    "unit",
 ]
+
+SIDES = {"thousandths": 1000.0, "percent": 100.0, "bins": 1024.0, "unit": 1.0}
+"""The image's sides in every relative space."""
 
 _LONGEST_RATIO = 200.0
 
@@ -38,23 +47,27 @@ class VlmFamily:
 
     Attributes:
         name: Name in configuration and reports.
-        space: Unit of its coordinates: "pixels" of the image as it was sent, "thousandths" of the
-            image's sides, or "unit" (0 to 1).
+        space: Unit of its coordinates: "pixels" of the image as it was sent, "thousandths" or
+            "percent" of the image's sides, "bins" (1024 of a side), or "unit" (0 to 1).
         side_multiple: The image is sent with sides that are multiples of this, so that the
             server need not resize it and pixels mean the same on both sides; 0 sends it unchanged.
         min_pixels: Smallest area of the sent image.
         max_pixels: Largest area of the sent image.
-        rows_first: Whether boxes are ``(y_min, x_min, y_max, x_max)``.
+        rows_first: Whether boxes are ``(y_min, x_min, y_max, x_max)``, and points ``(y, x)``.
         box_key: Key of a box in its JSON.
+        points: Whether it is asked for points instead of boxes.
+        asks: Words to ask it with, where it does not answer in JSON; ``{goal}`` is filled in.
     """
 
     name: FamilyName
-    space: Literal["pixels", "thousandths", "unit"]
+    space: Literal["pixels", "thousandths", "percent", "bins", "unit"]
     side_multiple: int = 0
     min_pixels: int = 56 * 56
     max_pixels: int = 16384 * 28 * 28
     rows_first: bool = False
     box_key: str = "bbox_2d"
+    points: bool = False
+    asks: str = ""
 
     def prepared(self, image: Image) -> UInt8[np.ndarray, "sent_height sent_width 3"]:
         """The image resized for sending."""
@@ -85,10 +98,9 @@ class VlmFamily:
             case "pixels":
                 sent = self.sent_size(width, height)
                 return float(sent[0]), float(sent[1])
-            case "thousandths":
-                return 1000.0, 1000.0
-            case "unit":
-                return 1.0, 1.0
+            case _:
+                side = SIDES[self.space]
+                return side, side
 
     def to_image(self, box: Box, width: int, height: int) -> Box:
         """Convert a box from the model's coordinates to pixels of an image of this size."""
@@ -133,6 +145,17 @@ def smart_resize(
     return new_width, new_height
 
 
+_POINT_TO = "Point to every {goal} in the picture. If there is none, say: There are none."
+_POINT_AT = (
+    "Locate every {goal} in the picture. Answer with one point on each, in pixels, as "
+    "<point>[[x1, y1], [x2, y2], ...]</point>. If there is no {goal} in the picture, answer []."
+)
+_IN_PIXELS = (
+    "Locate every {goal} in the picture and report the bounding boxes in pixel coordinates, in "
+    'JSON format, for example [{{"bbox_2d": [x1, y1, x2, y2], "label": "{goal}"}}]. If there is no '
+    "{goal} in the picture, answer []."
+)
+
 FAMILIES: dict[str, VlmFamily] = {
     family.name: family
     for family in (
@@ -141,19 +164,200 @@ FAMILIES: dict[str, VlmFamily] = {
         VlmFamily("qwen3-vl", "thousandths"),
         VlmFamily("glm-v", "thousandths"),
         VlmFamily("gemini", "thousandths", rows_first=True, box_key="box_2d"),
+        # Images of up to 1568 pixels a side and about 1.15 megapixels are not resized.
+        VlmFamily("claude", "pixels", side_multiple=28, max_pixels=1_150_000, asks=_IN_PIXELS),
+        VlmFamily("embodied-r1", "pixels", side_multiple=28, points=True, asks=_POINT_AT),
+        VlmFamily("molmo", "percent", points=True, asks=_POINT_TO),
+        VlmFamily("molmo2", "thousandths", points=True, asks=_POINT_TO),
+        VlmFamily("paligemma", "bins", rows_first=True, asks="detect {goal}"),
+        VlmFamily("florence-2", "thousandths", asks="<OPEN_VOCABULARY_DETECTION>{goal}"),
+        VlmFamily("deepseek-vl2", "thousandths", asks="<|ref|>{goal}<|/ref|>."),
         VlmFamily("pixels", "pixels"),
         VlmFamily("thousandths", "thousandths"),
         VlmFamily("unit", "unit"),
     )
 }
 
-_SPELLINGS: tuple[tuple[str, str], ...] = (
-    (r"qwen[-_. ]?2[._-]?5[-_. ]?(?:vl|omni)", "qwen2.5-vl"),
-    (r"qwen[-_. ]?2[-_. ]?vl", "qwen2-vl"),
-    (r"qwen[-_. ]?3", "qwen3-vl"),
-    (r"glm[-_. ]?4[._-]?\d?v|glm[-_. ]?\d+[._-]?\d*v", "glm-v"),
-    (r"gemini", "gemini"),
+
+@dataclass(frozen=True)
+class ModelLine:
+    """A line of models whose coordinates are documented.
+
+    Attributes:
+        name: Its name, for people.
+        spelling: Regular expression that is in the names of its models, whatever their case.
+        family: Its convention.
+        source: Who says so, and where.
+    """
+
+    name: str
+    spelling: str
+    family: FamilyName
+    source: str
+
+
+MODEL_LINES: tuple[ModelLine, ...] = (
+    ModelLine(
+        "RoboBrain 2.0",
+        r"robobrain[-_. ]?2[._-]?0",
+        "qwen2.5-vl",
+        "its makers: absolute coordinates (FlagOpen/RoboBrain2.5, issue 2)",
+    ),
+    ModelLine(
+        "RoboBrain 2.5",
+        r"robobrain[-_. ]?2[._-]?5",
+        "thousandths",
+        "FlagOpen/RoboBrain2.5, inference.py: relative, 0 to 1000",
+    ),
+    ModelLine(
+        "Cosmos-Reason2",
+        r"cosmos[-_. ]?reason[-_. ]?2",
+        "thousandths",
+        "nvidia-cosmos/cosmos-cookbook, reason_guide.md: normalized to 0 to 1000",
+    ),
+    ModelLine(
+        "MiMo-VL",
+        r"mimo[-_. ]?vl",
+        "qwen2.5-vl",
+        "XiaomiMiMo/MiMo-VL, examples/grounding.ipynb: pixels after smart_resize",
+    ),
+    ModelLine(
+        "Embodied-R1",
+        r"embodied[-_. ]?r1(?![._]5)",
+        "embodied-r1",
+        "pickxiguapi/Embodied-R1, eval/hf_inference_affordance.py: points in pixels",
+    ),
+    ModelLine(
+        "MiniCPM-V and MiniCPM-o",
+        r"minicpm[-_. ]?(?:llama3[-_. ]?)?[vo](?![a-z])",
+        "thousandths",
+        "its makers: normalized to 1000 (OpenBMB/MiniCPM-V, issues 772 and 982)",
+    ),
+    ModelLine(
+        "Qwen2.5-VL",
+        r"qwen[-_. ]?2[._-]?5[-_. ]?vl",
+        "qwen2.5-vl",
+        "its makers: absolute, of the image after the processor (QwenLM/Qwen3-VL, issues 676 and "
+        "866); smart_resize of qwen-vl-utils, patches of 14 pixels merged two by two",
+    ),
+    ModelLine(
+        "Qwen2.5-Omni",
+        r"qwen[-_. ]?2[._-]?5[-_. ]?omni",
+        "qwen2.5-vl",
+        "its vision encoder and processor are those of Qwen2.5-VL (transformers, qwen2_5_omni)",
+    ),
+    ModelLine(
+        "Qwen2-VL",
+        r"qwen[-_. ]?2[-_. ]?vl",
+        "qwen2-vl",
+        "its makers: relative, 0 to 1000 (QwenLM/Qwen3-VL, issue 866)",
+    ),
+    ModelLine(
+        "Qwen3-VL and Qwen3.5",
+        r"qwen[-_. ]?3",
+        "qwen3-vl",
+        "its makers: relative, 0 to 1000 (QwenLM/Qwen3-VL, issue 1486; "
+        "QwenLM/Qwen3.8-Flash-Next, issue 4)",
+    ),
+    ModelLine(
+        "Qwen-VL",
+        r"qwen[-_. ]?vl[-_. ]?(?:chat|7b)|qwen[-_. ]?vl$",
+        "thousandths",
+        "QwenLM/Qwen-VL, README: <ref>, <box>(x1,y1),(x2,y2)</box>, 0 to 1000",
+    ),
+    ModelLine(
+        "GLM-4.1V, 4.5V, 4.6V",
+        r"glm[-_. ]?4[._-]?\dv|glm[-_. ]?4[._-]?\d[-_. ]v",
+        "glm-v",
+        "zai-org/GLM-V, README: normalized by the image's sides and scaled by 1000",
+    ),
+    ModelLine(
+        "GLM-5V",
+        r"glm[-_. ]?5(?:[._-]?\d)?[-_. ]?v",
+        "glm-v",
+        "zai-org/GLM-V, README and skills/glmv-grounding: 0 to 1000",
+    ),
+    ModelLine(
+        "Gemini",
+        r"gemini",
+        "gemini",
+        "ai.google.dev/gemini-api/docs/image-understanding: box_2d, rows first, 0 to 1000",
+    ),
+    ModelLine(
+        "Gemma 4",
+        r"gemma[-_. ]?4",
+        "gemini",
+        "users' converters: box_2d, rows first, 0 to 1000; no page of its makers was found",
+    ),
+    ModelLine(
+        "PaliGemma",
+        r"pali[-_. ]?gemma",
+        "paligemma",
+        "google-research/big_vision, proj/paligemma/README.md: <loc0000> to <loc1023>, rows first",
+    ),
+    ModelLine(
+        "Florence-2",
+        r"florence[-_. ]?2",
+        "florence-2",
+        "transformers, processing_florence2.py: <loc_0> to <loc_999>, columns first",
+    ),
+    ModelLine(
+        "InternVL",
+        r"intern[-_. ]?vl",
+        "thousandths",
+        "internvl.readthedocs.io, chat data format: <ref>, <box>[[x1, y1, x2, y2]]</box>, 0 to "
+        "1000; OpenGVLab/InternVL, eval/refcoco/evaluate_grounding.py",
+    ),
+    ModelLine(
+        "LFM2.5-VL",
+        r"lfm[-_. ]?2[._-]?5[-_. ]?vl",
+        "unit",
+        "its model card, as users quote it: bbox, normalized to 0 to 1",
+    ),
+    ModelLine(
+        "Molmo2",
+        r"molmo[-_. ]?2",
+        "molmo2",
+        "allenai/molmo2, olmo/preprocessing/point_formatter.py: coords of index, x, y, 0 to 1000",
+    ),
+    ModelLine(
+        "Molmo",
+        r"molmo(?!act|[-_. ]?point)",
+        "molmo",
+        "its makers: points in percent (huggingface.co/allenai/Molmo-7B-O-0924, discussion 1)",
+    ),
+    ModelLine(
+        "DeepSeek-VL2",
+        r"deepseek[-_. ]?vl[-_. ]?2",
+        "deepseek-vl2",
+        "deepseek-ai/DeepSeek-VL2, README and issue 100: <|ref|>, <|det|>, 0 to 999",
+    ),
+    ModelLine(
+        "Seed1.5-VL and Doubao vision",
+        r"seed[-_. ]?1[._-]?[5-9][-_. ]?vl|doubao.*(?:vision|seed)",
+        "thousandths",
+        "ByteDance-Seed/Seed1.5-VL, cookbook: relative, 0 to 999",
+    ),
+    ModelLine(
+        "Yi-VL",
+        r"(?<![a-z])yi[-_. ]?vl",
+        "thousandths",
+        "its makers: 0 to 999 (01-ai/Yi, issue 376)",
+    ),
+    ModelLine(
+        "Moondream",
+        r"moondream",
+        "unit",
+        "docs.moondream.ai: x_min, y_min, x_max, y_max, 0 to 1",
+    ),
+    ModelLine(
+        "Claude",
+        r"claude",
+        "claude",
+        "platform.claude.com, vision-coordinates: pixels of the image that the model sees",
+    ),
 )
+"""The lines of models that are known by name; the first whose spelling fits counts."""
 
 
 def family_named(name: str) -> VlmFamily:
@@ -175,9 +379,9 @@ def family_of(model: str) -> VlmFamily:
     Raises:
         ConfigError: The name shows no family; guessing would put every box in a wrong position.
     """
-    for pattern, name in _SPELLINGS:
-        if re.search(pattern, model, re.IGNORECASE):
-            return FAMILIES[name]
+    for line in MODEL_LINES:
+        if re.search(line.spelling, model, re.IGNORECASE):
+            return FAMILIES[line.family]
     raise ConfigError(
         f"it is not known in which coordinates '{model}' answers; name its family: "
         f"{', '.join(FAMILIES)} (hypernav doctor finds out with a drawn shape)"

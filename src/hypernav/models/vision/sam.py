@@ -1,4 +1,4 @@
-"""Segmentation by box with the SAM family, through transformers.
+"""Segmentation by box or point with the SAM family, through transformers.
 
 The Auto class selects the model for each checkpoint: SAM and SlimSAM (``SamModel``), SAM 2
 (``Sam2Model``), EdgeTAM (``EdgeTamModel``), HQ-SAM (``SamHQModel``). All but SAM need torchvision
@@ -7,7 +7,7 @@ for their images.
 Source: Kirillov et al., "Segment Anything", 2023; huggingface.co/docs/transformers/model_doc/sam.
 """
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Bool
@@ -70,7 +70,17 @@ class SamSegmenter:
         if box.area <= 0.0:
             return np.zeros((height, width), dtype=bool)
         corners = [[[box.x_min, box.y_min, box.x_max, box.y_max]]]
-        inputs = self._processor(images=observation.rgb, input_boxes=corners, return_tensors="pt")
+        return clipped_to_box(self._mask(observation, input_boxes=corners), box)
+
+    def segment_point(
+        self, observation: Observation, x: float, y: float
+    ) -> Bool[np.ndarray, "height width"]:
+        """The pixels of the object at a point."""
+        return self._mask(observation, input_points=[[[[x, y]]]], input_labels=[[[1]]])
+
+    def _mask(self, observation: Observation, **prompt: Any) -> Bool[np.ndarray, "height width"]:
+        height, width = observation.rgb.shape[:2]
+        inputs = self._processor(images=observation.rgb, return_tensors="pt", **prompt)
         sizes = [inputs.pop("original_sizes")]
         if "reshaped_input_sizes" in inputs:  # SAM and HQ-SAM pad, the later ones don't
             sizes.append(inputs.pop("reshaped_input_sizes"))
@@ -79,8 +89,7 @@ class SamSegmenter:
                 **moved_to_device(inputs, self._device, self._dtype), multimask_output=False
             )
         masks = self._processor.post_process_masks(outputs.pred_masks.float().cpu(), *sizes)
-        mask = masks[0].reshape(-1, height, width)[0].numpy().astype(bool)
-        return clipped_to_box(mask, box)
+        return masks[0].reshape(-1, height, width)[0].numpy().astype(bool)
 
 
 def clipped_to_box(

@@ -1,7 +1,8 @@
-"""Segmentation by box with a SAM encoder and decoder exported to ONNX, for example MobileSAM.
+"""Segmentation by box or point with a SAM encoder and decoder in ONNX, for example MobileSAM.
 
 The decoder is the one that the authors of SAM and MobileSAM export (``SamOnnxModel`` in
-``segment_anything/utils/onnx.py``): it takes box corners as two points with the labels 2 and 3. The
+``segment_anything/utils/onnx.py``): it takes box corners as two points with the labels 2 and 3, and
+a point on the object, with the label 1, together with a point that pads, with the label -1. The
 encoder is either the plain image encoder, which expects a normalised and padded image
 (``[1, 3, 1024, 1024]``), or one that does that itself (``[height, width, 3]``, 0 to 255).
 
@@ -30,6 +31,7 @@ _DEVIATION = np.array([58.395, 57.12, 57.375], dtype=np.float32)
 _MASK_SIDE_PX = 256
 """Side of the decoder's mask input, in all exports of SAM and MobileSAM."""
 _CORNER_LABELS = np.array([[2.0, 3.0]], dtype=np.float32)
+_POINT_LABELS = np.array([[1.0, -1.0]], dtype=np.float32)
 _DECODER_INPUTS = {
     "image_embeddings",
     "point_coords",
@@ -76,15 +78,29 @@ class OnnxSamSegmenter:
         box = box.clipped(width, height)
         if box.area <= 0.0:
             return np.zeros((height, width), dtype=bool)
-        scale = self.config.side_px / max(height, width)
-        corners = [[[box.x_min, box.y_min], [box.x_max, box.y_max]]]
-        side = _MASK_SIDE_PX
+        corners = [[box.x_min, box.y_min], [box.x_max, box.y_max]]
+        return clipped_to_box(self._mask(observation, corners, _CORNER_LABELS), box)
+
+    def segment_point(
+        self, observation: Observation, x: float, y: float
+    ) -> Bool[np.ndarray, "height width"]:
+        """The pixels of the object at a point."""
+        return self._mask(observation, [[x, y], [0.0, 0.0]], _POINT_LABELS)
+
+    def _mask(
+        self,
+        observation: Observation,
+        points: list[list[float]],
+        labels: Float32[np.ndarray, "1 points"],
+    ) -> Bool[np.ndarray, "height width"]:
+        height, width = observation.rgb.shape[:2]
+        scale, side = self.config.side_px / max(height, width), _MASK_SIDE_PX
         masks, qualities = self._decoder.run(
             ["masks", "iou_predictions"],
             {
                 "image_embeddings": self._embedding(observation.rgb),
-                "point_coords": np.array(corners, dtype=np.float32) * np.float32(scale),
-                "point_labels": _CORNER_LABELS,
+                "point_coords": np.array([points], dtype=np.float32) * np.float32(scale),
+                "point_labels": labels,
                 "mask_input": np.zeros((1, 1, side, side), dtype=np.float32),
                 "has_mask_input": np.zeros(1, dtype=np.float32),
                 "orig_im_size": np.array([height, width], dtype=np.float32),
@@ -96,7 +112,7 @@ class OnnxSamSegmenter:
             raise ModelError(
                 f"the SAM decoder gave a mask of {mask.shape} for an image of {(height, width)}"
             )
-        return clipped_to_box(mask, box)
+        return mask
 
     def _embedding(self, image: Image) -> Any:
         if self._encoded is None or self._encoded[0] is not image:

@@ -11,7 +11,7 @@ from hypernav.core.config import RoomConfig
 from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.models.chat.answer_parsing import without_thinking
+from hypernav.models.chat.unwrapping import final_answer
 from hypernav.perception.prompt_text import check_placeholders
 
 _CONTEXT = (
@@ -56,7 +56,6 @@ _NUMBER_WORDS: tuple[str, ...] = (
 # A bare "one" is no number: "block 3 is the one to visit".
 _IN_WORDS = re.compile(rf"(?:(?<=block )|(?<=number )|^)({'|'.join(_NUMBER_WORDS)})\b", re.I)
 _DECLARED = (
-    r"\\boxed\{\s*(\d+)\s*\}",
     r"(?:answer|choice|choose|select|pick|go to|head (?:to|for)|visit|recommend)"
     r"(?:\s+(?:is|would be|the|to|with|for|should|be|number|block|no\.?)|[:*#\s])*\s*(\d+)\b",
     r"\*\*\s*(?:block|number)?\s*(\d+)\s*\*\*",
@@ -268,7 +267,7 @@ def summarised(text: str, numbers: list[int]) -> int | None:
     is mentioned at all. For the last two, numbers named in order not to be chosen do not count, and
     for the last, those with a unit behind them.
     """
-    said = without_thinking(text)
+    said = final_answer(text)
     lines = _LAST_LINE.findall(said)
     if lines and (number := _in_digits(lines[-1])) is not None:
         return _possible(number, numbers)

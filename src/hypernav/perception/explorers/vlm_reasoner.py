@@ -8,7 +8,8 @@ from hypernav.core.components.protocols import BlockReasoner, ChatModel
 from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
-from hypernav.models.chat.answer_parsing import shortened, without_thinking
+from hypernav.models.chat.answer_parsing import shortened
+from hypernav.models.chat.unwrapping import final_answer
 from hypernav.perception.exchanges import exchange_of
 from hypernav.perception.explorers.map_question import (
     VlmReasonerConfig,
@@ -58,7 +59,7 @@ class VlmReasoner:
             choice = self._read(question, answer, numbers, excluded)
             if choice is not None:
                 return choice
-            said = shortened(without_thinking(answer.text))
+            said = shortened(final_answer(answer.text))
             hint = f"\n\nYou said '{said}', which names none of the blocks to choose from."
         self.fallbacks += 1
         choice = self.fallback.choose(overview, goal, excluded)
@@ -80,7 +81,7 @@ class VlmReasoner:
             number = self._ask_for_summary(answer, numbers, excluded)
         if number is None:
             return None
-        said = shortened(without_thinking(answer.text), 160)
+        said = shortened(final_answer(answer.text), 160)
         reason = f"block {number}" if said == str(number) else f"block {number}: {said}"
         if (chance := answer.probabilities.get(str(number))) is not None:
             reason += f" ({chance:.0%} sure)"
@@ -93,7 +94,7 @@ class VlmReasoner:
         question = Question(
             kind="summarise",
             text=self.config.summary_prompt.format(
-                answer=without_thinking(answer.text)[:2000], numbers=", ".join(map(str, numbers))
+                answer=final_answer(answer.text)[:2000], numbers=", ".join(map(str, numbers))
             ),
             allowed=tuple(map(str, numbers)),
             max_tokens=8,

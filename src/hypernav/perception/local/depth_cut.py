@@ -1,4 +1,4 @@
-"""Box-prompted segmentation without weights: a cut by depth, then by colour."""
+"""Segmentation without weights, by box or point: a cut by depth, then by colour."""
 
 from dataclasses import dataclass, field
 
@@ -27,6 +27,10 @@ _MARGIN = 0.15
 """Width of the certain background around the box, as a share of the box's size."""
 _ITERATIONS = 2
 """Number of GrabCut's iterations."""
+_POINT_REACH_M = 1.0
+"""Distance from a point within which the object at it is taken to end."""
+_POINT_REACH_PX = 4.0
+"""Distance from a point up to which another pixel may stand in for it."""
 _MAX_FLOOR_SHARE = 0.6
 """Share of the box on the floor above which the object lies on it, as a rug does, and the floor is
 kept."""
@@ -96,6 +100,36 @@ class DepthCutSegmenter:
         )
         mask[y0:y1, x0:x1] = whole.astype(bool)
         return mask
+
+    def segment_point(
+        self, observation: Observation, x: float, y: float
+    ) -> Bool[np.ndarray, "height width"]:
+        """The part of the depth image that is connected with a point, within 1 m of it.
+
+        A wall behind that is no farther than `DepthCutConfig.depth_gap_m` belongs to it. Where the
+        point has no depth, the nearest pixel with depth in a small square around it counts.
+
+        Args:
+            observation: Frame that the point was given in.
+            x: Coordinate to the right, pixels.
+            y: Coordinate down, pixels.
+
+        Returns:
+            The pixels; all False where there is no depth at the point.
+        """
+        depth = observation.depth
+        rows, columns = np.arange(depth.shape[0])[:, None], np.arange(depth.shape[1])[None, :]
+        has_depth = is_measured(depth)
+        away = np.maximum(np.abs(rows + 0.5 - y), np.abs(columns + 0.5 - x))
+        away[~has_depth] = np.inf
+        at = np.unravel_index(away.argmin(), depth.shape)
+        if away[at] > _POINT_REACH_PX:
+            return np.zeros(depth.shape, dtype=bool)
+        floor = self._is_floor(observation, depth, (0, 0), (1.0, 1.0))
+        labels = _divided(depth, has_depth & (floor == floor[at]), self.config.depth_gap_m)
+        points = observation.camera.unproject_pixels(rows, columns, depth)
+        near = np.linalg.norm(points - points[at], axis=-1) <= _POINT_REACH_M
+        return (labels == labels[at]) & near
 
     def _is_floor(
         self,

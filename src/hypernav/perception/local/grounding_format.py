@@ -1,21 +1,33 @@
-"""Reading boxes out of the text of a vision-language model. Never raises, whatever the text.
+"""Reading boxes and points out of a vision-language model's text. Never raises, whatever the text.
 
-It reads JSON, bare, fenced or amid prose: lists, single objects and objects around lists, also if
-cut off or with single quotes and trailing commas; lists of numbers without keys; and Qwen2-VL's
-``<|box_start|>(x1,y1),(x2,y2)<|box_end|>``.
+Of the final answer (`hypernav.models.chat.unwrapping`) it reads, in this order:
+
+- tags with areas, with the label before them where there is one: ``<ref>…</ref><box>[[…]]</box>``
+  (InternVL), ``<box>x1 y1 x2 y2</box>`` (MiniCPM-V), ``<box>(x1,y1),(x2,y2)</box>`` (Qwen-VL),
+  ``<|object_ref_start|>…<|box_start|>`` (Qwen2-VL), ``<|ref|>…<|det|>[[…]]`` (DeepSeek-VL2),
+  ``<bbox>`` and ``<point>x y</point>`` (Seed), ``<point>[[x, y]]</point>`` (Embodied-R1);
+- ``<point x= y= alt=>``, ``<points x1= y1= …>`` (Molmo, percent) and ``<points coords=>`` (Molmo2,
+  thousandths, in triples of number, x and y behind the number of the image);
+- ``<loc0123>`` (PaliGemma, rows first, 1024 bins) and ``<loc_123>`` (Florence-2, 1000 bins);
+- JSON, bare, fenced or amid prose: lists, single objects and objects around lists, also if cut off
+  or with single quotes and trailing commas; lists of numbers without keys;
+- ``(x1,y1),(x2,y2)``, and an answer that is nothing but ``(x1,y1,x2,y2)``; of a family that is
+  asked for points, ``(x,y)``.
 """
 
 import json
 import math
 import re
 from collections import Counter
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
 from hypernav.core.geometry.boxes import Box, Detection
-from hypernav.models.chat.answer_parsing import without_thinking, writable
-from hypernav.models.chat.vlm_families import VlmFamily
+from hypernav.models.chat.answer_parsing import writable
+from hypernav.models.chat.unwrapping import final_answer
+from hypernav.models.chat.vlm_families import SIDES, VlmFamily
 
 _MOST_CHARACTERS = 20_000
 _MOST_ATTEMPTS = 400
@@ -23,6 +35,7 @@ _MOST_ITEMS = 200
 _OVERSHOOT = 0.03  # share of the image by which a box may reach beyond it; it is clipped
 
 _BOX_KEYS = ("bbox_2d", "box_2d", "bbox", "box", "bounding_box", "boundingbox", "bounding box")
+_POINT_KEYS = ("point_2d", "point", "points")
 _LABEL_KEYS = ("label", "name", "object", "category", "class", "description")
 _SCORE_KEYS = ("score", "confidence", "probability")
 _CORNER_KEYS = (
@@ -31,21 +44,37 @@ _CORNER_KEYS = (
     ("xmin", "ymin", "xmax", "ymax"),
     ("left", "top", "right", "bottom"),
 )
+_SIZE_KEYS = {"w", "h", "width", "height"}
 _NUMBER = r"[-+]?(?:\d{1,20}(?:\.\d{0,20})?|\.\d{1,20})(?:[eE][-+]?\d{1,4})?"
 _PAIR = rf"\(\s*({_NUMBER})\s*,\s*({_NUMBER})\s*\)"
-_MARKUP = re.compile(
-    rf"(?:<\|object_ref_start\|>(?P<label>.{{0,200}}?)<\|object_ref_end\|>\s*)?"
-    rf"(?:<\|box_start\|>)?\s*{_PAIR}\s*,\s*{_PAIR}",
-    re.DOTALL,
+_TWO_PAIRS = re.compile(rf"{_PAIR}\s*,\s*{_PAIR}")
+_ONE_PAIR = re.compile(_PAIR)
+_FOUR = rf"[(<]\s*{_NUMBER}(?:\s*,\s*{_NUMBER}){{3}}\s*[)>]"
+_ONLY_FOURS = re.compile(rf"\s*(?:{_FOUR}[\s,;]*){{1,64}}")
+_AREA = re.compile(
+    r"(?:(?:<ref>|<\|object_ref_start\|>|<\|ref\|>)(?P<label>[^<]{0,200})"
+    r"(?:</ref>|<\|object_ref_end\|>|<\|/ref\|>)\s*)?"
+    r"(?P<tag><b?box>|<\|box_start\|>|<\|det\|>|<point>|<\|point_start\|>)"
+    r"(?P<inside>[\s\[(]{0,20}[-+.\d][^<]{0,2000})"
 )
+_BETWEEN_AREAS = re.compile(r"(?:</?[\w|/]{1,20}>|[\s,;])*")
+_POINTS = re.compile(
+    r"<points?\s(?P<attributes>[^<>]{1,4000}?)/?>(?:(?P<inside>[^<]{0,200})</points?>)?"
+)
+_XY = re.compile(rf"\bx(\d*)\s*=\s*\"\s*({_NUMBER})\s*\"\s*y\1\s*=\s*\"\s*({_NUMBER})\s*\"")
+_COORDS = re.compile(r"\bcoords\s*=\s*\"([^\"]{0,4000})\"")
+_ALT = re.compile(r"\balt\s*=\s*\"([^\"]{0,200})\"")
+_BINS = re.compile(r"(?P<bins>(?:<loc\d{4}>)+)(?:<seg\d{3}>)*\s*(?P<label>[^<;]{0,80})")
+_THOUSANDTHS = re.compile(r"(?P<label>[^<>]{0,80})(?P<bins>(?:<loc_\d{1,4}>)+)")
 _OPENING = re.compile(r"[\[{]")
 _FLAT_OBJECT = re.compile(r"\{[^{}]{0,2000}\}")
 
 
 class Rejection(StrEnum):
-    """Reason for not taking a box."""
+    """Reason for not taking a box or a point."""
 
     NOT_FOUR = "not four numbers"
+    NOT_TWO = "not two numbers"
     NOT_A_NUMBER = "not a number"
     INVERTED = "inverted"
     OUTSIDE = "outside the picture"
@@ -55,27 +84,49 @@ class Rejection(StrEnum):
 
 
 @dataclass(frozen=True)
+class PointedAt:
+    """A point on an object, in pixels of the image; the label is empty where there was none."""
+
+    x: float
+    y: float
+    label: str = ""
+
+
+@dataclass(frozen=True)
 class Grounding:
-    """The boxes of an answer.
+    """The boxes and points of an answer.
 
     Attributes:
         boxes: Usable boxes in pixels of the image, in the model's order; label empty and score 1
             where the model gave none.
-        rejected: Number of the other boxes, by reason.
+        points: Usable points, in the model's order.
+        rejected: Number of the other boxes and points, by reason.
     """
 
     boxes: tuple[Detection, ...] = ()
+    points: tuple[PointedAt, ...] = ()
     rejected: Counter[Rejection] = field(default_factory=Counter)
 
 
 @dataclass(frozen=True)
 class _Item:
-    """Something that looks like a box: its numbers as they were written."""
+    """Something that looks like a box or a point: its numbers as they were written.
+
+    Attributes:
+        numbers: They are four of a box, two of a point.
+        label: Label; empty if there is none.
+        score: Score; 1 if there is none.
+        rows_first: Order of the numbers; None for the family's.
+        side: The image's sides in the unit of the numbers; None for the family's.
+        is_point: Whether it is a point.
+    """
 
     numbers: Any
     label: str = ""
     score: float = 1.0
     rows_first: bool | None = None
+    side: float | None = None
+    is_point: bool = False
 
 
 def read_grounding(
@@ -87,65 +138,78 @@ def read_grounding(
     max_boxes: int = 10,
     min_side_px: float = 3.0,
 ) -> Grounding:
-    """Read the boxes of an answer.
+    """Read the boxes and points of an answer.
 
     Args:
         text: Text of the answer; anything.
         family: Family of the model, which tells its coordinates.
         width: Width of the image that the boxes are wanted in, pixels.
         height: Height of the same image, pixels.
-        max_boxes: Largest number of boxes; further ones are rejected.
+        max_boxes: Largest number of boxes and points; further ones are rejected.
         min_side_px: Shortest side of a box, in the image's pixels; smaller boxes are rejected.
     """
     boxes: list[Detection] = []
+    points: list[PointedAt] = []
     rejected: Counter[Rejection] = Counter()
-    for item in _items(without_thinking(text[:_MOST_CHARACTERS])):
+    for item in _items(final_answer(text)[:_MOST_CHARACTERS], family):
         found = _checked(item, family, width, height, min_side_px)
-        if isinstance(found, Detection) and any(found.box == one.box for one in boxes):
-            found = Rejection.DUPLICATE
-        elif isinstance(found, Detection) and len(boxes) >= max_boxes:
-            found = Rejection.TOO_MANY
-        if isinstance(found, Detection):
+        if isinstance(found, Rejection):
+            rejected[found] += 1
+        elif _is_known(found, boxes, points):
+            rejected[Rejection.DUPLICATE] += 1
+        elif len(boxes) + len(points) >= max_boxes:
+            rejected[Rejection.TOO_MANY] += 1
+        elif isinstance(found, Detection):
             boxes.append(found)
         else:
-            rejected[found] += 1
-    return Grounding(tuple(boxes), rejected)
+            points.append(found)
+    return Grounding(tuple(boxes), tuple(points), rejected)
+
+
+def _is_known(
+    found: Detection | PointedAt, boxes: list[Detection], points: list[PointedAt]
+) -> bool:
+    if isinstance(found, Detection):
+        return any(found.box == one.box for one in boxes)
+    return any((found.x, found.y) == (one.x, one.y) for one in points)
 
 
 def _checked(
     item: _Item, family: VlmFamily, width: int, height: int, min_side_px: float
-) -> Detection | Rejection:
-    values = _numbers(item.numbers)
+) -> Detection | PointedAt | Rejection:
+    values = _numbers(item.numbers, 2 if item.is_point else 4)
     if isinstance(values, Rejection):
         return values
-    rows_first = family.rows_first if item.rows_first is None else item.rows_first
-    a, b, c, d = values
-    x_min, y_min, x_max, y_max = (b, a, d, c) if rows_first else (a, b, c, d)
-    if x_min >= x_max or y_min >= y_max:
+    if family.rows_first if item.rows_first is None else item.rows_first:
+        values = [values[k ^ 1] for k in range(len(values))]
+    extent = family.extent(width, height) if item.side is None else (item.side, item.side)
+    near = _OVERSHOOT * extent[0], _OVERSHOOT * extent[1]
+    if not item.is_point and (values[0] >= values[2] or values[1] >= values[3]):
         return Rejection.INVERTED
-    extent_x, extent_y = family.extent(width, height)
-    near_x, near_y = _OVERSHOOT * extent_x, _OVERSHOOT * extent_y
-    if min(x_min + near_x, y_min + near_y) < 0.0:
+    if any(
+        not -near[k % 2] <= value <= extent[k % 2] + near[k % 2] for k, value in enumerate(values)
+    ):
         return Rejection.OUTSIDE
-    if x_max > extent_x + near_x or y_max > extent_y + near_y:
-        return Rejection.OUTSIDE
-    box = family.to_image(Box(x_min, y_min, x_max, y_max), width, height).clipped(width, height)
+    size = width, height
+    pixels = [value * size[k % 2] / extent[k % 2] for k, value in enumerate(values)]
+    if item.is_point:
+        x, y = (min(max(value, 0.0), side - 1.0) for value, side in zip(pixels, size, strict=True))
+        return PointedAt(x, y, item.label)
+    box = Box(*pixels).clipped(width, height)
     if min(box.x_max - box.x_min, box.y_max - box.y_min) < min_side_px:
         return Rejection.TOO_SMALL
     return Detection(box, item.score, item.label)
 
 
-def _numbers(value: Any) -> tuple[float, float, float, float] | Rejection:
+def _numbers(value: Any, count: int) -> list[float] | Rejection:
     if isinstance(value, str):
         value = re.findall(_NUMBER, value[:200])
     if isinstance(value, list) and len(value) == 2 and all(isinstance(v, list) for v in value):
         value = [*value[0], *value[1]]
-    if not isinstance(value, list) or len(value) != 4:
-        return Rejection.NOT_FOUR
+    if not isinstance(value, list) or len(value) != count:
+        return Rejection.NOT_FOUR if count == 4 else Rejection.NOT_TWO
     numbers = [_number(one) for one in value]
-    if not all(math.isfinite(number) for number in numbers):
-        return Rejection.NOT_A_NUMBER
-    return numbers[0], numbers[1], numbers[2], numbers[3]
+    return numbers if all(map(math.isfinite, numbers)) else Rejection.NOT_A_NUMBER
 
 
 def _number(value: Any) -> float:
@@ -160,17 +224,80 @@ def _number(value: Any) -> float:
         return math.inf
 
 
-def _items(text: str) -> list[_Item]:
-    """Everything in a text that looks like a box, in order."""
+def _items(text: str, family: VlmFamily) -> list[_Item]:
+    """Everything in a text that looks like a box or a point, in order."""
+    marked = [*_areas(text), *_pointed(text), *_located(text)]
+    if marked:
+        return marked[:_MOST_ITEMS]
     items: list[_Item] = []
     for value in _json_values(text):
-        items += _items_in(value)
+        items += _items_in(value, points=family.points)
         if len(items) >= _MOST_ITEMS:
-            return items[:_MOST_ITEMS]
-    return items or [
-        _Item(list(match.group(2, 3, 4, 5)), (match["label"] or "").strip())
-        for match in list(_MARKUP.finditer(text))[:_MOST_ITEMS]
-    ]
+            break
+    return (items or _loose(text, family))[:_MOST_ITEMS]
+
+
+def _areas(text: str) -> Iterator[_Item]:
+    """Areas in tags; a label is of all areas that follow it at once."""
+    label, end = "", 0
+    for match in _AREA.finditer(text):
+        if match["label"] is not None or not _BETWEEN_AREAS.fullmatch(text, end, match.start()):
+            label = _one_line(match["label"] or "")
+        end = match.end()
+        is_point = "point" in match["tag"]
+        for numbers in _in_groups(re.findall(_NUMBER, match["inside"]), 2 if is_point else 4):
+            yield _Item(numbers, label, is_point=is_point)
+
+
+def _pointed(text: str) -> Iterator[_Item]:
+    """The points of Molmo and Molmo2."""
+    for match in _POINTS.finditer(text):
+        attributes = match["attributes"]
+        alt, coords = _ALT.search(attributes), _COORDS.search(attributes)
+        label = _one_line(alt[1] if alt else match["inside"] or "")
+        if coords is None:
+            side = SIDES["percent"]
+            found = [list(one[1:]) for one in _XY.findall(attributes)]
+        else:
+            side, found = SIDES["thousandths"], list[list[str]]()
+            for image in re.split(r"[;\t]", coords[1]):
+                triples = _in_groups(re.findall(_NUMBER, image)[1:], 3)
+                found += [triple[1:] if len(triple) == 3 else [] for triple in triples]
+        for numbers in found:
+            yield _Item(numbers, label, rows_first=False, side=side, is_point=True)
+
+
+def _located(text: str) -> Iterator[_Item]:
+    """The location tokens of PaliGemma and Florence-2."""
+    for pattern, side, rows_first in (
+        (_BINS, SIDES["bins"], True),
+        (_THOUSANDTHS, SIDES["thousandths"], False),
+    ):
+        for match in pattern.finditer(text):
+            label = _one_line(match["label"])
+            for numbers in _in_groups(re.findall(r"\d+", match["bins"]), 4):
+                yield _Item(numbers, label, rows_first=rows_first, side=side)
+
+
+def _loose(text: str, family: VlmFamily) -> list[_Item]:
+    """Numbers in round brackets."""
+    if family.points:
+        return [_Item(list(pair), is_point=True) for pair in _ONE_PAIR.findall(text)]
+    found = [list(numbers) for numbers in _TWO_PAIRS.findall(text)]
+    if not found and _ONLY_FOURS.fullmatch(text):
+        found = _in_groups(re.findall(_NUMBER, text), 4)
+    return [_Item(numbers) for numbers in found]
+
+
+def _in_groups(numbers: list[str], size: int) -> list[list[str]]:
+    """The numbers in groups; all in one, which is rejected, if they don't come out even."""
+    if len(numbers) % size:
+        return [numbers]
+    return [numbers[k : k + size] for k in range(0, len(numbers), size)]
+
+
+def _one_line(label: str) -> str:
+    return " ".join(writable(label).split())[:80]
 
 
 def _json_values(text: str) -> list[Any]:
@@ -203,50 +330,58 @@ def _mended(text: str, begin: int) -> tuple[Any, int]:
     return None, begin + 1
 
 
-def _items_in(value: Any) -> list[_Item]:
-    """The boxes in a JSON value, however deep, in order."""
+def _items_in(value: Any, *, points: bool) -> list[_Item]:
+    """The boxes and points in a JSON value, however deep, in order."""
     items: list[_Item] = []
     waiting = [value]
     while waiting and len(items) < _MOST_ITEMS:
         one = waiting.pop()
         if isinstance(one, dict):
-            item = _item_of(one)
-            if item is not None:
-                items.append(item)
-            else:
+            found = _items_of(one)
+            items += found
+            if not found:
                 waiting += [child for child in reversed(one.values()) if _is_container(child)]
-        elif isinstance(one, list) and _looks_like_numbers(one):
-            items.append(_Item(one))
+        elif isinstance(one, list) and _looks_like_numbers(one, least=2 if points else 3):
+            items.append(_Item(one, is_point=points and len(one) == 2))
         elif isinstance(one, list):
             waiting += [child for child in reversed(one) if _is_container(child)]
     return items
 
 
-def _item_of(value: dict[Any, Any]) -> _Item | None:
-    """The box that an object describes, if it does."""
+def _items_of(value: dict[Any, Any]) -> list[_Item]:
+    """The box or the points that an object describes, if it does."""
     by_key = {str(key).strip().lower(): one for key, one in value.items()}
     label = next((by_key[key] for key in _LABEL_KEYS if isinstance(by_key.get(key), str)), "")
     score = next((_number(by_key[key]) for key in _SCORE_KEYS if key in by_key), 1.0)
     score = score if 0.0 <= score <= 1.0 else 1.0
-    label = " ".join(writable(label).split())[:80]
+    label = _one_line(label)
     for key in _BOX_KEYS:
         if key not in by_key:
             continue
         inner = by_key[key]
         if isinstance(inner, dict):
-            found = _item_of(inner)
-            return None if found is None else _Item(found.numbers, label, score, found.rows_first)
-        return _Item(inner, label, score)
+            return [replace(one, label=label, score=score) for one in _items_of(inner)]
+        return [_Item(inner, label, score)]
     for corners in _CORNER_KEYS:
         if all(key in by_key for key in corners):
-            return _Item([by_key[key] for key in corners], label, score, rows_first=False)
-    return None
+            return [_Item([by_key[key] for key in corners], label, score, rows_first=False)]
+    for key in _POINT_KEYS:
+        if isinstance(by_key.get(key), list | str):
+            inner = by_key[key]
+            pairs = inner if inner and all(isinstance(one, list) for one in inner) else [inner]
+            if key == "points" and any(isinstance(one, dict) for one in inner):
+                break
+            return [_Item(one, label, score, is_point=True) for one in pairs]
+    if {"x", "y"} <= by_key.keys() and not by_key.keys() & _SIZE_KEYS:
+        numbers = [by_key["x"], by_key["y"]]
+        return [_Item(numbers, label, score, rows_first=False, is_point=True)]
+    return []
 
 
 def _is_container(value: Any) -> bool:
     return isinstance(value, dict | list)
 
 
-def _looks_like_numbers(value: list[Any]) -> bool:
+def _looks_like_numbers(value: list[Any], *, least: int) -> bool:
     """Whether a list may be a bare box, perhaps a broken one; "[2]" in prose is none."""
-    return len(value) >= 3 and not any(isinstance(one, dict | list) for one in value)
+    return len(value) >= least and not any(isinstance(one, dict | list) for one in value)

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool
 
-from hypernav.core.components.abilities import NamesThings, SeesAllThings
+from hypernav.core.components.abilities import NamesThings, SeesAllThings, SegmentsPoints
 from hypernav.core.components.protocols import Detector, Segmenter
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.exploring.sightings import Sightings
@@ -193,6 +193,8 @@ class LocalPerception:
             return detection.box.mask(width, height)
         if detection.mask is not None:
             return detection.mask
+        if detection.point is not None and isinstance(self.segmenter, SegmentsPoints):
+            return self.segmenter.segment_point(observation, *detection.point)
         return self.segmenter.segment(observation, detection.box)
 
     def _sighting(

@@ -4,20 +4,23 @@ from collections import Counter
 from dataclasses import replace
 from typing import Any, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 
-from hypernav.core.chat import Answer, Image, Question
+from hypernav.core.chat import Answer, Fault, Image, Question
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
-from hypernav.core.geometry.boxes import Detection
+from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel, asked_place, label_for
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
+from hypernav.models.chat.unwrapping import final_answer
 from hypernav.models.chat.vlm_families import FamilyName, VlmFamily, family_named, family_of
 from hypernav.perception.exchanges import YesNoAsker, exchange_of
 from hypernav.perception.local.crop_check import crop_of, crop_question
-from hypernav.perception.local.grounding_format import Grounding, read_grounding
+from hypernav.perception.local.depth_cut import DepthCutSegmenter
+from hypernav.perception.local.grounding_format import Grounding, PointedAt, read_grounding
 from hypernav.perception.prompt_text import check_placeholders
 
 _PROMPT = (
@@ -25,6 +28,9 @@ _PROMPT = (
     '[{{"{key}": {example}, "label": "{goal}"}}]. If there is no {goal} in the picture, '
     "answer []."
 )
+_NOTHING = {"[]", "{}", "null", "none", "there are none"}
+_POINT_SHARE = 0.1
+"""Side of the box around a point without depth, as a share of the image's longer side."""
 _UNSURE = 0.5
 """Score of a box if the answer about its crop is neither yes nor no."""
 CROP_MARGIN = 0.3
@@ -42,7 +48,8 @@ class VlmDetectorConfig(RoomConfig):
         family: Family of models whose coordinates the model answers in; "auto" reads it off the
             model's name.
         prompt: Text of the question. ``{goal}``, ``{key}`` (of a box) and ``{example}`` are filled
-            in.
+            in. A family that does not answer in JSON is asked in its makers' words instead, unless
+            this is set.
         right_articles: Whether the goal is named without its own article.
         score_crops: Number of boxes of an image, the largest first, whose crops are asked about
             once more: the probability of "yes" is the box's score. 0 takes boxes as they are.
@@ -87,12 +94,14 @@ def grounding_question(
     """Question to a model of a family about one image."""
     example = "[y1, x1, y2, x2]" if family.rows_first else "[x1, y1, x2, y2]"
     name = goal.thing if config.right_articles else goal.text.strip()
+    words = family.asks if family.asks and config.prompt == _PROMPT else config.prompt
     return Question(
         kind="ground",
-        text=config.prompt.format(goal=name, key=family.box_key, example=example),
+        text=words.format(goal=name, key=family.box_key, example=example),
         images=(family.prepared(image),),
         form=_Things if config.constrained else None,
         max_tokens=config.max_tokens,
+        at_once=True,
     )
 
 
@@ -153,7 +162,7 @@ class VlmDetector:
         answer = self._chat.ask(question)
         height, width = observation.rgb.shape[:2]
         grounding = read_grounding(
-            answer.text,
+            "" if answer.fault is Fault.CUT else answer.text,
             self.family,
             width,
             height,
@@ -162,7 +171,8 @@ class VlmDetector:
         )
         remarks = self._remarks(answer, grounding, goal)
         self._log.record(exchange_of(question, answer, remarks=remarks))
-        found = [replace(one, label=one.label or label_for(goal)) for one in grounding.boxes]
+        boxes = [*grounding.boxes, *(around(one, observation) for one in grounding.points)]
+        found = [replace(one, label=one.label or label_for(goal)) for one in boxes]
         return self._looked_at(found, observation, goal)
 
     def _looked_at(
@@ -186,16 +196,30 @@ class VlmDetector:
             for reason, count in grounding.rejected.items()
         ]
         self.rejected.update({reason.value: n for reason, n in grounding.rejected.items()})
-        nothing_read = not grounding.boxes and not grounding.rejected
-        if nothing_read and not _says_nothing(answer.text):
+        found = [*grounding.boxes, *grounding.points]
+        if not found and not grounding.rejected and not _says_nothing(answer.text):
             reason = answer.fault.value if answer.fault is not None else "no box in the answer"
-            remarks.append(reason)
+            remarks.append(answer.detail if answer.fault is Fault.CUT else reason)
             self.rejected[reason] += 1
-        for one in grounding.boxes:
+        for one in found:
             if one.label and not labels_agree(one.label, goal):
                 remarks.append(f"labelled '{one.label}', not '{goal.text}'")
                 self.rejected["other label"] += 1
         return remarks
+
+
+def around(pointed: PointedAt, observation: Observation) -> Detection:
+    """The detection of what a model points at; its box is that of what depth connects with it."""
+    x, y = pointed.x, pointed.y
+    mask = DepthCutSegmenter().segment_point(observation, x, y)
+    height, width = mask.shape
+    half = _POINT_SHARE * max(width, height) / 2.0
+    box = Box(x - half, y - half, x + half, y + half).clipped(width, height)
+    if mask.any():
+        rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+        corners = columns[0], rows[0], columns[-1] + 1, rows[-1] + 1
+        box = Box(*map(float, corners))
+    return Detection(box, 1.0, pointed.label, point=(x, y))
 
 
 def labels_agree(label: str, goal: Goal) -> bool:
@@ -210,5 +234,5 @@ def labels_agree(label: str, goal: Goal) -> bool:
 
 def _says_nothing(text: str) -> bool:
     """Whether an answer plainly says that the image shows no goal."""
-    bare = text.strip().strip("`").removeprefix("json").strip()
-    return bare in {"[]", "{}", "null", "None"} or bare.replace(" ", "") == '{"objects":[]}'
+    bare = final_answer(text).rstrip(".").casefold()
+    return bare in _NOTHING or bare.replace(" ", "") == '{"objects":[]}'

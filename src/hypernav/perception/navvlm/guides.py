@@ -10,7 +10,8 @@ from hypernav.core.config import RoomConfig
 from hypernav.core.exploring.guidance import Direction, GuideChoice, GuideView
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
-from hypernav.models.chat.answer_parsing import shortened, without_thinking
+from hypernav.models.chat.answer_parsing import shortened
+from hypernav.models.chat.unwrapping import final_answer
 from hypernav.perception.exchanges import exchange_of
 from hypernav.perception.vlfm.truth_scorer import chance_in_view
 
@@ -74,9 +75,10 @@ class ChatGuide:
             text=goal.named_in(template.replace("{past}", _PAST if later else "")),
             images=view.images,
             max_tokens=self.config.max_tokens,
+            at_once=True,
         )
         answer = self.chat.ask(question)
-        said = without_thinking(answer.text)
+        said = final_answer(answer.text)
         direction = Direction.EXPLORE if answer.fault is not None else direction_in(said)
         remarks = [answer.detail] if answer.fault is not None else []
         self.log.record(exchange_of(question, answer, remarks=remarks))

@@ -13,7 +13,8 @@ from hypernav.core.errors import ModelUnavailableError
 from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice, ArrowView
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Exchange, ExchangeLog
-from hypernav.models.chat.answer_parsing import shortened, without_thinking
+from hypernav.models.chat.answer_parsing import shortened
+from hypernav.models.chat.unwrapping import final_answer
 from hypernav.perception.exchanges import exchange_of
 from hypernav.perception.visual_prompts.config import ArrowsConfig
 
@@ -35,6 +36,7 @@ ARROW_WORDS = f"{_ONE}\n{_SEVERAL}"
 """The questions about one arrow and about several."""
 
 _OBJECT = re.compile(r"\{[^{}]*\}")
+_BARE = re.compile(r"\W*\d{1,6}(?:[\s,]+\d{1,6})*\W*")
 _NUMBERS = re.compile(r"-?\d+")
 
 
@@ -85,7 +87,7 @@ class ChatArrowReasoner:
                 )
             )
             return ArrowChoice((), f"no answer: {shortened(str(error))}")
-        said = without_thinking(answer.text)
+        said = final_answer(answer.text)
         numbers = () if answer.fault is not None else named_numbers(said, view)
         remarks = [] if numbers else [answer.detail or "it names none of the numbers"]
         self.unread += not numbers
@@ -121,15 +123,19 @@ def arrow_question(view: ArrowView, goal: Goal, config: ArrowsConfig) -> Questio
 
 
 def named_numbers(said: str, view: ArrowView) -> tuple[int, ...]:
-    """The allowed numbers in the last JSON object of an answer, the best first."""
+    """The allowed numbers in the last JSON object of an answer, the best first.
+
+    An answer that is nothing but one number or a list of numbers counts as well.
+    """
     objects = _OBJECT.findall(said)
-    if not objects:
+    if not objects and not _BARE.fullmatch(said):
         return ()
+    text = objects[-1] if objects else said
     try:
-        values = list(json.loads(objects[-1]).values())
+        values = list(json.loads(text).values()) if objects else [text]
         text = str(values[-1]) if values else ""
     except json.JSONDecodeError:
-        text = objects[-1]
+        pass
     possible = {arrow.number for arrow in view.arrows}
     if view.may_turn:
         possible.add(TURN_AROUND)

@@ -14,6 +14,7 @@ from hypernav.core.errors import (
     ModelUnavailableError,
 )
 from hypernav.models.chat.config import ChatConfig
+from hypernav.models.chat.recording import RecordingChat, ReplayChat
 from hypernav.models.chat.server.dialects import DIALECTS
 from hypernav.models.chat.server.openai_chat import OpenAiChat
 from servers.faulty import Act, FaultyServer, Talk, list_models
@@ -354,3 +355,39 @@ def test_ten_percent_faults_lose_no_question(server: ScriptedServer):
     assert all(answer.value == "7" for answer in answers)
     assert sum(answer.attempts for answer in answers) == len(server.failures)
     assert len(server.failures) > 150
+
+
+@pytest.mark.parametrize(
+    ("said", "value"),
+    [
+        ("<|begin_of_box|>yes<|end_of_box|>", "yes"),
+        ("Is it there? No. Wait,</think>\n\nyes", "yes"),
+        ("<answer>no</answer>", "no"),
+    ],
+)
+def test_an_answer_is_read_without_its_wrappings(server: ScriptedServer, said: str, value: str):
+    server.brain = lambda asked: Said(said, {"no": 0.9, "yes": 0.1})
+    config = QUICK.model_copy(update={"dialect": "plain"})
+    answer = chat(server, config).ask(
+        Question("verify", "Is it there?", allowed=("yes", "no"), max_tokens=64)
+    )
+    assert (answer.value, answer.fault) == (value, None)
+    assert answer.probabilities.get(value, 1.0) > 0.5
+
+
+def test_thinking_that_the_prompt_began_and_the_limit_ended_is_no_answer(
+    server: ScriptedServer, tmp_path
+):
+    """Nothing in the text says that it is thinking; also when it is replayed."""
+    server.brain = lambda asked: (
+        "I have to find every bed. The thing at [1, 2, 30, 40] is" + "." * 99
+    )
+    question = Question("ground", "Locate every bed", (image(1),), max_tokens=20, at_once=True)
+    path = tmp_path / "a.jsonl"
+    recording = RecordingChat(chat(server), path)
+    recording.identify()
+    first = recording.ask(question)
+    recording.close()
+    for answer in (first, ReplayChat(path).ask(question)):
+        assert answer.fault is Fault.CUT
+        assert "chat.thinking" in answer.detail

@@ -50,12 +50,12 @@ def parse_logprobs(content: object) -> list[TokenProbabilities]:
     return tokens
 
 
-def after_thoughts(tokens: Sequence[TokenProbabilities], answer: str) -> list[TokenProbabilities]:
-    """The tokens from where the answer begins, without those of thoughts before it.
+def tokens_of_answer(tokens: Sequence[TokenProbabilities], answer: str) -> list[TokenProbabilities]:
+    """The tokens from where the answer begins, without thoughts and wrappings before it.
 
     Args:
         tokens: Tokens of all that was written.
-        answer: The answer without the thoughts.
+        answer: The final answer.
 
     Returns:
         The tokens; none where the answer isn't found among them.

@@ -23,13 +23,13 @@ from hypernav.core.errors import (
     ModelUnavailableError,
 )
 from hypernav.core.network.bounded_http import Deadline
-from hypernav.models.chat.answer_parsing import parse_answer, shortened, without_thinking
+from hypernav.models.chat.answer_parsing import parse_answer, shortened
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.image_encoding import jpeg_data_url
 from hypernav.models.chat.server.answer_probabilities import (
-    after_thoughts,
     answer_probabilities,
     parse_logprobs,
+    tokens_of_answer,
 )
 from hypernav.models.chat.server.decision_api import (
     accepts_question,
@@ -51,6 +51,7 @@ from hypernav.models.chat.server.thinking import (
     read_written,
     switches,
 )
+from hypernav.models.chat.unwrapping import final_answer
 
 _log = logging.getLogger(__name__)
 _DETECTION_LIMIT_S = 10.0
@@ -186,6 +187,7 @@ class OpenAiChat:
             lost=lost,
             probabilities=reply.probabilities,
             refused=reply.refused,
+            is_cut=reply.written is not None and reply.written.is_cut,
         )
 
     def _who(self) -> str:
@@ -373,8 +375,9 @@ def _parse_completion(
     logprobs = choice.get("logprobs")
     if question.allowed and isinstance(logprobs, dict):
         tokens = parse_logprobs(logprobs.get("content"))
-        if written.has_thoughts:
-            tokens = after_thoughts(tokens, without_thinking(text))
+        said = final_answer(text)
+        if written.has_thoughts or said != text.strip():
+            tokens = tokens_of_answer(tokens, said)
         probabilities = answer_probabilities(tokens, question.allowed, wrapped=constraint.wrapped)
     if refused and not text and isinstance(refusal, str):
         text = refusal

@@ -25,9 +25,10 @@ import re
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from hypernav.models.chat.answer_parsing import LONGEST_ANSWER, without_thinking
+from hypernav.models.chat.answer_parsing import LONGEST_ANSWER
 from hypernav.models.chat.config import DialectName
 from hypernav.models.chat.server.reply_fields import read_content, read_reasoning, thinking_tokens
+from hypernav.models.chat.unwrapping import begin_of_thinking, end_of_thinking, final_answer
 
 ROOMS = (0, 1024, 4096, 16384)
 """Tokens for thinking that a question may get besides those for its answer, step by step."""
@@ -42,9 +43,6 @@ ENDLESS = (
 _CUT = {"length", "max_tokens", "model_length"}  # the last two: Anthropic's and Mistral's words
 _MOST_KEPT = 2000
 _EMPTY = re.compile(r"<think(?:ing)?>\s*</think(?:ing)?>")
-_OPENED = re.compile(r"<think(?:ing)?>|<reasoning>|<\|channel\|>\s*analysis|◁think▷", re.I)
-_CLOSED = re.compile(r"</think(?:ing)?>|</reasoning>|◁/think▷", re.I)
-
 _MARKS = re.compile(r"[<>\[\]{}|\\◁▷]")
 
 _TEMPLATE = {"chat_template_kwargs": {"enable_thinking": False, "thinking": False}}
@@ -112,12 +110,13 @@ def read_written(choice: dict[str, Any], usage: object, *, is_prefilled: bool) -
     is_cut = str(choice.get("finish_reason")).casefold() in _CUT
     content = _with_short_thoughts(content)
     told = _EMPTY.sub("", content[:LONGEST_ANSWER])
-    is_opened, is_closed = bool(_OPENED.search(told)), bool(_CLOSED.search(told))
+    is_opened = begin_of_thinking(told) is not None
+    is_closed = end_of_thinking(told) is not None
     has_closed_only = is_closed and not is_opened
     if not is_opened and ("</think>" in content if is_closed else is_prefilled and is_cut):
         content, is_opened = f"<think>{content}", True  # as the chat template did
     has_thoughts = bool(reasoning) or is_opened or is_closed or thinking_tokens(usage) > 0
-    is_empty = not without_thinking(content)
+    is_empty = not final_answer(content)
     if is_empty and not content.strip() and reasoning:
         # Told in the one way that every reader of answers knows; no mark or box of it is left.
         kept = _MARKS.sub(" ", reasoning[:_MOST_KEPT])
@@ -133,10 +132,10 @@ def read_written(choice: dict[str, Any], usage: object, *, is_prefilled: bool) -
 
 def _with_short_thoughts(content: str) -> str:
     """The content, so that readers of limited length reach the answer after long thoughts."""
-    ends = [match.end() for match in _CLOSED.finditer(content)]
-    if len(content) < LONGEST_ANSWER or not ends:
+    closed = end_of_thinking(content) if len(content) >= LONGEST_ANSWER else None
+    if closed is None:
         return content
-    return f"<think>{_MARKS.sub(' ', content[:_MOST_KEPT])}</think>{content[ends[-1] :]}"
+    return f"<think>{_MARKS.sub(' ', content[:_MOST_KEPT])}</think>{content[closed[0] :]}"
 
 
 @dataclass(frozen=True)
