@@ -14,10 +14,19 @@ P = [280.0, 0.0, 158.0, 0.0, 0.0, 280.0, 118.0, 0.0, 0.0, 0.0, 1.0, 0.0]
 LENS = [-0.2, 0.05, 0.001, -0.001, 0.0]
 
 
-def info(d, *, k=K, model="plumb_bob", width=320):
-    header = SimpleNamespace(frame_id="/optical")
+def info(d, *, k=K, model="plumb_bob", width=320, roi=(0, 0, 0, 0), binning=0):
+    region = dict(zip(("x_offset", "y_offset", "width", "height"), roi, strict=True))
     return SimpleNamespace(
-        header=header, width=width, height=240, distortion_model=model, d=d, k=k, p=P
+        header=SimpleNamespace(frame_id="/optical"),
+        width=width,
+        height=240,
+        distortion_model=model,
+        d=d,
+        k=k,
+        p=P,
+        binning_x=binning,
+        binning_y=binning,
+        roi=SimpleNamespace(**region),
     )
 
 
@@ -68,7 +77,7 @@ def test_an_image_of_another_size_is_refused():
         (info([], k=[0.0] * 9), "calibrate"),
         (info([], width=0), "calibrate"),
         (info([float("nan")]), "finite"),
-        (info(LENS, model="equidistant"), "image_rect"),
+        (info(LENS, model="thin_prism"), "image_rect"),
     ],
 )
 def test_a_camera_that_is_not_calibrated_is_refused(message, said):

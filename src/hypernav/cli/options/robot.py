@@ -172,6 +172,8 @@ class Replay:
     """Topic of the depth images, registered to colour."""
     camera_info_topic: str | None = None
     """Topic of the colour images' calibration."""
+    depth_per_metre: float | None = None
+    """Depth value of one metre: by default 5000 in TUM RGB-D, 1000 in others, 1 in 32FC1."""
     out: Path | None = None
     """Folder of the results; runs/<time>-<recording> by default."""
     views: FlatRobotViewOptions = field(default_factory=RobotViewOptions)
