@@ -99,7 +99,7 @@ def _frames(bag: BagFile, chosen: ChosenTopics, calibration: Calibration) -> lis
     depth_stamps = np.array([stamp for stamp, _ in depths])
     reason = f"no colour image has a depth image within {_APART_S:g} s"
     frames = []
-    for stamp, key in colours:
+    for stamp, key in sorted(colours):
         near = int(np.abs(depth_stamps - stamp).argmin())
         if abs(depth_stamps[near] - stamp) > _APART_S:
             continue

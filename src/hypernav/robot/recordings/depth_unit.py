@@ -58,7 +58,7 @@ def unit_doubt(recording: Recording) -> list[str]:
         if best == per_metre:
             return []
         return [
-            f"depth and poses contradict each other if the value {per_metre:g} is a metre of depth, "
+            f"depth and poses contradict each other if the value {per_metre:g} is one metre, "
             f"and agree with --depth-per-metre {best:g}"
         ]
     returns = np.concatenate([depth[depth > 0.0] for _, depth, _ in pairs])
