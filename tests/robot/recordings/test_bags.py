@@ -398,3 +398,20 @@ def test_two_publishers_that_contradict_each_other_are_named(frames, tmp_path):
 
     with pytest.raises(RecordingError, match=r"'base_link'.*'odom'.*'zed_odom'.*switch"):
         open_recording(write_bag(tmp_path, "ros1", frames, change=change))
+
+
+def test_a_bag_of_realsense_s_own_tools_says_how_it_becomes_one_of_ros(frames, tmp_path):
+    names = {
+        COLOUR: "/device_0/sensor_1/Color_0/image/data",
+        DEPTH: "/device_0/sensor_0/Depth_0/image/data",
+        CAMERA_INFO: "/device_0/sensor_1/Color_0/info/camera_info",
+    }
+
+    def change(topic, message, make):
+        if topic not in names:
+            return None
+        message.header.frame_id = "0"
+        return names[topic], message
+
+    with pytest.raises(RecordingError, match=r"rosbag_filename:=/.*align_depth\.enable"):
+        open_recording(write_bag(tmp_path, "ros1", frames, change=change))

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from frame_writers import POSES, views, write_matched_frames, write_tum
+from frame_writers import POSES, views, write_matched_frames, write_scannet, write_tum
 from hypernav.cli.main import main
 from hypernav.core.errors import RecordingError
 from hypernav.robot.recordings.opening import open_recording
@@ -15,7 +15,7 @@ from mcap_files import counts_of
 from rrd_files import images_in
 from small_worlds import two_rooms
 
-WRITERS = pytest.mark.parametrize("write", [write_matched_frames, write_tum])
+WRITERS = pytest.mark.parametrize("write", [write_matched_frames, write_tum, write_scannet])
 
 
 @WRITERS
@@ -138,6 +138,14 @@ def test_lost_poses_of_a_trajectory_are_left_out_and_counted(lost, tmp_path):
     assert f"1 of {len(POSES)} colour images are left out" in said
 
 
+def test_frames_of_scannet_without_a_pose_are_left_out_and_counted(tmp_path):
+    write_scannet(tmp_path)
+    (tmp_path / "pose" / "1.txt").write_text(" ".join(["-inf"] * 16))
+    recording = open_recording(tmp_path)
+    assert [frame.stamp_s for frame in recording.frames] == [0.0, 2.0]
+    assert recording.notes == ["1 of 3 frames are left out: they have no valid pose"]
+
+
 def test_the_field_s_lost_pose_is_left_out(test_data):
     recording = open_recording(test_data / "field" / "08-lost-poses" / "seven_scenes_inf")
     assert len(recording.frames) == 3
@@ -155,7 +163,7 @@ WINDOWS = {
 def test_text_files_of_windows_are_read(write, written, tmp_path):
     write(tmp_path)
     told = open_recording(tmp_path)
-    for path in tmp_path.glob("*.txt"):
+    for path in tmp_path.rglob("*.txt"):
         path.write_bytes(written(path.read_text()))
     seen = open_recording(tmp_path)
     assert seen.camera == told.camera

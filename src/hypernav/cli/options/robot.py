@@ -159,7 +159,7 @@ class Replay:
     """Process recorded RGB-D frames as on a robot: draw the map, look for the goal."""
 
     recording: tyro.conf.Positional[Path]
-    """A bag of ROS 1 or ROS 2, or a folder in the format of 3DMatch, 7-Scenes or TUM RGB-D."""
+    """A bag of ROS 1 or ROS 2, or a folder of 3DMatch, 7-Scenes, TUM RGB-D or ScanNet."""
     goal: str | None = None
     """The object to look for; needs --detector or --vlm."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)

@@ -31,6 +31,8 @@ _APART_S = 0.02
 """Largest difference of the times of colour and depth that belong together."""
 _TRANSFORM_TYPES = ("tf2_msgs/msg/TFMessage", "tf/msg/tfMessage")
 _ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
+_SDK = "/device_0/sensor_"
+"""Begin of the topics that librealsense records (rs-record, RealSense Viewer)."""
 _SUFFIXES = (*STORAGES, ".bag", ".active")
 _Z_UP = ("map", "odom")
 """Frames whose z axis points up, by REP 105."""
@@ -61,6 +63,13 @@ def read_bag(path: Path, topics: CameraTopics) -> Recording:
     """
     with ExitStack() as opened:
         bag = opened.enter_context(BagFile(path))
+        if any(name.startswith(_SDK) for name in bag.topics(*CAMERA_TYPES)):
+            raise RecordingError(
+                f"{path} is of RealSense's own tools, not of ROS: its depth is not registered, and "
+                "it has no poses. Play it with 'ros2 launch realsense2_camera rs_launch.py "
+                f"rosbag_filename:={path.absolute()} align_depth.enable:=true', and record a bag "
+                "with the poses of a SLAM program"
+            )
         offers = [offered_topic(name, bag.first(name)) for name in bag.topics(*CAMERA_TYPES)]
         chosen = choose_topics(offers, topics, option_of=_option_of)
         with bag.checked():

@@ -48,6 +48,8 @@ def recording_of_files(
     depth_per_metre: float,
     frames: list[FrameFiles],
     notes: list[str],
+    *,
+    resizes: bool = False,
 ) -> Recording:
     """A recording whose images are read from files when they are asked for.
 
@@ -57,6 +59,7 @@ def recording_of_files(
         depth_per_metre: Depth value of one metre.
         frames: Frames in the order of time.
         notes: What a user should know about it.
+        resizes: Whether colour of another size shows the same, and is brought to that of depth.
     """
     return Recording(
         name,
@@ -66,7 +69,7 @@ def recording_of_files(
                 frame.colour.name,
                 frame.camera_to_world,
                 frame.stamp_s,
-                partial(_rgb, frame.colour, camera),
+                partial(_rgb, frame.colour, camera, resizes),
                 partial(_depth, frame.depth, camera, depth_per_metre),
             )
             for frame in frames
@@ -156,8 +159,12 @@ def pose_of(matrix: np.ndarray, path: Path) -> Transform | None:
     return Transform.from_matrix(pose)
 
 
-def _rgb(path: Path, camera: PinholeCamera) -> UInt8[np.ndarray, "height width 3"]:
-    return _decoded(path, camera, lambda image: np.asarray(image.convert("RGB")))
+def _rgb(path: Path, camera: PinholeCamera, resizes: bool) -> UInt8[np.ndarray, "height width 3"]:
+    def decode(image: Image.Image) -> np.ndarray:
+        rgb, size = image.convert("RGB"), (camera.width, camera.height)
+        return np.asarray(rgb if rgb.size == size else rgb.resize(size, Image.Resampling.BOX))
+
+    return _decoded(path, None if resizes else camera, decode)
 
 
 def _depth(
@@ -171,14 +178,14 @@ def _depth(
 
 
 def _decoded(
-    path: Path, camera: PinholeCamera, decode: Callable[[Image.Image], np.ndarray]
+    path: Path, camera: PinholeCamera | None, decode: Callable[[Image.Image], np.ndarray]
 ) -> np.ndarray:
     try:
         data = read_file(path)
         size = image_size(data)
         if size is None or size[0] * size[1] > MOST_PIXELS:
             raise RecordingError(f"{path}: expected a PNG or JPEG image")
-        if size != (camera.width, camera.height):
+        if camera is not None and size != (camera.width, camera.height):
             raise RecordingError(
                 f"{path}: expected {camera.width} × {camera.height} pixels as in the first frame, "
                 f"found {size[0]} × {size[1]}"

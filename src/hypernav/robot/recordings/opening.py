@@ -9,6 +9,7 @@ from hypernav.robot.recordings.bag import is_bag, read_bag
 from hypernav.robot.recordings.depth_unit import in_unit, unit_doubt
 from hypernav.robot.recordings.matched_frames import is_matched_frames, read_matched_frames
 from hypernav.robot.recordings.recording import Recording
+from hypernav.robot.recordings.scannet import is_scannet, read_scannet
 from hypernav.robot.recordings.tum import is_tum, read_tum
 from hypernav.robot.ros.topics import CameraTopics
 
@@ -23,7 +24,11 @@ _OTHER_FORMATS = {
     "SensReader, and give DIR",
 }
 """What recordings of other formats are, and the way to one that is read."""
-_FOLDERS = ((is_matched_frames, read_matched_frames), (is_tum, read_tum))
+_FOLDERS = (
+    (is_matched_frames, read_matched_frames),
+    (is_tum, read_tum),
+    (is_scannet, read_scannet),
+)
 
 
 def open_recording(
@@ -66,6 +71,6 @@ def _read(path: Path, topics: CameraTopics) -> Recording:
         raise RecordingError(f"{path} is {other.format(path=path)}")
     raise RecordingError(
         f"{path}: expected a folder with frame-*.pose.txt (3DMatch, 7-Scenes), one with rgb.txt, "
-        "depth.txt and groundtruth.txt (TUM RGB-D), or a bag (a folder with metadata.yaml, a file "
-        ".mcap, .db3 or .bag)"
+        "depth.txt and groundtruth.txt (TUM RGB-D), one with color, depth and pose (ScanNet), or a "
+        "bag (a folder with metadata.yaml, a file .mcap, .db3 or .bag)"
     )
