@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float32, Float64
 
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Transform
 from hypernav.robot.recordings.recording import RecordedFrame, Recording
 
 _MOST_FRAMES = 5
@@ -50,9 +52,9 @@ def unit_doubt(recording: Recording) -> list[str]:
         RecordingError: A depth image cannot be read.
     """
     per_metre = recording.depth_per_metre
-    pairs = _pairs(recording)
+    depths, looks = _looks(recording)
     units = dict.fromkeys((per_metre, *_USUAL))
-    apart = {unit: _difference(recording, pairs, per_metre / unit) for unit in units}
+    apart = {unit: _difference(recording.camera, looks, per_metre / unit) for unit in units}
     best, second = sorted(apart, key=lambda unit: apart[unit])[:2]
     if 2.0 * apart[best] < apart[second] and apart[second] > _CLEAR:
         if best == per_metre:
@@ -61,7 +63,7 @@ def unit_doubt(recording: Recording) -> list[str]:
             f"depth and poses contradict each other if the value {per_metre:g} is one metre, "
             f"and agree with --depth-per-metre {best:g}"
         ]
-    returns = np.concatenate([depth[depth > 0.0] for _, depth, _ in pairs])
+    returns = np.concatenate([depth[depth > 0.0] for depth in depths])
     if returns.size == 0 or (side := _misfit(returns)) is None:
         return []
     least_m = float(np.quantile(returns, 0.9 if side == "nearer" else 0.1))
@@ -78,43 +80,43 @@ def unit_doubt(recording: Recording) -> list[str]:
 
 
 _Depth = Float32[np.ndarray, "height width"]
+_Looks = list[tuple[Transform, _Depth, _Depth]]
+"""For two looks at the same things from different places the transform from the first camera to the
+second, and the depth of both."""
 
 
-def _pairs(recording: Recording) -> list[tuple[RecordedFrame, _Depth, RecordedFrame | None]]:
-    """Frames spread over the recording, their depth, and for each a later one from elsewhere."""
+def _looks(recording: Recording) -> tuple[list[_Depth], _Looks]:
+    """Depth spread over the recording, and second looks."""
     frames = recording.frames
-    pairs = []
+    depths, looks = [], []
     for i in range(0, len(frames), max(len(frames) // _MOST_FRAMES, 1)):
-        here = frames[i].camera_to_world.translation
-        later = (one for one in frames[i:] if _moved_m(one, here) >= _MOVED_M)
-        pairs.append((frames[i], frames[i].depth(), next(later, None)))
-    return pairs
+        first, depth = frames[i], frames[i].depth()
+        depths.append(depth)
+        here = first.camera_to_world.translation
+        second = next((one for one in frames[i:] if _moved_m(one, here) >= _MOVED_M), None)
+        if second is not None:
+            way = second.camera_to_world.inverse() @ first.camera_to_world
+            looks.append((way, depth, second.depth()))
+    return depths, looks
 
 
 def _moved_m(frame: RecordedFrame, here: Float64[np.ndarray, "3"]) -> float:
     return float(np.linalg.norm(frame.camera_to_world.translation - here))
 
 
-def _difference(
-    recording: Recording,
-    pairs: list[tuple[RecordedFrame, _Depth, RecordedFrame | None]],
-    scale: float,
-) -> float:
+def _difference(camera: PinholeCamera, looks: _Looks, scale: float) -> float:
     """By how much second looks differ from first ones, relatively, if depth is scaled."""
-    camera = recording.camera
     stride = max(camera.width // _COLUMNS, 1)
     found = [np.zeros(0)]
-    for first, depth, second in pairs:
-        if second is None:
-            continue
+    for way, depth, second in looks:
         rows, columns = stride * np.array(np.nonzero(depth[::stride, ::stride] > 0.0))
         points = camera.unproject_pixels(rows, columns, depth[rows, columns].astype(float) * scale)
-        seen = (second.camera_to_world.inverse() @ first.camera_to_world).apply(points)
+        seen = way.apply(points)
         seen = seen[seen[:, 2] > 0.0]
         u, v = np.floor(camera.project(seen)).T
         inside = (u >= 0) & (u < camera.width) & (v >= 0) & (v < camera.height)
         u, v, expected = u[inside].astype(int), v[inside].astype(int), seen[inside, 2]
-        measured = second.depth()[v, u] * scale
+        measured = second[v, u] * scale
         found.append(np.abs(np.log(expected[measured > 0.0] / measured[measured > 0.0])))
     differences = np.concatenate(found)
     return float(np.median(differences)) if differences.size >= _LEAST_POINTS else math.inf
