@@ -1,10 +1,14 @@
 """Bags of every format, written by `rosbags` from the frames of a recording."""
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from mcap.reader import make_reader
+from mcap.writer import CompressionType
+from mcap.writer import Writer as McapWriter
 from rosbags.rosbag1 import Writer as Writer1
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
@@ -13,6 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from hypernav.core.geometry.transforms import Transform
 from hypernav.robot.recordings.recording import Recording
+from hypernav.robot.recordings.upright import world_to_map
 
 FORMATS = ("sqlite", "mcap", "ros1")
 OPTICAL = "camera_color_optical_frame"
@@ -118,6 +123,8 @@ def write_bag(
         topic,
         message,
     ),
+    recorded_ns: Callable[[float], int] = lambda at_s: round(at_s * 1e9) + 7,
+    publishers: int = 1,
 ) -> Path:
     """Write a bag.
 
@@ -126,6 +133,8 @@ def write_bag(
         format: One of `FORMATS`.
         recording: The frames.
         change: Replaces topic and message, or leaves them out with None.
+        recorded_ns: Time of the recording of a message.
+        publishers: How many publishers take turns on every topic.
     """
     is_ros1 = format == "ros1"
     store = get_typestore(Stores.ROS1_NOETIC if is_ros1 else Stores.ROS2_HUMBLE)
@@ -141,12 +150,43 @@ def write_bag(
     serialize = store.serialize_ros1 if is_ros1 else store.serialize_cdr
     make, connections = Messages(store), {}
     with writer:
-        for name, at, said in recorded_messages(recording, make):
+        for number, (name, at, said) in enumerate(recorded_messages(recording, make)):
             if (changed := change(name, said, make)) is None:
                 continue
             topic, message = changed
             kind = message.__msgtype__
-            if topic not in connections:
-                connections[topic] = writer.add_connection(topic, kind, typestore=store)
-            writer.write(connections[topic], round(at * 1e9) + 7, serialize(message, kind))
+            who = (topic, number // 5 % publishers if is_ros1 else 0)  # ROS 2 records no publisher
+            if who not in connections:
+                named = {"callerid": f"/{who[1]}"} if is_ros1 else {}
+                connections[who] = writer.add_connection(topic, kind, typestore=store, **named)
+            writer.write(connections[who], recorded_ns(at), serialize(message, kind))
     return path
+
+
+def in_map_frame(recording: Recording) -> Recording:
+    """A recording in a world whose z axis points up, as a robot's odometry has it."""
+    to_map = world_to_map(recording)
+    frames = [
+        replace(one, camera_to_world=to_map @ one.camera_to_world) for one in recording.frames
+    ]
+    return replace(recording, frames=frames)
+
+
+def repacked(source: Path, target: Path, compression: str) -> None:
+    """Copy an MCAP file in small chunks, packed or not."""
+    kinds = {"": CompressionType.NONE, "lz4": CompressionType.LZ4, "zstd": CompressionType.ZSTD}
+    with source.open("rb") as file, target.open("wb") as written:
+        writer = McapWriter(written, chunk_size=30_000, compression=kinds[compression])
+        writer.start(profile="ros2")
+        channels: dict[int, int] = {}
+        for schema, channel, message in make_reader(file).iter_messages():
+            assert schema is not None
+            if channel.id not in channels:
+                known = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channels[channel.id] = writer.register_channel(
+                    channel.topic, channel.message_encoding, known, channel.metadata
+                )
+            writer.add_message(
+                channels[channel.id], message.log_time, message.data, message.publish_time
+            )
+        writer.finish()

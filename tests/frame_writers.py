@@ -50,3 +50,19 @@ def write_tum(folder: Path) -> None:
         lists["groundtruth"] += f"{number}.005 {' '.join(map(str, where))}\n"
     for name, text in lists.items():
         (folder / f"{name}.txt").write_text(text)
+
+
+def write_scannet(folder: Path) -> None:
+    """Colour has twice the size of depth."""
+    camera = two_rooms().embodiment.camera.intrinsics
+    matrix = np.eye(4)
+    matrix[[0, 1, 0, 1], [0, 1, 2, 2]] = camera.fx, camera.fy, camera.cx - 0.5, camera.cy - 0.5
+    for name in ("color", "depth", "pose", "intrinsic"):
+        (folder / name).mkdir()
+    np.savetxt(folder / "intrinsic" / "intrinsic_depth.txt", matrix)
+    for number, (view, pose) in enumerate(views()):
+        large = view.rgb.repeat(2, axis=0).repeat(2, axis=1)
+        Image.fromarray(large).save(folder / "color" / f"{number}.png")
+        depth = np.rint(view.depth * 1000.0).astype(np.uint16)
+        Image.fromarray(depth).save(folder / "depth" / f"{number}.png")
+        np.savetxt(folder / "pose" / f"{number}.txt", pose.matrix)

@@ -29,6 +29,13 @@ def test_later_layers_win(tmp_path):
     assert config == Robot(motor=Motor(speed_m_s=2.0, wheels=3), name="wall-e")
 
 
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_a_file_of_windows_is_read(encoding, tmp_path):
+    file = tmp_path / "robot.yaml"
+    file.write_bytes("name: wall-e\r\nmotor:\r\n  wheels: 2\r\n".encode(encoding))
+    assert configured(file=file) == Robot(motor=Motor(wheels=2), name="wall-e")
+
+
 def test_an_empty_file_changes_nothing(tmp_path):
     (tmp_path / "empty.yaml").write_text("")
     assert configured(file=tmp_path / "empty.yaml") == Robot()

@@ -307,3 +307,10 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
         write_episodes(EpisodeDataset(episodes=[], category_to_task_category_id={"bed": 1}), file)
     assert file.read_bytes() == before
     assert list(tmp_path.iterdir()) == [file]
+
+
+@pytest.mark.parametrize("name", ["a.json", "a.json.gz"])
+def test_a_byte_order_mark_is_no_content(name, tmp_path):
+    text = b"\xef\xbb\xbf" + json.dumps(CONTENT).encode()
+    (tmp_path / name).write_bytes(gzip.compress(text) if name.endswith("gz") else text)
+    assert read_episodes(tmp_path / name) == EpisodeDataset.model_validate(CONTENT)

@@ -11,7 +11,7 @@ import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from hypernav.core.errors import ConfigError
-from hypernav.core.files.reading import read_file
+from hypernav.core.files.reading import read_file, text_of
 from hypernav.core.files.yaml_text import MOST_CHARACTERS, MOST_LEVELS, parse_yaml
 
 ENVIRONMENT_PREFIX = "HYPERNAV_"
@@ -143,7 +143,7 @@ def _reason(name: str) -> str:
 
 def _read_yaml(file: Path) -> dict[Any, Any]:
     try:
-        content = parse_yaml(read_file(file, most=4 * MOST_CHARACTERS).decode("utf-8"))
+        content = parse_yaml(text_of(read_file(file, most=4 * MOST_CHARACTERS)))
     except OSError as error:
         raise ConfigError(f"cannot read the configuration {file}: {error.strerror}") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:

@@ -1,5 +1,6 @@
 """Episode files in Habitat's format: reading, validation and writing."""
 
+import codecs
 import gzip
 import io
 import json
@@ -61,7 +62,7 @@ def read_as(kind: type[Content], path: Path) -> Content:
         EpisodeError: The file is missing or broken, or something in it does not fit the model; the
             message names the episode and the field.
     """
-    text = _unpacked(path)
+    text = _unpacked(path).removeprefix(codecs.BOM_UTF8)
     try:
         check_json_size(text, Allowance())
         return kind.model_validate_json(text)

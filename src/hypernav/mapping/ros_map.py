@@ -11,7 +11,7 @@ from PIL import Image
 
 from hypernav.core.errors import MapError
 from hypernav.core.files.image_sizes import MOST_PIXELS
-from hypernav.core.files.reading import read_file
+from hypernav.core.files.reading import read_file, text_of
 from hypernav.core.files.whole_files import write_whole
 from hypernav.core.files.yaml_text import MOST_CHARACTERS, parse_yaml
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
@@ -110,7 +110,7 @@ def load_ros_map(path: Path) -> OccupancyGrid:
 
 def _read_facts(path: Path) -> dict[str, Any]:
     try:
-        facts = parse_yaml(read_file(path, most=4 * MOST_CHARACTERS).decode("utf-8"))
+        facts = parse_yaml(text_of(read_file(path, most=4 * MOST_CHARACTERS)))
     except OSError as error:
         raise MapError(f"cannot read the map {path}: {error.strerror}") from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:

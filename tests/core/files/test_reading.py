@@ -5,13 +5,24 @@ from pathlib import Path
 import pytest
 
 from hypernav.core.files.allowance import MOST_BYTES, Allowance
-from hypernav.core.files.reading import check_file, path_below, read_file
+from hypernav.core.files.reading import check_file, path_below, read_file, text_of
 
 
 def test_a_file_is_read_whole(tmp_path):
     (tmp_path / "a").write_bytes(b"abc")
     assert read_file(tmp_path / "a", most=3) == b"abc"
     check_file(tmp_path / "a", most=3)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_a_text_comes_without_its_mark(encoding):
+    assert text_of("Küche 床".encode(encoding)) == "Küche 床"
+
+
+def test_what_is_no_text_is_an_error_or_replaced():
+    with pytest.raises(UnicodeDecodeError):
+        text_of(b"\xff")
+    assert text_of(b"a\xff", errors="replace") == "a\ufffd"
 
 
 @pytest.mark.parametrize("read", [read_file, check_file])

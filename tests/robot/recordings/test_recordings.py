@@ -1,11 +1,12 @@
 """Recordings of every format are read, set upright on their floor, and replayed."""
 
+import json
 import math
 
 import numpy as np
 import pytest
 
-from frame_writers import POSES, views, write_matched_frames, write_tum
+from frame_writers import POSES, views, write_matched_frames, write_scannet, write_tum
 from hypernav.cli.main import main
 from hypernav.core.errors import RecordingError
 from hypernav.robot.recordings.opening import open_recording
@@ -14,7 +15,7 @@ from mcap_files import counts_of
 from rrd_files import images_in
 from small_worlds import two_rooms
 
-WRITERS = pytest.mark.parametrize("write", [write_matched_frames, write_tum])
+WRITERS = pytest.mark.parametrize("write", [write_matched_frames, write_tum, write_scannet])
 
 
 @WRITERS
@@ -80,6 +81,7 @@ def test_a_detector_without_a_goal_is_a_mistake(test_data, capsys):
     ("name", "content", "message"),
     [
         ("frame-000001.pose.txt", "1 2 3", "16"),
+        ("camera-intrinsics.txt", "nan 0 1 0 nan 1 0 0 1", "camera-intrinsics.txt"),
         ("frame-000001.pose.txt", " ".join(["2.0"] * 16), "rigid"),
         ("frame-000001.color.png", "", "read|PNG"),
         ("camera-intrinsics.txt", "a b", "numbers"),
@@ -96,6 +98,117 @@ def test_what_is_broken_is_named(name, content, message, tmp_path):
 
     with pytest.raises(RecordingError, match=message):
         read()
+
+
+LOST = {
+    "-inf": ["-inf"] * 16,
+    "nan": ["nan"] * 16,
+    "Microsoft's NaN": ["-1.#IND00", "1.#QNAN"] * 8,
+    "zeros": ["0"] * 16,
+}
+
+
+@pytest.mark.parametrize("lost", LOST.values(), ids=LOST)
+def test_frames_without_a_pose_are_left_out_and_counted(lost, tmp_path, capsys):
+    folder = tmp_path / "recording"
+    folder.mkdir()
+    write_matched_frames(folder)
+    (folder / "frame-000001.pose.txt").write_text(" ".join(lost))
+    assert len(open_recording(folder).frames) == len(POSES) - 1
+    with pytest.raises(SystemExit) as left:
+        main(["robot", "replay", str(folder), "--out", str(tmp_path / "out")])
+    assert left.value.code == 0
+    note = f"1 of {len(POSES)} frames are left out: they have no valid pose"
+    assert note in capsys.readouterr().err
+    assert json.loads((tmp_path / "out" / "result.json").read_text())["notes"] == [note]
+
+
+@pytest.mark.parametrize(
+    "lost", ["0 0 0 0 0 0 0", "nan nan nan nan nan nan nan", "1 2 3 0 0 -inf 1"]
+)
+def test_lost_poses_of_a_trajectory_are_left_out_and_counted(lost, tmp_path):
+    write_tum(tmp_path)
+    path = tmp_path / "groundtruth.txt"
+    lines = path.read_text().splitlines()
+    path.write_text("\n".join([*lines[:2], f"1.005 {lost}", *lines[3:]]))
+    recording = open_recording(tmp_path)
+    assert [frame.stamp_s for frame in recording.frames] == [0.0, 2.0]
+    said = " ".join(recording.notes)
+    assert f"1 of {len(POSES)} poses of groundtruth.txt are left out" in said
+    assert f"1 of {len(POSES)} colour images are left out" in said
+
+
+def test_frames_of_scannet_without_a_pose_are_left_out_and_counted(tmp_path):
+    write_scannet(tmp_path)
+    (tmp_path / "pose" / "1.txt").write_text(" ".join(["-inf"] * 16))
+    recording = open_recording(tmp_path)
+    assert [frame.stamp_s for frame in recording.frames] == [0.0, 2.0]
+    assert recording.notes == ["1 of 3 frames are left out: they have no valid pose"]
+
+
+def test_the_field_s_lost_pose_is_left_out(test_data):
+    recording = open_recording(test_data / "field" / "08-lost-poses" / "seven_scenes_inf")
+    assert len(recording.frames) == 3
+    assert recording.notes == ["1 of 4 frames are left out: they have no valid pose"]
+
+
+WINDOWS = {
+    "a mark": lambda text: b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode(),
+    "UTF-16": lambda text: text.replace("\n", "\r\n").encode("utf-16"),
+}
+
+
+@pytest.mark.parametrize("written", WINDOWS.values(), ids=WINDOWS)
+@WRITERS
+def test_text_files_of_windows_are_read(write, written, tmp_path):
+    write(tmp_path)
+    told = open_recording(tmp_path)
+    for path in tmp_path.rglob("*.txt"):
+        path.write_bytes(written(path.read_text()))
+    seen = open_recording(tmp_path)
+    assert seen.camera == told.camera
+    assert [frame.stamp_s for frame in seen.frames] == [frame.stamp_s for frame in told.frames]
+    assert not seen.notes
+
+
+def test_the_field_s_byte_order_mark_is_no_text(test_data):
+    assert len(open_recording(test_data / "field" / "15-bom" / "tum").frames) == 4
+
+
+@pytest.mark.parametrize("per_second", [1e3, 1e6, 1e9])
+def test_times_count_any_part_of_a_second(per_second, tmp_path):
+    write_tum(tmp_path)
+    for name in ("rgb", "depth", "groundtruth"):
+        path = tmp_path / f"{name}.txt"
+        lines = [line.split(" ", 1) for line in path.read_text().splitlines()]
+        written = [
+            f"{round((float(at) + 1.4e9) * per_second)} {rest}" if at != "#" else f"# {rest}"
+            for at, rest in lines
+        ]
+        path.write_text("\n".join(written))
+    seen = [frame.stamp_s for frame in open_recording(tmp_path).frames]
+    assert seen == pytest.approx([1.4e9, 1.4e9 + 1.0, 1.4e9 + 2.0], abs=1e-3)
+
+
+def test_a_missing_trajectory_is_named_with_where_to_get_it(tmp_path):
+    write_tum(tmp_path)
+    (tmp_path / "groundtruth.txt").unlink()
+    with pytest.raises(RecordingError, match=r"groundtruth\.txt.*CameraTrajectory"):
+        open_recording(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "way"),
+    [
+        ("kinect.mkv", "recording_file:="),
+        ("zed.svo2", "svo_path:="),
+        ("scene0000_00.sens", "--export_poses"),
+    ],
+)
+def test_other_recordings_are_named_with_a_way_to_one_that_is_read(name, way, tmp_path):
+    (tmp_path / name).write_bytes(b"recorded")
+    with pytest.raises(RecordingError, match=f"{way}.*{name}|{name}.*{way}"):
+        open_recording(tmp_path / name)
 
 
 def test_a_folder_without_a_recording_says_what_is_expected(tmp_path):

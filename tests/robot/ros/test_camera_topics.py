@@ -35,3 +35,23 @@ def test_a_robot_on_ros_2_has_a_key_of_its_file(role):
 def test_a_bag_has_an_option(role):
     option = {"camera_info": "--camera-info-topic"}.get(role, f"--{role}-topic")
     assert told(role, bag._option_of).endswith(f"say which one with {option}")
+
+
+INFRARED = OfferedTopic("/front/infra", "colour", "optical", "mono8", grey=True)
+FILM = OfferedTopic("/front/film", "unreadable", "optical", "h264")
+
+
+def test_grey_images_are_taken_where_there_is_no_colour():
+    def chosen(*topics):
+        return choose_topics(topics, CameraTopics(), option_of=bag._option_of).colour
+
+    assert chosen(*CAMERA, INFRARED) == CAMERA[0]
+    assert chosen(INFRARED, *CAMERA[1:]) == INFRARED
+    with pytest.raises(TopicChoiceError, match="/front/film"):
+        chosen(INFRARED, FILM, *CAMERA[1:])
+
+
+@pytest.mark.parametrize("wanted", [CameraTopics(), CameraTopics(colour="/front/film")])
+def test_an_encoding_that_cannot_be_read_is_named_with_those_that_can(wanted):
+    with pytest.raises(TopicChoiceError, match=r"/front/film \('h264'\).*yuv422_yuy2.*JPEG"):
+        choose_topics([FILM, *CAMERA[1:]], wanted, option_of=bag._option_of)

@@ -80,3 +80,11 @@ def test_old_poses_are_forgotten():
     assert tree.pose("base_link", "odom", 3.0).translation[0] == 3.0
     with pytest.raises(TransformMissingError):
         tree.pose("base_link", "odom", 1.0)
+
+
+def test_a_frame_with_two_parents_has_no_pose():
+    tree = tree_of((0.0, MOUNT))
+    tree.add("base_footprint", "base_link", MOUNT, 0.0, static=True)
+    with pytest.raises(TransformMissingError, match=r"'base_link'.*'odom'.*'base_footprint'"):
+        tree.pose("camera", "odom", 0.0)
+    assert tree.pose("camera", "base_link", 0.0).translation == pytest.approx(MOUNT.translation)

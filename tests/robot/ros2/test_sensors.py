@@ -46,10 +46,12 @@ def legged_robot(
     speed_m_s: float = 0.0,
     namespace: str = "",
     mount: ros.Quaternion = OPTICAL,
+    image: tuple[str, int, bytes] = ("rgb8", 192, bytes(192 * 48)),
 ) -> Iterator[None]:
     """Publishes 20 times a second until the block ends; the body stands at the origin of odom.
 
-    With a speed it drifts to its left. In a namespace its odometry is in tf.
+    With a speed it drifts to its left. In a namespace its odometry is in tf. An image is its
+    encoding, the bytes of a row, and all bytes.
 
     All messages come later than they are stamped, by the first number of `late_s`; odometry is by
     so much older than images.
@@ -90,7 +92,8 @@ def legged_robot(
                 header = ros.Header(stamp, f"{name}_optical")
                 k = [40.0, 0.0, 31.5, 0.0, 40.0, 23.5, 0.0, 0.0, 1.0]
                 info.publish(ros.CameraInfo(header, 48, 64, "plumb_bob", k=k))
-                colour.publish(ros.Image(header, 48, 64, "rgb8", 0, 192, bytes(192 * 48)))
+                encoding, step, pixels = image
+                colour.publish(ros.Image(header, 48, 64, encoding, 0, step, pixels))
                 metres = np.full((48, 64), 1.5, dtype=np.float32).tobytes()
                 depth.publish(ros.Image(header, 48, 64, "32FC1", 0, 256, metres))
 
@@ -146,6 +149,17 @@ def test_what_is_out_of_the_range_of_maps_is_in_the_way(networks, range_m, of_th
     with legged_robot(theirs), closing(Ros2Base(ours, config, Ros2Sensors(ours, config))) as base:
         assert (base.depth_view().depth == 1.5).all()
         assert (base.sense().depth == of_the_map).all()
+
+
+def test_a_live_camera_without_rgb_shows_its_colours(networks):
+    theirs, ours = networks
+    config = configured(*NAMED)
+    red = ("yuv422_yuy2", 128, bytes([81, 90, 81, 240]) * (32 * 48))
+    with (
+        legged_robot(theirs, image=red),
+        closing(Ros2Base(ours, config, Ros2Sensors(ours, config))) as base,
+    ):
+        assert np.abs(base.sense().rgb.astype(int) - [255, 0, 0]).max() <= 3
 
 
 def test_a_camera_below_the_floor_names_the_floor(networks):

@@ -217,3 +217,22 @@ def test_small_house_matches_its_description(small_house: Path) -> None:
             assert instance.label.category == item["category"]
         owned = scene.face_instance == instance.id
         assert int(owned.sum()) == item["triangles"]
+
+
+MARK = b"\xef\xbb\xbf"
+
+
+def test_a_byte_order_mark_in_objects_json_is_no_content(tmp_path: Path) -> None:
+    path = write_squares(tmp_path / "a.glb", "n1")
+    text = json.dumps({"objects": [{"name": "couch", "category": "sofa", "nodes": ["n1"]}]})
+    (tmp_path / "objects.json").write_bytes(MARK + text.encode())
+    assert labels_of(read_scene(path)) == {"couch": "sofa"}
+
+
+def test_a_byte_order_mark_takes_no_corner_of_a_mesh(tmp_path: Path) -> None:
+    text = b"v 0 0 0\r\nv 1 0 0\r\nv 1 0 1\r\nv 0 0 1\r\nf 1 2 3\r\nf 1 3 4\r\n"
+    shapes = []
+    for name, content in (("plain", text), ("marked", MARK + text)):
+        (tmp_path / f"{name}.obj").write_bytes(content)
+        shapes.append(read_scene(tmp_path / f"{name}.obj").vertices)
+    assert np.array_equal(*shapes)

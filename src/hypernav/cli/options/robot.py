@@ -159,7 +159,7 @@ class Replay:
     """Process recorded RGB-D frames as on a robot: draw the map, look for the goal."""
 
     recording: tyro.conf.Positional[Path]
-    """A bag of ROS 1 or ROS 2, or a folder in the format of 3DMatch, 7-Scenes or TUM RGB-D."""
+    """A bag of ROS 1 or ROS 2, or a folder of 3DMatch, 7-Scenes, TUM RGB-D or ScanNet."""
     goal: str | None = None
     """The object to look for; needs --detector or --vlm."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
@@ -172,6 +172,8 @@ class Replay:
     """Topic of the depth images, registered to colour."""
     camera_info_topic: str | None = None
     """Topic of the colour images' calibration."""
+    depth_per_metre: float | None = None
+    """Depth value of one metre: by default 5000 in TUM RGB-D, 1000 in others, 1 in 32FC1."""
     out: Path | None = None
     """Folder of the results; runs/<time>-<recording> by default."""
     views: FlatRobotViewOptions = field(default_factory=RobotViewOptions)

@@ -52,6 +52,8 @@ def run(options: Replay) -> int:
     if options.who.native:
         raise ConfigError("--native: a recording has its own camera; leave the option out")
     check_option("--every", options.every, (1, 100_000), "every frame, or fewer")
+    if options.depth_per_metre is not None:
+        check_option("--depth-per-metre", options.depth_per_metre, (1e-3, 1e6), "1000: millimetres")
     sees = options.who.detector is not None or options.who.vlm is not None
     if sees != (options.goal is not None):
         raise ConfigError(
@@ -68,7 +70,10 @@ def run(options: Replay) -> int:
 
 def _replay(options: Replay, folder: Path) -> ExitStatus:
     topics = CameraTopics(options.colour_topic, options.depth_topic, options.camera_info_topic)
-    with closing(open_recording(options.recording, topics)) as recording:
+    console, unit = Terminal(quiet=options.quiet), options.depth_per_metre
+    with closing(open_recording(options.recording, topics, depth_per_metre=unit)) as recording:
+        for note in recording.notes:
+            console.print(f"[yellow]{escape(note)}[/]", soft_wrap=True)
         return _mapped(options, folder, UprightRecording(recording))
 
 
@@ -116,6 +121,7 @@ def _mapped(options: Replay, folder: Path, upright: UprightRecording) -> ExitSta
                 + (f", the {options.goal} accepted in {sightings}." if goal else "."),
                 "steps": count,
                 "sightings": sightings,
+                "notes": list(recording.notes),
                 "camera_height_m": config.embodiment.camera.height_m,
                 "seconds": {"total": round(time.perf_counter() - began, 3)},
                 "config": config.model_dump(mode="json"),

@@ -1,5 +1,6 @@
 """Reads files from outside: only regular files, of limited size, within their folder."""
 
+import codecs
 import errno
 import os
 import stat
@@ -32,6 +33,20 @@ def read_file(path: Path, *, most: int = MOST_BYTES) -> bytes:
         if size == 0 and file.read(1):
             raise OSError(errno.EINVAL, "it is a file of the kernel, expected one on a disk")
         return file.read(size)
+
+
+def text_of(content: bytes, *, errors: str = "strict") -> str:
+    """The text of a file: UTF-8, or the UTF-16 of Windows, with or without a byte order mark.
+
+    Args:
+        content: Content of the file.
+        errors: What happens to bytes that are no text, as in `bytes.decode`.
+
+    Raises:
+        UnicodeDecodeError: The content is no text.
+    """
+    is_wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return content.decode("utf-16" if is_wide else "utf-8-sig", errors)
 
 
 def check_file(path: Path, *, most: int = MOST_BYTES) -> None:

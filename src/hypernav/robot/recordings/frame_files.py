@@ -1,6 +1,8 @@
 """Frames whose images are files, and the text files that come with them."""
 
 import io
+import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -10,15 +12,16 @@ import numpy as np
 from jaxtyping import Float32, UInt8
 from PIL import Image
 
-from hypernav.core.errors import RecordingError
+from hypernav.core.errors import CameraError, RecordingError
 from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
-from hypernav.core.files.reading import read_file
+from hypernav.core.files.reading import read_file, text_of
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.robot.recordings.recording import RecordedFrame, Recording
 
 _NO_RETURN = 65_535
 """Depth that 3DMatch's cameras write for pixels without a return, beside 0."""
+_UNKNOWN = re.compile(r"[+-]?\d\.#(IND|INF|QNAN|SNAN)\d*", re.IGNORECASE)
 _UNDECODABLE = (OSError, SyntaxError, ValueError, EOFError)
 
 
@@ -40,7 +43,13 @@ class FrameFiles:
 
 
 def recording_of_files(
-    name: str, camera: PinholeCamera, depth_per_metre: float, frames: list[FrameFiles]
+    name: str,
+    camera: PinholeCamera,
+    depth_per_metre: float,
+    frames: list[FrameFiles],
+    notes: list[str],
+    *,
+    resizes: bool = False,
 ) -> Recording:
     """A recording whose images are read from files when they are asked for.
 
@@ -49,6 +58,8 @@ def recording_of_files(
         camera: Intrinsics of both images.
         depth_per_metre: Depth value of one metre.
         frames: Frames in the order of time.
+        notes: What a user should know about it.
+        resizes: Whether colour of another size shows the same, and is brought to that of depth.
     """
     return Recording(
         name,
@@ -58,11 +69,13 @@ def recording_of_files(
                 frame.colour.name,
                 frame.camera_to_world,
                 frame.stamp_s,
-                partial(_rgb, frame.colour, camera),
+                partial(_rgb, frame.colour, camera, resizes),
                 partial(_depth, frame.depth, camera, depth_per_metre),
             )
             for frame in frames
         ],
+        depth_per_metre,
+        notes,
     )
 
 
@@ -73,34 +86,70 @@ def read_lines(path: Path) -> list[str]:
         RecordingError: It cannot be read.
     """
     try:
-        text = read_file(path).decode("utf-8")
+        text = text_of(read_file(path))
     except (OSError, UnicodeDecodeError) as error:
         raise RecordingError(f"{path} can't be read: {error}") from error
     return [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
 
 
+def number_of(word: str) -> float:
+    """The number that a word means; NaN also as Microsoft's libraries write it (``-1.#IND00``).
+
+    Raises:
+        ValueError: It is no number.
+    """
+    return math.nan if _UNKNOWN.fullmatch(word) else float(word)
+
+
 def read_numbers(path: Path, count: int) -> list[float]:
-    """The numbers of a text file.
+    """The numbers of a text file, which may be infinite or NaN.
 
     Raises:
         RecordingError: The file cannot be read, or holds a different number of values.
     """
     try:
-        numbers = [float(word) for line in read_lines(path) for word in line.split()]
+        numbers = [number_of(word) for line in read_lines(path) for word in line.split()]
     except ValueError as error:
         raise RecordingError(f"{path}: expected {count} numbers: {error}") from error
-    if len(numbers) != count or not np.isfinite(numbers).all():
-        raise RecordingError(f"{path}: expected {count} finite numbers, found {len(numbers)}")
+    if len(numbers) != count:
+        raise RecordingError(f"{path}: expected {count} numbers, found {len(numbers)}")
     return numbers
 
 
-def rigid(matrix: np.ndarray, path: Path) -> Transform:
-    """A pose from a file.
+def camera_of(numbers: tuple[float, float, float, float], path: Path, first: Path) -> PinholeCamera:
+    """The camera of a recording.
+
+    Args:
+        numbers: Its ``fx fy cx cy``, measured from the centre of the first pixel.
+        path: File that says them.
+        first: The first colour image.
+
+    Raises:
+        RecordingError: They are no camera, or the image can't be read.
+    """
+    try:
+        size = image_size(read_file(first))
+    except OSError as error:
+        raise RecordingError(f"{first} can't be read: {error.strerror or error}") from error
+    if size is None:
+        raise RecordingError(f"{first}: expected a PNG or JPEG image")
+    fx, fy, cx, cy = numbers
+    try:
+        # Our cameras measure from the corner of the first pixel.
+        return PinholeCamera(*size, fx, fy, cx + 0.5, cy + 0.5)
+    except CameraError as error:
+        raise RecordingError(f"{path}: {error}") from error
+
+
+def pose_of(matrix: np.ndarray, path: Path) -> Transform | None:
+    """A pose from a file; None where the camera was lost: no finite numbers, or no rotation.
 
     Raises:
         RecordingError: The matrix is no rigid transform.
     """
     rotation = matrix[:3, :3]
+    if not np.isfinite(matrix).all() or not rotation.any():
+        return None
     if not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-2):
         raise RecordingError(f"{path}: expected a rigid pose, its rotation is not orthonormal")
     # Rounding in the file must not bend the map.
@@ -110,8 +159,12 @@ def rigid(matrix: np.ndarray, path: Path) -> Transform:
     return Transform.from_matrix(pose)
 
 
-def _rgb(path: Path, camera: PinholeCamera) -> UInt8[np.ndarray, "height width 3"]:
-    return _decoded(path, camera, lambda image: np.asarray(image.convert("RGB")))
+def _rgb(path: Path, camera: PinholeCamera, resizes: bool) -> UInt8[np.ndarray, "height width 3"]:
+    def decode(image: Image.Image) -> np.ndarray:
+        rgb, size = image.convert("RGB"), (camera.width, camera.height)
+        return np.asarray(rgb if rgb.size == size else rgb.resize(size, Image.Resampling.BOX))
+
+    return _decoded(path, None if resizes else camera, decode)
 
 
 def _depth(
@@ -125,14 +178,14 @@ def _depth(
 
 
 def _decoded(
-    path: Path, camera: PinholeCamera, decode: Callable[[Image.Image], np.ndarray]
+    path: Path, camera: PinholeCamera | None, decode: Callable[[Image.Image], np.ndarray]
 ) -> np.ndarray:
     try:
         data = read_file(path)
         size = image_size(data)
         if size is None or size[0] * size[1] > MOST_PIXELS:
             raise RecordingError(f"{path}: expected a PNG or JPEG image")
-        if size != (camera.width, camera.height):
+        if camera is not None and size != (camera.width, camera.height):
             raise RecordingError(
                 f"{path}: expected {camera.width} × {camera.height} pixels as in the first frame, "
                 f"found {size[0]} × {size[1]}"

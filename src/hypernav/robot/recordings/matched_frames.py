@@ -4,23 +4,20 @@
 (camera to world, 4 × 4), with ``camera-intrinsics.txt`` (3 × 3) in the folder or the one above.
 """
 
-import math
 from pathlib import Path
 
 import numpy as np
 
 from hypernav.core.errors import RecordingError
-from hypernav.core.files.image_sizes import image_size
-from hypernav.core.files.reading import read_file
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.robot.recordings.frame_files import (
     FrameFiles,
-    read_lines,
+    camera_of,
+    pose_of,
     read_numbers,
     recording_of_files,
-    rigid,
 )
-from hypernav.robot.recordings.recording import Recording
+from hypernav.robot.recordings.recording import Recording, left_out
 
 _INTRINSICS = "camera-intrinsics.txt"
 _POSES = "frame-*.pose.txt"
@@ -37,20 +34,23 @@ def read_matched_frames(folder: Path) -> Recording:
     Raises:
         RecordingError: A file is missing or broken.
     """
-    frames = []
-    for path in sorted(folder.glob(_POSES)):
-        if any(math.isnan(float(word)) for line in read_lines(path) for word in line.split()):
-            continue  # the camera's pose was not known there
+    frames: list[FrameFiles] = []
+    paths = sorted(folder.glob(_POSES))
+    for path in paths:
+        pose = pose_of(np.array(read_numbers(path, 16)).reshape(4, 4), path)
+        if pose is None:
+            continue
         stem = path.name.removesuffix(".pose.txt")
         colour = next((f for f in sorted(folder.glob(f"{stem}.color.*"))), None)
         depth = folder / f"{stem}.depth.png"
         if colour is None or not depth.is_file():
             raise RecordingError(f"{folder}: {stem} has a pose, but no colour or no depth image")
-        pose = rigid(np.array(read_numbers(path, 16)).reshape(4, 4), path)
         frames.append(FrameFiles(colour, depth, pose, float(len(frames))))
     if not frames:
         raise RecordingError(f"{folder}: no frame has a valid pose")
-    return recording_of_files(folder.name, _camera(folder, frames[0].colour), 1000.0, frames)
+    notes = left_out(len(paths) - len(frames), len(paths), "frames", "they have no valid pose")
+    camera = _camera(folder, frames[0].colour)
+    return recording_of_files(folder.name, camera, 1000.0, frames, notes)
 
 
 def _camera(folder: Path, first: Path) -> PinholeCamera:
@@ -63,8 +63,4 @@ def _camera(folder: Path, first: Path) -> PinholeCamera:
             "the camera matrix"
         )
     fx, _, cx, _, fy, cy, *_ = read_numbers(path, 9)
-    size = image_size(read_file(first))
-    if size is None:
-        raise RecordingError(f"{first}: expected a PNG or JPEG image")
-    # The file measures from the centre of the first pixel, our cameras from its corner.
-    return PinholeCamera(*size, fx, fy, cx + 0.5, cy + 0.5)
+    return camera_of((fx, fy, cx, cy), path, first)

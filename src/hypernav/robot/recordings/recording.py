@@ -37,10 +37,26 @@ class Recording:
         name: Name of its folder or file.
         camera: Intrinsics of both images.
         frames: Frames in the order of time.
+        depth_per_metre: Value of one metre in its depth images, by its format.
+        notes: What a user should know about it, one sentence each.
         close: Closes its open files; no image can be read after that.
     """
 
     name: str
     camera: PinholeCamera
     frames: Sequence[RecordedFrame]
+    depth_per_metre: float
+    notes: Sequence[str] = ()
     close: Callable[[], None] = lambda: None
+
+
+def left_out(count: int, total: int, what: str, why: str) -> list[str]:
+    """The note about what is not used; none if everything is.
+
+    Args:
+        count: How many are not used.
+        total: How many there are.
+        what: What they are.
+        why: What they have in common.
+    """
+    return [f"{count} of {total} {what} are left out: {why}"] if count else []

@@ -8,6 +8,7 @@ values are used.
 Source: https://cvg.cit.tum.de/data/datasets/rgbd-dataset/file_formats
 """
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -15,26 +16,34 @@ from jaxtyping import Float64
 from scipy.spatial.transform import Rotation
 
 from hypernav.core.errors import RecordingError
-from hypernav.core.files.image_sizes import image_size
-from hypernav.core.files.reading import path_below, read_file
+from hypernav.core.files.reading import path_below
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.robot.recordings.frame_files import (
     FrameFiles,
+    camera_of,
+    number_of,
     read_lines,
     read_numbers,
     recording_of_files,
 )
-from hypernav.robot.recordings.recording import Recording
+from hypernav.robot.recordings.recording import Recording, left_out
 
 _APART_S = 0.02
 """Largest difference of matching times, as in the benchmark's own tools."""
+_YEAR_1973_S = 1e8
+"""A time below it counts seconds: no recording is so old, and none so long."""
+_NEEDED = {
+    "depth.txt": "the depth images, one line 'time file' each",
+    "groundtruth.txt": "the poses, one line 'time x y z qx qy qz qw' each, as SLAM programs write "
+    "them (ORB-SLAM: CameraTrajectory.txt)",
+}
 _NOMINAL = (525.0, 525.0, 319.5, 239.5)
 
 
 def is_tum(folder: Path) -> bool:
     """Whether a folder holds such a recording."""
-    return (folder / "groundtruth.txt").is_file() and (folder / "rgb.txt").is_file()
+    return (folder / "rgb.txt").is_file()
 
 
 def read_tum(folder: Path) -> Recording:
@@ -43,8 +52,11 @@ def read_tum(folder: Path) -> Recording:
     Raises:
         RecordingError: A file is missing or broken, or no times match.
     """
+    for name, what in _NEEDED.items():
+        if not (folder / name).is_file():
+            raise RecordingError(f"{folder}: expected {name} beside rgb.txt: {what}")
     colours, depths = (_listed(folder, f"{name}.txt") for name in ("rgb", "depth"))
-    stamps, poses = _poses(folder / "groundtruth.txt")
+    stamps, poses, notes = _poses(folder / "groundtruth.txt")
     depth_stamps = np.array([stamp for stamp, _ in depths])
     frames = []
     for stamp, colour in colours:
@@ -55,7 +67,10 @@ def read_tum(folder: Path) -> Recording:
         raise RecordingError(
             f"{folder}: no colour image has a depth image and a pose within {_APART_S:g} s"
         )
-    return recording_of_files(folder.name, _camera(folder, frames[0].colour), 5000.0, frames)
+    why = f"without a depth image or a pose within {_APART_S:g} s"
+    notes += left_out(len(colours) - len(frames), len(colours), "colour images", why)
+    camera = _camera(folder, frames[0].colour)
+    return recording_of_files(folder.name, camera, 5000.0, frames, notes)
 
 
 def _listed(folder: Path, name: str) -> list[tuple[float, Path]]:
@@ -63,7 +78,7 @@ def _listed(folder: Path, name: str) -> list[tuple[float, Path]]:
     for line in read_lines(folder / name):
         try:
             stamp, file = line.split()
-            found.append((float(stamp), path_below(folder, file)))
+            found.append((_seconds(stamp), path_below(folder, file)))
         except (ValueError, OSError) as error:
             raise RecordingError(f"{folder / name}: '{line:.60}': {error}") from error
     if not found:
@@ -71,26 +86,36 @@ def _listed(folder: Path, name: str) -> list[tuple[float, Path]]:
     return found
 
 
-def _poses(path: Path) -> tuple[Float64[np.ndarray, " n"], list[Transform]]:
-    stamps, poses = [], []
-    for line in read_lines(path):
+def _poses(path: Path) -> tuple[Float64[np.ndarray, " n"], list[Transform], list[str]]:
+    """Times and poses, and the note about those that are none."""
+    stamps, poses, lines = [], [], read_lines(path)
+    for line in lines:
         try:
-            stamp, *numbers = map(float, line.split())
-            rotation = Rotation.from_quat(numbers[3:]).as_matrix()
-            poses.append(Transform(rotation, np.array(numbers[:3])))
-            stamps.append(stamp)
+            stamp, *numbers = line.split()
+            x, y, z, *quaternion = map(number_of, numbers)
+            at_s = _seconds(stamp)
+            if not any(quaternion) or not np.isfinite([x, y, z, *quaternion]).all():
+                continue  # the camera was lost
+            rotation = Rotation.from_quat(quaternion).as_matrix()
         except ValueError as error:
             raise RecordingError(f"{path}: '{line:.60}': {error}") from error
+        poses.append(Transform(rotation, np.array([x, y, z])))
+        stamps.append(at_s)
     if not poses:
         raise RecordingError(f"{path} holds no pose")
-    return np.array(stamps), poses
+    notes = left_out(len(lines) - len(poses), len(lines), f"poses of {path.name}", "not valid")
+    return np.array(stamps), poses, notes
+
+
+def _seconds(stamp: str) -> float:
+    """A time in seconds, from whichever part of a second since 1970 it counts."""
+    value = float(stamp)
+    if not math.isfinite(value):
+        raise ValueError(f"{stamp} is no time")
+    return next((value / unit for unit in (1e9, 1e6, 1e3) if value > unit * _YEAR_1973_S), value)
 
 
 def _camera(folder: Path, first: Path) -> PinholeCamera:
     path = folder / "camera.txt"
     fx, fy, cx, cy = read_numbers(path, 4) if path.is_file() else _NOMINAL
-    size = image_size(read_file(first))
-    if size is None:
-        raise RecordingError(f"{first}: expected a PNG or JPEG image")
-    # The format measures from the centre of the first pixel, our cameras from its corner.
-    return PinholeCamera(*size, fx, fy, cx + 0.5, cy + 0.5)
+    return camera_of((fx, fy, cx, cy), path, first)

@@ -12,7 +12,12 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.robot.ros.messages import frame_name
 
 _Maps = tuple[Float32[np.ndarray, "height width"], Float32[np.ndarray, "height width"]]
-_CV_MODELS = ("plumb_bob", "rational_polynomial")
+_COEFFICIENTS = {
+    "plumb_bob": (4, 5, 8, 12, 14),
+    "rational_polynomial": (4, 5, 8, 12, 14),
+    "equidistant": (4,),
+}
+"""Numbers of coefficients that OpenCV takes for each model of distortion."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,11 +86,12 @@ def calibration_of(message: Any, *, rectified: bool) -> Calibration:
     values = np.concatenate([matrix.ravel(), distortion])
     if not np.isfinite(values).all():
         raise RosMessageError(f"the camera info of '{frame}' holds numbers that are not finite")
+    width, height, matrix = _of_image(message, matrix)
     try:
         # ROS measures from the centre of the first pixel, our cameras from its corner.
         camera = PinholeCamera(
-            message.width,
-            message.height,
+            width,
+            height,
             float(matrix[0, 0]),
             float(matrix[1, 1]),
             float(matrix[0, 2]) + 0.5,
@@ -97,12 +103,38 @@ def calibration_of(message: Any, *, rectified: bool) -> Calibration:
         ) from error
     if not distortion.any():
         return Calibration(camera, frame, None)
-    if message.distortion_model not in _CV_MODELS:
+    model = message.distortion_model
+    counts = _COEFFICIENTS.get(model)
+    if counts is None:
         raise RosMessageError(
-            f"expected a distortion of {' or '.join(_CV_MODELS)}, found "
-            f"'{message.distortion_model:.40}'; use the rectified topics (image_rect)"
+            f"expected a distortion of {' or '.join(_COEFFICIENTS)}, found '{model:.40}'; use the "
+            "rectified topics (image_rect)"
         )
-    return Calibration(camera, frame, _straightening(message, matrix, distortion))
+    distortion = np.trim_zeros(distortion, "b")
+    count = next((count for count in counts if count >= distortion.size), None)
+    if count is None:
+        raise RosMessageError(
+            f"expected at most {counts[-1]} coefficients of the distortion {model}, found "
+            f"{distortion.size}; calibrate the camera"
+        )
+    padded = np.pad(distortion, (0, count - distortion.size))
+    return Calibration(camera, frame, _straightening(model, (width, height), matrix, padded))
+
+
+def _of_image(message: Any, matrix: np.ndarray) -> tuple[int, int, np.ndarray]:
+    """Width, height and camera matrix of the images; REP 104 gives those of the whole sensor."""
+    roi = message.roi
+    left, top = roi.x_offset, roi.y_offset
+    across, down = max(message.binning_x, 1), max(message.binning_y, 1)
+    width = (roi.width or message.width - left) // across
+    height = (roi.height or message.height - top) // down
+    of_image = matrix.copy()
+    of_image[0] /= across
+    of_image[1] /= down
+    # In these columns and rows, 0 is the centre of the first pixel, however large it is.
+    of_image[0, 2] = (matrix[0, 2] + 0.5 - left) / across - 0.5
+    of_image[1, 2] = (matrix[1, 2] + 0.5 - top) / down - 0.5
+    return width, height, of_image
 
 
 def _field(message: Any, name: str) -> np.ndarray:
@@ -110,13 +142,10 @@ def _field(message: Any, name: str) -> np.ndarray:
     return np.asarray(getattr(message, name.upper()) if value is None else value, dtype=np.float64)
 
 
-def _straightening(message: Any, matrix: np.ndarray, distortion: np.ndarray) -> _Maps:
-    columns, rows = cv2.initUndistortRectifyMap(
-        matrix,
-        distortion,
-        np.eye(3),
-        matrix,
-        (message.width, message.height),
-        cv2.CV_32FC1,
-    )
+def _straightening(
+    model: str, size: tuple[int, int], matrix: np.ndarray, distortion: np.ndarray
+) -> _Maps:
+    is_fisheye = model == "equidistant"
+    maps = cv2.fisheye.initUndistortRectifyMap if is_fisheye else cv2.initUndistortRectifyMap
+    columns, rows = maps(matrix, distortion, np.eye(3), matrix, size, cv2.CV_32FC1)
     return columns, rows

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hypernav.core.errors import TopicChoiceError
-from hypernav.robot.ros.images import kind_of
+from hypernav.robot.ros.images import encoding_of, is_grey, kind_of, readable_encodings
 from hypernav.robot.ros.messages import frame_name
 
 CAMERA_TYPES = (
@@ -41,13 +41,18 @@ class OfferedTopic:
 
     Attributes:
         name: Name of the topic.
-        role: What it may be: ``"colour"``, ``"depth"`` or ``"camera_info"``.
+        role: What it may be: ``"colour"``, ``"depth"``, ``"camera_info"``, or ``"unreadable"`` for
+            an image whose encoding can't be read.
         frame: Frame of its messages.
+        encoding: Encoding of its images.
+        grey: Whether it may be infrared, so that any other topic of its role comes first.
     """
 
     name: str
     role: str
     frame: str
+    encoding: str = ""
+    grey: bool = False
 
 
 @dataclass(frozen=True)
@@ -65,16 +70,18 @@ class ChosenTopics:
     camera_info: OfferedTopic
 
 
-def offered_topic(name: str, message: Any) -> OfferedTopic | None:
-    """The role that a topic may have, judged by one of its messages; None if it has none.
+def offered_topic(name: str, message: Any) -> OfferedTopic:
+    """The role that a topic may have, judged by one of its messages.
 
     Args:
         name: Name of the topic.
         message: An ``Image``, a ``CompressedImage`` or a ``CameraInfo``.
     """
-    is_info = hasattr(message, "distortion_model")
-    role = "camera_info" if is_info else kind_of(message)
-    return None if role is None else OfferedTopic(name, role, frame_name(message.header.frame_id))
+    frame = frame_name(message.header.frame_id)
+    if hasattr(message, "distortion_model"):
+        return OfferedTopic(name, "camera_info", frame)
+    role = kind_of(message) or "unreadable"
+    return OfferedTopic(name, role, frame, encoding_of(message), is_grey(message))
 
 
 def choose_topics(
@@ -82,8 +89,9 @@ def choose_topics(
 ) -> ChosenTopics:
     """The topics of a camera: those that the user names, else the only ones that fit.
 
-    If an image exists both raw and compressed, the raw one is taken. Depth must be in the frame of
-    colour. The calibration is the one next to the colour images, by image_transport's convention.
+    If an image exists both raw and compressed, the raw one is taken; grey images, which may be
+    infrared, only where there are no others. Depth must be in the frame of colour. The calibration
+    is the one next to the colour images, by image_transport's convention.
 
     Args:
         offered: All topics with images and calibrations.
@@ -94,7 +102,8 @@ def choose_topics(
         TopicChoiceError: None fits, or several do.
     """
     offers = list(offered)
-    colours = _of_role(offers, "colour")
+    unreadable = _of_role(offers, "unreadable")
+    colours = _of_role(offers, "colour") + unreadable
     colour = _one(
         colours, wanted.colour, "colour", "sensor_msgs/Image of colour", option_of("colour")
     )
@@ -106,7 +115,13 @@ def choose_topics(
             f"{_listed(depths)}. {_ALIGN}"
         )
     choices = depths if wanted.depth else fitting
-    depth = _one(choices, wanted.depth, "depth", "sensor_msgs/Image of depth", option_of("depth"))
+    depth = _one(
+        choices + unreadable,
+        wanted.depth,
+        "depth",
+        "sensor_msgs/Image of depth",
+        option_of("depth"),
+    )
     if depth.frame != colour.frame:
         raise TopicChoiceError(
             f"{depth.name} is in the frame '{depth.frame}', and {colour.name} in '{colour.frame}'; "
@@ -137,14 +152,25 @@ def _of_role(offers: Sequence[OfferedTopic], role: str) -> list[OfferedTopic]:
 def _one(
     offers: Sequence[OfferedTopic], wanted: str | None, role: str, kind: str, option: str
 ) -> OfferedTopic:
-    names = {topic.name for topic in offers}
-    fitting = [t for t in offers if _raw(t.name) == t.name or _raw(t.name) not in names]
+    unreadable = [topic for topic in offers if topic.role == "unreadable"]
+    readable = [topic for topic in offers if topic not in unreadable]
+    names = {topic.name for topic in readable}
+    fitting = [t for t in readable if _raw(t.name) == t.name or _raw(t.name) not in names]
+    coloured = [topic for topic in fitting if not topic.grey]
+    unread = [topic for topic in unreadable if _raw(topic.name) not in names]
+    # What can't be read may be the colour camera beside an infrared one.
+    fitting = coloured or ([] if unread else fitting)
     if wanted is not None:
-        fitting = [topic for topic in offers if topic.name == wanted]
+        fitting = [topic for topic in readable if topic.name == wanted]
     if len(fitting) == 1:
         return fitting[0]
     if not fitting:
-        found = f"there is {_listed(offers)}" if offers else "there is none at all"
+        found = f"there is {_listed(readable)}" if readable else "there is none at all"
+        if unreadable:
+            found += (
+                f"; the encoding of {_listed(unreadable)} can't be read: expected "
+                f"{readable_encodings()}; {option} names another topic"
+            )
         raise TopicChoiceError(f"expected a topic {wanted or f'with {kind}'}; {found}")
     raise TopicChoiceError(
         f"several topics could be {role}: {_listed(fitting)}; say which one with {option}"
@@ -161,4 +187,9 @@ def _namespace(name: str) -> str:
 
 
 def _listed(topics: Sequence[OfferedTopic]) -> str:
-    return ", ".join(f"{topic.name} (frame '{topic.frame}')" for topic in topics)
+    return ", ".join(
+        f"{topic.name} ('{topic.encoding:.40}')"
+        if topic.role == "unreadable"
+        else f"{topic.name} (frame '{topic.frame}')"
+        for topic in topics
+    )

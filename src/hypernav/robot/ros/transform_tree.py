@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
-from hypernav.core.errors import TransformMissingError
+from hypernav.core.errors import RosMessageError, TransformMissingError
 from hypernav.core.geometry.transforms import Transform
 from hypernav.robot.ros.messages import frame_name, rigid_transform, stamp_s
 
@@ -33,29 +33,33 @@ class TransformTree:
         """
         self._memory_s = memory_s
         self._parents: dict[str, str] = {}
+        self._rivals: dict[str, str] = {}
         self._static: dict[str, Transform] = {}
         self._moving: dict[str, list[tuple[float, int, Transform]]] = {}
         self._count = 0
 
-    def __contains__(self, frame: str) -> bool:
-        """Whether a frame has a pose in another."""
-        return frame in self._parents
+    def frames(self) -> frozenset[str]:
+        """All frames that have a pose in another."""
+        return frozenset(self._parents)
 
     def add_message(self, message: Any, *, static: bool) -> None:
         """Take the transforms of a ``TFMessage``.
 
         Raises:
-            RosMessageError: One of them holds no pose.
+            RosMessageError: One of them holds no pose; all others are taken.
         """
+        broken: list[str] = []
         for stamped in message.transforms:
-            transform = stamped.transform
-            self.add(
-                frame_name(stamped.header.frame_id),
-                frame_name(stamped.child_frame_id),
-                rigid_transform(transform.translation, transform.rotation),
-                stamp_s(stamped.header),
-                static=static,
-            )
+            transform, child = stamped.transform, frame_name(stamped.child_frame_id)
+            try:
+                pose = rigid_transform(transform.translation, transform.rotation)
+            except RosMessageError as error:
+                broken.append(f"'{child}': {error}")
+                continue
+            parent = frame_name(stamped.header.frame_id)
+            self.add(parent, child, pose, stamp_s(stamped.header), static=static)
+        if broken:
+            raise RosMessageError(broken[0])
 
     def add_odometry(self, message: Any) -> None:
         """Take the pose of an ``Odometry``.
@@ -83,7 +87,10 @@ class TransformTree:
             at_s: Time of the pose, seconds.
             static: Whether it holds at all times.
         """
-        self._parents[child] = parent
+        before = self._parents.setdefault(child, parent)
+        if before != parent:
+            self._rivals[child] = parent
+            return
         if static:
             self._static[child] = child_to_parent
             return
@@ -125,7 +132,8 @@ class TransformTree:
             at_s: Time, seconds.
 
         Raises:
-            TransformMissingError: The frames share no tree, or no pose is known near that time.
+            TransformMissingError: The frames share no tree, a frame between them has two parents,
+                or no pose is known near that time.
         """
         below, above = list(self._chain(frame)), list(self._chain(parent))
         common = next((name for name in below if name in above), None)
@@ -164,6 +172,11 @@ class TransformTree:
             yield frame
 
     def _in_parent(self, frame: str, at_s: float) -> Transform:
+        if frame in self._rivals:
+            raise TransformMissingError(
+                f"tf puts '{frame}' both into '{self._parents[frame]}' and into "
+                f"'{self._rivals[frame]}'; a frame has one parent: switch one publisher off"
+            )
         if frame in self._static:
             return self._static[frame]
         poses = self._moving[frame]

@@ -253,11 +253,18 @@ class Ros2Sensors:
         firsts = [
             (name, first) for name, first in self._first_messages.items() if first is not None
         ]
-        offers = [offer for name, first in firsts if (offer := offered_topic(name, first))]
+        offers = [offered_topic(name, first) for name, first in firsts]
         try:
             if None in named and not self._network.is_settled:
                 raise TopicChoiceError("too early to know all topics")
-            return choose_topics(offers, wanted, option_of=_option_of)
+            chosen = choose_topics(offers, wanted, option_of=_option_of)
+            silent = [name for name, first in self._first_messages.items() if first is None]
+            if silent and topics.colour is None and chosen.colour.grey:
+                raise TopicChoiceError(
+                    f"{chosen.colour.name} is grey, and {', '.join(silent)} may be colour, but "
+                    "sends nothing; name the topic with topics.colour of --config"
+                )
+            return chosen
         except TopicChoiceError as error:
             there = ", ".join(sorted(cameras)) or "none; is the domain (ROS_DOMAIN_ID) the same?"
             raise TopicChoiceError(f"{error}. Published topics of cameras: {there}") from error

@@ -11,7 +11,7 @@ from pydantic import Field, ValidationError
 from hypernav.core.config import RoomConfig
 from hypernav.core.episodes.metrics import EpisodeMetrics, measure
 from hypernav.core.errors import RunFolderError
-from hypernav.core.files.reading import read_file
+from hypernav.core.files.reading import read_file, text_of
 from hypernav.core.files.yaml_text import parse_yaml
 from hypernav.robot.server.state.journal import Journal
 from hypernav.robot.wire.frames import first_mistake, unpack_observation
@@ -103,7 +103,7 @@ def read_trial(folder: Path) -> FieldTrial:
 
 def _by_hand(path: Path) -> HandMeasures:
     try:
-        text = read_file(path, most=_MOST_BYTES).decode("utf-8")
+        text = text_of(read_file(path, most=_MOST_BYTES))
         return HandMeasures.model_validate(parse_yaml(text))
     except OSError as error:
         raise RunFolderError(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hypernav.core.files.reading import read_file
+from hypernav.core.files.reading import read_file, text_of
 from hypernav.worlds.collada.triangles import numbers_of
 from hypernav.worlds.gazebo.model_folders import Found, ModelFolders, found_beside
 from hypernav.worlds.scenes.paints import Paint
@@ -95,7 +95,7 @@ def _scripts_at(path: Path) -> Iterator[Path]:
 def _read_script(path: Path, wanted: str) -> tuple[tuple[float, float, float], str] | None:
     """Colour and texture of a material; None if the script hasn't it."""
     try:
-        text = read_file(path, most=_MOST_BYTES).decode(errors="replace")
+        text = text_of(read_file(path, most=_MOST_BYTES), errors="replace")
     except OSError:
         return None
     color, texture, is_wanted, was_found = (0.8, 0.8, 0.8), "", False, False

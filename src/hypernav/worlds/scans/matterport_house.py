@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.reading import read_file
+from hypernav.core.files.reading import read_file, text_of
 from hypernav.worlds.scans.semantic_text import Annotation
 
 HEADER = "ASCII 1.1"
@@ -35,7 +35,7 @@ def read_house(path: Path) -> list[Annotation]:
         SceneError: The file cannot be read, or a line is no record.
     """
     try:
-        text = read_file(path, most=_MOST_BYTES).decode("utf-8", errors="replace")
+        text = text_of(read_file(path, most=_MOST_BYTES), errors="replace")
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
     header, *lines = text.splitlines() or [""]

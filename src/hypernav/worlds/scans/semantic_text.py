@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.reading import read_file
+from hypernav.core.files.reading import read_file, text_of
 
 HEADER = "HM3D Semantic Annotations"
 
@@ -46,10 +46,10 @@ def read_annotations(path: Path) -> list[Annotation]:
         SceneError: The file cannot be read, or a line is no annotation.
     """
     try:
-        text = read_file(path, most=_MOST_BYTES).decode("utf-8", errors="replace")
+        text = text_of(read_file(path, most=_MOST_BYTES), errors="replace")
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
-    header, *lines = text.lstrip("\ufeff").splitlines() or [""]
+    header, *lines = text.splitlines() or [""]
     if HEADER not in header:
         raise SceneError(
             f"{path}: holds no annotations: expected the first line {HEADER!r}, got {header!r:.60}"

@@ -1,5 +1,6 @@
 """Reads OBJ, PLY, STL and OFF files with trimesh."""
 
+import codecs
 import errno
 import io
 import struct
@@ -53,7 +54,7 @@ class _FilesBeside(FilePathResolver):
                 f"its texture {name:.80} has {size[0]} × {size[1]} pixels, at most "
                 f"{MOST_PIXELS:,} are read",
             )
-        return content
+        return content.removeprefix(codecs.BOM_UTF8)
 
 
 def read_mesh(path: Path, *, z_up: bool = False) -> tuple[list[MeshPart], list[Material]]:
@@ -71,7 +72,8 @@ def read_mesh(path: Path, *, z_up: bool = False) -> tuple[list[MeshPart], list[M
         SceneError: The file cannot be read as a mesh.
         OSError: The file cannot be read, or is too large.
     """
-    content = io.BytesIO(read_file(path, most=_MOST_BYTES))
+    # trimesh would drop the first line of a text with a byte order mark, silently.
+    content = io.BytesIO(read_file(path, most=_MOST_BYTES).removeprefix(codecs.BOM_UTF8))
     try:
         loaded = trimesh.load_scene(
             content,
