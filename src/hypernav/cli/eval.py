@@ -199,4 +199,4 @@ def _watch(
 
 def folder_name(text: str) -> str:
     """A text as the name of a folder."""
-    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:80]
+    return re.sub(r"[\W_]+", "-", text.lower()).strip("-")[:60]
