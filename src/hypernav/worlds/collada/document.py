@@ -150,10 +150,11 @@ class _Reader:
             for item in instance.iter("instance_material")
         }
         name = unique_name(own or geometry.get("name") or key or "node", self._names)
+        telling = telling if is_meaningful(telling) else geometry.get("name") or telling or name
         for triangles in self._meshes[key]:
             target = symbols.get(triangles.symbol, triangles.symbol)
             self._allowance.take(len(triangles.faces) * 150, f"{len(triangles.faces):,} triangles")
-            part = _part(name, telling or name, triangles, self._numbers.get(target, 0))
+            part = _part(name, telling, triangles, self._numbers.get(target, 0))
             self._parts.append(placed(part, to_scene @ bound))
 
     def _geometry(
