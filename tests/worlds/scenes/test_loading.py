@@ -1,4 +1,5 @@
 import json
+import unicodedata
 from pathlib import Path
 from typing import Any
 
@@ -217,3 +218,26 @@ def test_small_house_matches_its_description(small_house: Path) -> None:
             assert instance.label.category == item["category"]
         owned = scene.face_instance == instance.id
         assert int(owned.sum()) == item["triangles"]
+
+
+def test_names_are_unicode_in_nodes_and_their_description(tmp_path: Path, test_data: Path) -> None:
+    path = test_data / "field" / "09-node-names-not-ascii" / "names.glb"
+    kinds = {name: kind for name, kind in labels_of(read_scene(path)).items() if kind}
+    assert kinds == {"床_01": "床", "Stuhl.001": "stuhl"}
+    decomposed = unicodedata.normalize("NFD", "Küche")
+    path = write_squares(tmp_path / "a.glb", decomposed)
+    write_objects(tmp_path, {"name": "k", "category": "table", "nodes": ["Küche"]})
+    assert labels_of(read_scene(path)) == {"k": "table"}
+    path = write_squares(tmp_path / "a.glb", "Küche")
+    write_objects(tmp_path, {"name": "k", "category": "table", "nodes": [decomposed]})
+    assert labels_of(read_scene(path)) == {"k": "table"}
+
+
+def test_the_name_of_a_mesh_counts_where_no_node_says_what_it_is(tmp_path: Path) -> None:
+    writer = GltfWriter()
+    for mesh in ("Bed_01", "Mesh_2"):
+        writer.node(name="Object_4", mesh=writer.mesh(writer.square(), name=mesh))
+    lamp = writer.node(root=False, name="Cube", mesh=writer.mesh(writer.square(), name="wood"))
+    writer.node(name="Lamp", children=[lamp])
+    kinds = labels_of(read_scene(writer.write(tmp_path / "a.glb")))
+    assert kinds == {"Object_4": "bed", "Object_4#2": None, "Cube": "lamp"}

@@ -1,16 +1,26 @@
 """Reads glTF files: nodes, their transforms and their triangles."""
 
+import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Float, Float32, Float64, Int32, UInt8
+from pydantic import ValidationError
 
 from hypernav.core.errors import SceneError
 from hypernav.worlds.drawing.textures import linear_to_srgb
 from hypernav.worlds.scenes.gltf_file import GltfFile
-from hypernav.worlds.scenes.gltf_format import Node, Primitive, TextureTransform
+from hypernav.worlds.scenes.gltf_format import (
+    Instancing,
+    LevelsOfDetail,
+    Node,
+    NodeVisibility,
+    Primitive,
+    TextureTransform,
+)
 from hypernav.worlds.scenes.gltf_materials import read_materials
 from hypernav.worlds.scenes.node_names import is_meaningful, unique_name
 from hypernav.worlds.scenes.scene import Material
@@ -18,6 +28,19 @@ from hypernav.worlds.scenes.scene_assembly import MeshPart
 
 _MOST_NODES, _MOST_PARTS = 50_000, 20_000
 _BYTES_PER_VERTEX, _BYTES_PER_CORNER = 50, 50
+_OF_COPIES = {
+    "TRANSLATION": (0.0, 0.0, 0.0),
+    "ROTATION": (0.0, 0.0, 0.0, 1.0),
+    "SCALE": (1.0, 1.0, 1.0),
+}
+"""Attributes of copies, with the values of a copy that has none."""
+_NODE_EXTENSIONS = {
+    Instancing: "EXT_mesh_gpu_instancing",
+    LevelsOfDetail: "MSFT_lod",
+    NodeVisibility: "KHR_node_visibility",
+}
+_Extension = TypeVar("_Extension", Instancing, LevelsOfDetail, NodeVisibility)
+_LOGGER = logging.getLogger(__name__)
 _Y_UP_TO_Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
@@ -36,6 +59,13 @@ def read_gltf(
         OSError: It cannot be read, or would take too much memory.
     """
     file = GltfFile(path)
+    if unread := file.unread_extensions():
+        _LOGGER.warning(
+            "%s: uses the glTF extension %s, which is not read and may change what is shown; "
+            "export the file again without it",
+            path,
+            ", ".join(unread),
+        )
     placed = _placed_nodes(file, np.eye(3) if z_up else _Y_UP_TO_Z_UP)
     meshes = file.document.meshes
     count = sum(len(file.item(meshes, node.mesh, "mesh").primitives) for node in placed)
@@ -73,7 +103,8 @@ def _placed_nodes(file: GltfFile, to_scene: Float64[np.ndarray, "3 3"]) -> list[
     turned[:3, :3] = to_scene
     stack = [(index, turned, "") for index in reversed(_roots(file))]
     names: dict[str, int] = {}
-    visited: set[int] = set()
+    # Levels of detail show the same thing once more.
+    visited = {k for node in nodes for k in _extension(file, node, LevelsOfDetail).ids}
     placed: list[_PlacedMesh] = []
     while stack:
         index, parent, descriptive_name = stack.pop()
@@ -81,14 +112,19 @@ def _placed_nodes(file: GltfFile, to_scene: Float64[np.ndarray, "3 3"]) -> list[
         if index in visited:  # A file that lists a node twice shows it once.
             continue
         visited.add(index)
+        if not _extension(file, node, NodeVisibility).visible:
+            continue
         to_scene = parent @ _local_matrix(node)
-        own = node.name
+        mesh_name = ""
         if node.mesh is not None:
-            own = own or file.item(file.document.meshes, node.mesh, "mesh").name
+            mesh_name = file.item(file.document.meshes, node.mesh, "mesh").name
+        own = node.name or mesh_name
         descriptive_name = own if is_meaningful(own) or not descriptive_name else descriptive_name
         if node.mesh is not None:
-            name = unique_name(own or f"node {index}", names)
-            placed.append(_PlacedMesh(name, descriptive_name, node.mesh, to_scene))
+            telling = descriptive_name if is_meaningful(descriptive_name) else mesh_name
+            for matrix in _copies(file, node):
+                name = unique_name(own or f"node {index}", names)
+                placed.append(_PlacedMesh(name, telling, node.mesh, to_scene @ matrix))
         stack += [(child, to_scene, descriptive_name) for child in reversed(node.children)]
     return placed
 
@@ -104,8 +140,15 @@ def _roots(file: GltfFile) -> list[int]:
 def _local_matrix(node: Node) -> Float64[np.ndarray, "4 4"]:
     if node.matrix is not None:
         return np.array(node.matrix, dtype=np.float64).reshape(4, 4).T
-    x, y, z, w = np.array(node.rotation) / max(float(np.linalg.norm(node.rotation)), 1e-12)
-    rotation = np.array(
+    return _matrix(*map(np.array, (node.translation, node.rotation, node.scale)))
+
+
+def _matrix(
+    translation: np.ndarray, rotation: np.ndarray, scale: np.ndarray
+) -> Float64[np.ndarray, "4 4"]:
+    """The transform of a position, a quaternion ``[x, y, z, w]`` and a size."""
+    x, y, z, w = rotation / max(float(np.linalg.norm(rotation)), 1e-12)
+    turned = np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
             [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
@@ -113,9 +156,33 @@ def _local_matrix(node: Node) -> Float64[np.ndarray, "4 4"]:
         ]
     )
     matrix = np.eye(4)
-    matrix[:3, :3] = rotation * np.array(node.scale)
-    matrix[:3, 3] = node.translation
+    matrix[:3, :3] = turned * scale
+    matrix[:3, 3] = translation
     return matrix
+
+
+def _copies(file: GltfFile, node: Node) -> list[Float64[np.ndarray, "4 4"]]:
+    """The transforms, within a node, of the copies of its mesh: one, or as many as it lists."""
+    accessors = _extension(file, node, Instancing).attributes
+    read = {name: file.array(accessors[name]) for name in _OF_COPIES if name in accessors}
+    if not read:
+        return [np.eye(4)]
+    counts = {len(values) for values in read.values()}
+    if len(counts) > 1 or any(v.shape[1] != len(_OF_COPIES[name]) for name, v in read.items()):
+        raise file.invalid("the copies of a node have transforms of different number or kind")
+    if len(read[next(iter(read))]) > _MOST_PARTS:
+        raise SceneError(f"{file.path}: a node has more than {_MOST_PARTS:,} copies; join them")
+    values = [read.get(name, np.tile(same, (max(counts), 1))) for name, same in _OF_COPIES.items()]
+    return [_matrix(*one) for one in zip(*values, strict=True)]
+
+
+def _extension(file: GltfFile, node: Node, kind: type[_Extension]) -> _Extension:
+    """An extension of a node, with its default values where the node has none."""
+    try:
+        return kind.model_validate(node.extensions.get(_NODE_EXTENSIONS[kind], {}))
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise file.invalid(f"{_NODE_EXTENSIONS[kind]}: {first['msg']}") from error
 
 
 def _parts_of(

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.reading import check_file
+from hypernav.core.files.reading import back_slashes, check_file
 from hypernav.core.labels import ObjectLabel
 from hypernav.worlds.scenes.gltf import read_gltf
 from hypernav.worlds.scenes.node_names import category_of
@@ -89,7 +89,9 @@ def _check_readable(path: Path) -> None:
         check_file(path)
         empty = path.stat().st_size == 0
     except FileNotFoundError as error:
-        raise SceneError(f"{path}: no such scene file; check the path") from error
+        raise SceneError(
+            f"{path}: no such scene file; check the path{back_slashes(str(path))}"
+        ) from error
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
     if empty:
