@@ -18,6 +18,7 @@ from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import EpisodeError
+from hypernav.core.files.reading import back_slashes
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.text.whole_numbers import is_whole_number
@@ -88,8 +89,8 @@ def scene_episodes(request: DatasetRequest) -> list[Episode]:
     scene, starts = request.argument, request.part
     if starts and not (is_whole_number(starts) and 0 < int(starts) <= _MOST_STARTS):
         raise EpisodeError(
-            f"scene:{scene}#{starts:.20}: expected the number of starts per goal, 1 to "
-            f"{_MOST_STARTS:,}"
+            f"scene:{scene}#{starts:.20}: expected the number of starts per goal after the #, 1 to "
+            f"{_MOST_STARTS:,}, or the whole path of a file"
         )
     count = int(starts) if starts else STARTS_PER_GOAL
     with closing(
@@ -164,7 +165,7 @@ def _named_scene(folders: Sequence[Path], scene_id: str) -> str:
     raise EpisodeError(
         f"there is no scene {scene_id} below {' or '.join(map(str, folders))}; scene ids of the "
         f"file are paths below its folder, below {SCENES_FOLDER} in a folder above it, or below "
-        "--scenes-dir FOLDER"
+        f"--scenes-dir FOLDER{back_slashes(scene_id)}"
     )
 
 
