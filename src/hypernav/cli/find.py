@@ -112,7 +112,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         warm_up_in_background(console.print),
         console.status("loading the building …") as status,
         closing(
-            SimulatedWorld(load_scene(options.scene), config.world, config.embodiment)
+            SimulatedWorld(load_scene(options.scene, config.world), config.world, config.embodiment)
         ) as world,
         ExitStack() as opened,
     ):

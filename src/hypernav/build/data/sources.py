@@ -94,7 +94,9 @@ def scene_episodes(request: DatasetRequest) -> list[Episode]:
         )
     count = int(starts) if starts else STARTS_PER_GOAL
     with closing(
-        SimulatedWorld(load_scene(scene), request.simulation, request.embodiment)
+        SimulatedWorld(
+            load_scene(scene, request.simulation), request.simulation, request.embodiment
+        )
     ) as world:
         return _goals_and_starts(scene, world, count, request)
 

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from hypernav.core.errors import SceneError
 from hypernav.worlds.drawing.textures import linear_to_srgb
+from hypernav.worlds.scenes.axes import TO_Z_UP, Axis
 from hypernav.worlds.scenes.gltf_file import GltfFile
 from hypernav.worlds.scenes.gltf_format import (
     Instancing,
@@ -41,17 +42,16 @@ _NODE_EXTENSIONS = {
 }
 _Extension = TypeVar("_Extension", Instancing, LevelsOfDetail, NodeVisibility)
 _LOGGER = logging.getLogger(__name__)
-_Y_UP_TO_Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
 
 def read_gltf(
-    path: Path, *, z_up: bool = False, color_codes: bool = False
+    path: Path, *, up: Axis = "y", color_codes: bool = False
 ) -> tuple[list[MeshPart], list[Material]]:
     """All triangles that a file's default scene shows, in the scene frame, and its materials.
 
     Args:
         path: A ``.glb`` or ``.gltf`` file.
-        z_up: Whether its coordinates are z up, contrary to the format's rule, as in scans.
+        up: The axis of the file that points up; z in scans, contrary to the format's rule.
         color_codes: Whether colours of vertices are sRGB, contrary to the format's rule.
 
     Raises:
@@ -66,7 +66,7 @@ def read_gltf(
             path,
             ", ".join(unread),
         )
-    placed = _placed_nodes(file, np.eye(3) if z_up else _Y_UP_TO_Z_UP)
+    placed = _placed_nodes(file, TO_Z_UP[up])
     meshes = file.document.meshes
     count = sum(len(file.item(meshes, node.mesh, "mesh").primitives) for node in placed)
     if count > _MOST_PARTS:

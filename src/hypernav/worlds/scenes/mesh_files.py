@@ -19,14 +19,10 @@ from trimesh.visual.material import PBRMaterial
 from hypernav.core.errors import SceneError
 from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
 from hypernav.core.files.reading import path_below, read_file
+from hypernav.worlds.scenes.axes import TO_Z_UP, Axis
 from hypernav.worlds.scenes.obj_text import ObjText
 from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart
-
-_Y_UP_TO_Z_UP = np.array(
-    [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
-)
-
 
 _MOST_BYTES = 500_000_000
 _OBJECT_NUMBERS = ("object_id", "objectId", "instance_id")
@@ -62,16 +58,15 @@ class _FilesBeside(FilePathResolver):
         return content
 
 
-def read_mesh(path: Path, *, z_up: bool = False) -> tuple[list[MeshPart], list[Material]]:
+def read_mesh(path: Path, *, up: Axis) -> tuple[list[MeshPart], list[Material]]:
     """All triangles of a file, in the scene frame, and its materials.
 
-    None of these formats defines which axis is up: OBJ is read as y up, as written by modelling
-    tools, the others as z up, as written by scanners. A PLY with colours is assumed to be a scan,
+    None of these formats defines which axis is up. A PLY with colours is assumed to be a scan,
     whose colours already contain the light.
 
     Args:
         path: A file that trimesh can read.
-        z_up: Whether it is z up, whatever its format.
+        up: The axis of the file that points up.
 
     Raises:
         SceneError: The file cannot be read as a mesh.
@@ -97,13 +92,14 @@ def read_mesh(path: Path, *, z_up: bool = False) -> tuple[list[MeshPart], list[M
         raise SceneError(
             f"{path}: cannot be read as a mesh ({error}); export the file again"
         ) from error
-    up = _Y_UP_TO_Z_UP if suffix == ".obj" and not z_up else np.eye(4)
+    upright = np.eye(4)
+    upright[:3, :3] = TO_Z_UP[up]
     parts: list[MeshPart] = []
     materials: list[Material] = []
     with np.errstate(all="ignore"):  # non-finite corners are left out later
         for name, mesh in _meshes(loaded):
             placed = mesh.copy()
-            placed.apply_transform(up @ loaded.graph[name][0])
+            placed.apply_transform(upright @ loaded.graph[name][0])
             node, scanned = name_of(name), suffix == ".ply"
             part = _part(node, placed, len(materials))
             parts += _objects_of_faces(part, mesh) if scanned else [part]
