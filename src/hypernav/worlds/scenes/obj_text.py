@@ -3,11 +3,16 @@
 import re
 from dataclasses import dataclass
 
+import numpy as np
+
 from hypernav.core.text.unicode_words import composed
+from hypernav.worlds.scenes.polygons import triangles_of_polygons
 
 _NAME_LINE = re.compile(rb"^[ \t]*([og])(?:[ \t]+([^\r\n]*?))?[ \t]*\r?$", re.MULTILINE)
 _RELATIVE = re.compile(rb"^[ \t]*f[ \t][^\r\n]*?[ \t/]-", re.MULTILINE)
 _INDEX = re.compile(rb"-\d+")
+_POLYGON = re.compile(rb"^[ \t]*f[ \t]+(\S+(?:[ \t]+\S+){3,})[ \t]*\r?$", re.MULTILINE)
+_VERTEX = re.compile(rb"^[ \t]*v[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE)
 _MARK = re.compile(r"object (\d+) ")
 
 
@@ -33,6 +38,7 @@ class ObjText:
         """
         if _RELATIVE.search(content):
             content = _with_absolute_indices(content)
+        content = _with_triangles(content)
         named: dict[bytes, dict[bytes, int]] = {b"o": {}, b"g": {}}
         for line in _NAME_LINE.finditer(content):
             numbers = named[line[1]]
@@ -65,6 +71,28 @@ def _with_absolute_indices(content: bytes) -> bytes:
         elif word == b"f" and b"-" in rest:
             lines[k] = b"f " + b" ".join(_absolute(corner, counts) for corner in rest.split())
     return b"\n".join(lines)
+
+
+def _with_triangles(content: bytes) -> bytes:
+    """The text with triangles in place of polygons, of which trimesh makes fans."""
+    polygons = [line[1].split() for line in _POLYGON.finditer(content)]
+    if not polygons:
+        return content
+    counts = np.array([len(corners) for corners in polygons], dtype=np.int64)
+    corners = [corner for polygon in polygons for corner in polygon]
+    try:
+        vertices = np.array([line.groups() for line in _VERTEX.finditer(content)]).astype(float)
+        used = np.array([corner.partition(b"/")[0] for corner in corners]).astype(np.int64)
+        points = vertices[used - 1]
+    except (ValueError, LookupError):
+        return content  # trimesh says what is wrong with it
+    triangles = triangles_of_polygons(counts, points)
+    owner = np.repeat(np.arange(len(counts)), counts)[triangles[:, 0]]
+    lines: list[list[bytes]] = [[] for _ in polygons]
+    for k, numbers in zip(owner.tolist(), triangles.tolist(), strict=True):
+        lines[k].append(b"f " + b" ".join(corners[number] for number in numbers))
+    replacing = iter(lines)
+    return _POLYGON.sub(lambda _: b"\n".join(next(replacing)), content)
 
 
 def _absolute(corner: bytes, counts: dict[bytes, int]) -> bytes:
