@@ -453,3 +453,18 @@ def test_hidden_nodes_and_lower_levels_of_detail_are_not_shown(tmp_path: Path) -
     writer.node(name="Hidden", children=[inner], extensions=hidden)
     scene = read_scene(writer.write(tmp_path / "a.glb"))
     assert [instance.name for instance in scene.instances] == ["Bed"]
+
+
+def test_a_skin_holds_its_mesh_where_it_was_bound(tmp_path: Path) -> None:
+    writer = GltfWriter()
+    joint = writer.node(name="Joint", translation=[0.0, 3.0, 0.0])
+    bound = np.eye(4, dtype=np.float32)
+    bound[:3, 3] = [0.0, -1.0, 0.0]
+    inverse = writer.array(np.ascontiguousarray(bound.T).reshape(1, 16))
+    skin = writer.add("skins", {"joints": [joint], "inverseBindMatrices": inverse})
+    mesh = writer.mesh(writer.square())
+    shown = writer.node(root=False, name="Curtain", mesh=mesh, skin=skin, translation=[0, 50, 0])
+    writer.node(name="Armature", children=[shown], scale=[100.0, 100.0, 100.0])
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
+    np.testing.assert_allclose(scene.instances[0].box_min, [0, 0, 2], atol=1e-6)
+    np.testing.assert_allclose(scene.instances[0].box_max, [1, 0, 3], atol=1e-6)

@@ -241,3 +241,24 @@ def test_the_name_of_a_mesh_counts_where_no_node_says_what_it_is(tmp_path: Path)
     writer.node(name="Lamp", children=[lamp])
     kinds = labels_of(read_scene(writer.write(tmp_path / "a.glb")))
     assert kinds == {"Object_4": "bed", "Object_4#2": None, "Cube": "lamp"}
+
+
+@pytest.mark.parametrize(("away", "refused"), [(4_865_499.0, True), (20_000.0, False)])
+def test_a_building_at_the_coordinates_of_a_map_is_refused(
+    tmp_path: Path, away: float, refused: bool
+) -> None:
+    lines = [f"v {away + x} {y} {z}" for x, y, z in ((0, 0, 0), (1, 0, 0), (0, 2, 3))]
+    (tmp_path / "a.obj").write_text("\n".join([*lines, "f 1 2 3"]))
+    if refused:
+        assert_scene_error(tmp_path / "a.obj", "km from the origin")
+    else:
+        assert len(read_scene(tmp_path / "a.obj").faces) == 1
+
+
+def test_materials_that_are_missing_are_named(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    text = "mtllib lost.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n"
+    (tmp_path / "a.obj").write_text(text)
+    assert len(read_scene(tmp_path / "a.obj").faces) == 1
+    assert any("lost.mtl" in message for message in caplog.messages)

@@ -103,6 +103,7 @@ def _placed_nodes(file: GltfFile, to_scene: Float64[np.ndarray, "3 3"]) -> list[
     turned[:3, :3] = to_scene
     stack = [(index, turned, "") for index in reversed(_roots(file))]
     names: dict[str, int] = {}
+    parents = {child: k for k, node in enumerate(nodes) for child in node.children}
     # Levels of detail show the same thing once more.
     visited = {k for node in nodes for k in _extension(file, node, LevelsOfDetail).ids}
     placed: list[_PlacedMesh] = []
@@ -122,9 +123,10 @@ def _placed_nodes(file: GltfFile, to_scene: Float64[np.ndarray, "3 3"]) -> list[
         descriptive_name = own if is_meaningful(own) or not descriptive_name else descriptive_name
         if node.mesh is not None:
             telling = descriptive_name if is_meaningful(descriptive_name) else mesh_name
+            shown = to_scene if node.skin is None else turned @ _bound(file, node.skin, parents)
             for matrix in _copies(file, node):
                 name = unique_name(own or f"node {index}", names)
-                placed.append(_PlacedMesh(name, telling, node.mesh, to_scene @ matrix))
+                placed.append(_PlacedMesh(name, telling, node.mesh, shown @ matrix))
         stack += [(child, to_scene, descriptive_name) for child in reversed(node.children)]
     return placed
 
@@ -174,6 +176,26 @@ def _copies(file: GltfFile, node: Node) -> list[Float64[np.ndarray, "4 4"]]:
         raise SceneError(f"{file.path}: a node has more than {_MOST_PARTS:,} copies; join them")
     values = [read.get(name, np.tile(same, (max(counts), 1))) for name, same in _OF_COPIES.items()]
     return [_matrix(*one) for one in zip(*values, strict=True)]
+
+
+def _bound(file: GltfFile, number: int, parents: dict[int, int]) -> Float64[np.ndarray, "4 4"]:
+    """Where a skin holds its mesh, in the file's frame, in the pose in which it was bound.
+
+    By the specification the transform of the node that shows the mesh doesn't count.
+    """
+    skin = file.item(file.document.skins, number, "skin")
+    matrix = np.eye(4)
+    if skin.inverse_bind_matrices is not None:
+        inverse = file.array(skin.inverse_bind_matrices)
+        if inverse.shape[0] < 1 or inverse.shape[1] != 16:
+            raise file.invalid("a skin has no transforms for its joints")
+        matrix = inverse[0].astype(np.float64).reshape(4, 4).T
+    joint, above = skin.joints[0], set[int]()
+    while joint is not None and joint not in above:
+        above.add(joint)
+        matrix = _local_matrix(file.item(file.document.nodes, joint, "node")) @ matrix
+        joint = parents.get(joint)
+    return matrix
 
 
 def _extension(file: GltfFile, node: Node, kind: type[_Extension]) -> _Extension:

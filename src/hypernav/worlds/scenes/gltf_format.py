@@ -160,11 +160,19 @@ class Node(_Extensible):
 
     name: str = ""
     mesh: int | None = Field(default=None, ge=0)
+    skin: int | None = Field(default=None, ge=0)
     children: Items[int] = Field(default_factory=list)
     matrix: list[float] | None = Field(default=None, min_length=16, max_length=16)
     translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rotation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+
+class Skin(_Part):
+    """The nodes that a mesh moves with, and their inverse transforms when it was bound to them."""
+
+    joints: Items[int] = Field(min_length=1)
+    inverse_bind_matrices: int | None = Field(default=None, ge=0)
 
 
 class Instancing(_Part):
@@ -200,6 +208,7 @@ class Document(_Extensible):
     scenes: Items[GltfScene] = Field(default_factory=list)
     nodes: Items[Node] = Field(default_factory=list)
     meshes: Items[Mesh] = Field(default_factory=list)
+    skins: Items[Skin] = Field(default_factory=list)
     materials: Items[GltfMaterial] = Field(default_factory=list)
     textures: Items[Texture] = Field(default_factory=list)
     samplers: Items[Sampler] = Field(default_factory=list)

@@ -1,6 +1,7 @@
 """Loads scenes from files."""
 
 import logging
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import replace
@@ -25,6 +26,8 @@ _GLTF_SUFFIXES = (".glb", ".gltf")
 _MESH_SUFFIXES = (".obj", ".ply", ".stl", ".off")
 _COLLADA_SUFFIX = ".dae"
 _WORLD_SUFFIXES = (".world", ".sdf")
+_COARSEST_M = 0.02
+"""Largest step between coordinates that a scene may have."""
 _LOGGER = logging.getLogger(__name__)
 
 
@@ -64,6 +67,7 @@ def read_scene(path: Path, *, up: Axis | None = None, scale: float | None = None
     ):
         _LOGGER.warning("%s: %s", path, doubt)
     building, stray = without_surroundings(parts)
+    _check_precision(path, building)
     left_out = [*missing, *stray]
     if left_out:
         _LOGGER.warning("%s: leaves out %s", path, in_one_line(left_out))
@@ -117,6 +121,18 @@ def _check_readable(path: Path) -> None:
         raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
     if empty:
         raise SceneError(f"{path}: the file is empty; copy or download it again")
+
+
+def _check_precision(path: Path, building: Sequence[MeshPart]) -> None:
+    """Refuse coordinates so large, as of maps, that single precision has moved their surfaces."""
+    corners = (part.vertices[part.faces] for part in building if len(part.faces))
+    farthest = max((float(np.abs(some).max()) for some in corners), default=0.0)
+    step = float(np.spacing(np.float32(farthest))) if math.isfinite(farthest) else 0.0
+    if step > _COARSEST_M:
+        raise SceneError(
+            f"{path}: lies {farthest / 1000.0:,.0f} km from the origin of its coordinates, where "
+            f"they are {step:.2g} m apart; move it to the origin and export it again"
+        )
 
 
 def _name(path: Path) -> str:

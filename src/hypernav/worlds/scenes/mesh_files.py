@@ -2,6 +2,7 @@
 
 import errno
 import io
+import logging
 import struct
 from collections.abc import Iterator
 from dataclasses import replace
@@ -24,6 +25,7 @@ from hypernav.worlds.scenes.obj_text import ObjText
 from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart
 
+_LOGGER = logging.getLogger(__name__)
 _MOST_BYTES = 500_000_000
 _OBJECT_NUMBERS = ("object_id", "objectId", "instance_id")
 """Properties of faces that say which object of a scan they belong to, as in Replica."""
@@ -47,7 +49,16 @@ class _FilesBeside(FilePathResolver):
     """Materials and textures that a mesh file names: regular files beside it, of limited size."""
 
     def get(self, name: str) -> bytes:
-        content = read_file(path_below(Path(self.parent), name.strip()), most=_MOST_BYTES)
+        try:
+            content = read_file(path_below(Path(self.parent), name.strip()), most=_MOST_BYTES)
+        except OSError as error:
+            _LOGGER.warning(
+                "%s: the file %.80s, which a mesh names, cannot be read (%s); surfaces are plain",
+                self.parent,
+                name,
+                error.strerror or error,
+            )
+            raise
         size = image_size(content)
         if size is not None and size[0] * size[1] > MOST_PIXELS:
             raise OSError(
