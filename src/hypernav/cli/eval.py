@@ -113,7 +113,7 @@ def evaluate(
         session = RunSession(store, worker_count(options))
         now = _first_lives(episodes) if options.plan else episodes
         try:
-            with session:
+            with session, warnings_on(console):
                 progress = _watch(console, now, store, pool, session)
                 progress.total = len(episodes)
                 return progress
