@@ -1,3 +1,4 @@
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,7 @@ def area_of(points: np.ndarray, faces: np.ndarray) -> float:
     return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2.0)
 
 
-def upright(outline: list[tuple[float, float]]) -> np.ndarray:
+def upright(outline: Sequence[tuple[float, float]]) -> np.ndarray:
     return np.array([(x, 0.0, z) for x, z in outline], dtype=np.float64)
 
 
