@@ -16,10 +16,10 @@ from detection_bank import KeptView, views_of
 from persistent_errors import LEAST_IOU, is_named
 
 from hypernav.core.geometry.boxes import Detection
+from hypernav.core.kind_shapes import kind_shape
 from hypernav.perception.local.ground_truth import true_detection, visible_objects
 from hypernav.perception.shape.evidence import shape_evidence
 from hypernav.perception.shape.form import measured_form
-from hypernav.perception.shape.kinds import kind_shape
 
 Shifts = dict[tuple[str, bool], list[float]]
 

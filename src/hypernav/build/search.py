@@ -82,7 +82,8 @@ def find(
         agent.check_goal(goal)
         agent, truth = agent.agent, agent.truth
     agent = through_door(agent, Agent)
-    name, scene = (scene, load_scene(scene)) if isinstance(scene, str) else (scene.name, scene)
+    name = scene if isinstance(scene, str) else scene.name
+    scene = load_scene(scene, config.world) if isinstance(scene, str) else scene
     world = SimulatedWorld(scene, config.world, config.embodiment)
     rng = np.random.default_rng(seed)
     start = start or random_start(world.walkable, rng, world.regions.of(goal))

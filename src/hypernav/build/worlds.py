@@ -51,6 +51,11 @@ def open_world(
         return OpenedWorld(world, renderer)
     if not mesh.is_file():
         raise SceneError(f"{scene_id}: habitat-sim opens files only, such as those of hm3d:DIR")
+    if config.world.file_up is not None or config.world.file_scale is not None:
+        raise SceneError(
+            f"{scene_id}: habitat-sim reads files by their format alone; leave world.file_up and "
+            "world.file_scale out, or use --world native"
+        )
     drawn = HabitatRenderer(scene, mesh, config.embodiment, config.world.navmesh)
     surface = HabitatSurface(drawn.path_finder)
     world = SimulatedWorld(scene, config.world, config.embodiment, renderer=drawn, walkable=surface)

@@ -113,7 +113,7 @@ def evaluate(
         session = RunSession(store, worker_count(options))
         now = _first_lives(episodes) if options.plan else episodes
         try:
-            with session:
+            with session, warnings_on(console):
                 progress = _watch(console, now, store, pool, session)
                 progress.total = len(episodes)
                 return progress
@@ -199,4 +199,4 @@ def _watch(
 
 def folder_name(text: str) -> str:
     """A text as the name of a folder."""
-    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:80]
+    return re.sub(r"[\W_]+", "-", text.lower()).strip("-")[:60]

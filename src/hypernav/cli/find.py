@@ -112,7 +112,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         warm_up_in_background(console.print),
         console.status("loading the building …") as status,
         closing(
-            SimulatedWorld(load_scene(options.scene), config.world, config.embodiment)
+            SimulatedWorld(load_scene(options.scene, config.world), config.world, config.embodiment)
         ) as world,
         ExitStack() as opened,
     ):
@@ -299,5 +299,5 @@ def _memory_entry(options: Options, search: EpisodeRun, earlier_searches: int) -
 
 
 def _new_folder(goal: Goal) -> Path:
-    name = re.sub(r"[^a-z0-9]+", "-", goal.text.lower()).strip("-")[:40] or "goal"
+    name = re.sub(r"[\W_]+", "-", goal.text.lower()).strip("-")[:40] or "goal"
     return Path("runs") / f"{datetime.now():%Y%m%d-%H%M%S}-{name}"

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from hypernav.core.errors import GoalError
 from hypernav.core.text.noun_phrase import without_lead_in
+from hypernav.core.text.unicode_words import composed
 
 MAX_GOAL_LENGTH = 500
 """Maximum length of a goal, characters: several sentences, short enough for every prompt."""
@@ -24,7 +25,10 @@ _UNPRINTABLE = {"Cc": "a control character", "Cs": "half a character, which is n
 
 @dataclass(frozen=True)
 class Goal:
-    """A target in a person's words: "bed", "L-shaped sofa", "the chair in the office"."""
+    """A target in a person's words: "bed", "L-shaped sofa", "the chair in the office".
+
+    Its text is kept in composed form, so that equal goals are equal texts in files and memories.
+    """
 
     text: str
 
@@ -34,6 +38,7 @@ class Goal:
         Raises:
             GoalError: The text is empty, too long, or holds control characters or broken UTF-8.
         """
+        object.__setattr__(self, "text", composed(self.text))
         if not self.text.strip():
             raise GoalError("the goal is empty; say what to find, for example: bed")
         if len(self.text) > MAX_GOAL_LENGTH:

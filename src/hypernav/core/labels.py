@@ -11,6 +11,7 @@ from functools import lru_cache
 from hypernav.core.goal import Goal
 from hypernav.core.other_names import other_names
 from hypernav.core.text.noun_phrase import first_sentence, noun_phrase, without_lead_in
+from hypernav.core.text.unicode_words import caseless
 
 _SYNONYMS: tuple[tuple[str, ...], ...] = (
     ("sofa", "couch", "settee", "loveseat"),
@@ -51,8 +52,8 @@ _BESIDE = re.compile(r" (?:beside|next to|near|by|close to|on|under|at) (?:the |
 
 @lru_cache(maxsize=65_536)
 def normalise(name: str) -> str:
-    """Lower case, single spaces, no article, hyphens and underscores read as spaces."""
-    words = re.sub(r"[\s_\-]+", " ", name.lower()).strip(" .!?\"'")
+    """Without case (`caseless`), single spaces, no article, hyphens and underscores as spaces."""
+    words = re.sub(r"[\s_\-]+", " ", caseless(name)).strip(" .!?\"'")
     return _ARTICLE.sub("", words, count=1)
 
 

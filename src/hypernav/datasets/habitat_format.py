@@ -19,6 +19,7 @@ from pydantic import AllowInfNan, BaseModel, ConfigDict, Field, StrictFloat, Str
 from hypernav.core.episodes.episode import ObjectName
 from hypernav.core.errors import EpisodeError
 from hypernav.core.files.json_text import Items
+from hypernav.core.files.reading import back_slashes
 from hypernav.core.goal import Goal
 from hypernav.core.text.whole_numbers import is_whole_number
 from hypernav.datasets.habitat_frames import positions_from_habitat
@@ -146,7 +147,7 @@ class EpisodeDataset(_Entry):
         if key not in self.goals_by_category:
             raise EpisodeError(
                 f"episode {episode.episode_id}: no goals for '{episode.object_category}', expected "
-                f"the key '{key}' in goals_by_category"
+                f"the key '{key}' in goals_by_category{back_slashes(episode.scene_id)}"
             )
         keys = [key, *map(episode.goals_key, episode.children_object_categories or [])]
         return tuple(goal for key in keys for goal in self.goals_by_category.get(key, []))

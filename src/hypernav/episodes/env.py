@@ -37,7 +37,7 @@ ENV_ID = "hypernav/ObjectNav-v0"
 _OPTIONS = ("goal", "start")
 _LONGEST_GOAL = 200
 _FARTHEST_M = 10_000.0
-_CHARACTERS = "".join(chr(code) for code in range(32, 0x250) if chr(code).isprintable())
+_CHARACTERS = "".join(chr(code) for code in range(32, 0x10000) if chr(code).isprintable())
 
 
 class ObjectNavConfig(RoomConfig):
@@ -107,8 +107,10 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         if isinstance(scene, SimulatedWorld):
             self.world: SimulatedWorld = scene
         else:
-            scene = scene if isinstance(scene, Scene) else open_scene(Path(scene))
-            self.world = SimulatedWorld(scene, self.config.simulation, self.config.embodiment)
+            simulation = self.config.simulation
+            if not isinstance(scene, Scene):
+                scene = open_scene(Path(scene), up=simulation.file_up, scale=simulation.file_scale)
+            self.world = SimulatedWorld(scene, simulation, self.config.embodiment)
         self.render_mode = render_mode
         self._fixed_goal = None if goal is None else _checked_goal(goal)
         camera = self.world.embodiment.camera
@@ -258,7 +260,7 @@ def _checked_goal(text: str) -> Goal:
     """A goal whose text fits the observation space."""
     if len(text) > _LONGEST_GOAL or any(character not in _CHARACTERS for character in text):
         raise GoalError(
-            f"a goal here is a line of at most {_LONGEST_GOAL} Latin characters, got {text!r}"
+            f"a goal here is a line of at most {_LONGEST_GOAL} printable characters, got {text!r}"
         )
     return Goal(text)
 

@@ -129,7 +129,7 @@ def run_searches(
         left = [episode for episode in group if episode.key not in file.records]
         if not left:
             continue
-        opened = open_world(load_scene(scene_id), scene_id, config)
+        opened = open_world(load_scene(scene_id, config.world), scene_id, config)
         opened.renderer.colours = False
         try:
             for episode in left:

@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
+from hypernav.worlds.scenes.axes import Axis
 
 NavmeshChoice = Literal["auto", "file", "robot"]
 """Navigation mesh that a robot walks on: "auto", the file's if it was made for such a robot, else
@@ -81,6 +82,10 @@ class SimulationConfig(RoomConfig):
             metres; None takes the camera's. Set it to compare different cameras.
         floor_z: Height of the storey's floor in the scene frame, metres; None takes the largest
             storey. A navigation mesh has all storeys.
+        file_up: The axis of a scene's file that points up, for a file that is turned otherwise than
+            its format says; None believes the format. For your own files, not for scans.
+        file_scale: Factor on all lengths of a scene's file, such as 0.001 for millimetres; None
+            is 1. For your own files, not for scans.
         renderer: What draws the scene; depth and instances are the same, colours differ at edges.
             "warp" needs the extra ``gpu``, and is for a machine with an NVIDIA GPU. habitat-sim
             draws its own images.
@@ -94,4 +99,6 @@ class SimulationConfig(RoomConfig):
     cell_m: float = Field(default=CELL_M, ge=0.01, le=0.5)
     judge_eye_m: float | None = Field(default=None, gt=0.0, le=10.0)
     floor_z: float | None = Field(default=None, ge=-1000.0, le=1000.0)
+    file_up: Axis | None = None
+    file_scale: float | None = Field(default=None, ge=1e-6, le=1e6)
     renderer: RendererName = "cpu"

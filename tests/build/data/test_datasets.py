@@ -1,7 +1,10 @@
+import json
+
 import pytest
 
 from eval_runs import spec, write_room
 from hypernav.build.data.datasets import canonical_name, fingerprint, load_episodes, select
+from hypernav.build.data.scenes import load_scene
 from hypernav.core.errors import ConfigError, EpisodeError, SceneError
 from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.simulation import SimulatedWorld
@@ -139,3 +142,36 @@ def test_every_episode_has_a_seed_of_its_own():
 )
 def test_slashes_that_say_nothing_are_left_out(name, canonical):
     assert canonical_name(name) == canonical
+
+
+@pytest.mark.parametrize(
+    ("name", "starts"), [("flat#3.glb", ""), ("flat#3.glb", "#1"), ("a#2", "")]
+)
+def test_a_hash_in_the_path_of_a_scene_belongs_to_its_name(room, tmp_path, name, starts):
+    path = tmp_path / name if name.endswith(".glb") else tmp_path / name / "room.glb"
+    path.parent.mkdir(exist_ok=True)
+    path.write_bytes(room.read_bytes())
+    assert {e.scene_id for e in load_episodes(f"scene:{path}{starts}")} == {str(path)}
+    assert canonical_name(f"scene:{path}{starts}") == f"scene:{path}{starts}"
+
+
+def test_back_slashes_in_a_scene_id_are_named(tmp_path):
+    episodes = tmp_path / "episodes.json"
+    text = {
+        "episodes": [
+            {
+                "episode_id": "0",
+                "scene_id": "homes\\room.glb",
+                "start_position": [1, 0, -1],
+                "start_rotation": [0, 0, 0, 1],
+                "object_category": "bed",
+                "goals": [],
+            }
+        ],
+        "goals_by_category": {},
+    }
+    episodes.write_text(json.dumps(text))
+    with pytest.raises(EpisodeError, match="back slashes separate no folders"):
+        load_episodes(f"habitat:{episodes}")
+    with pytest.raises(SceneError, match="back slashes separate no folders"):
+        load_scene("homes\\room.glb")

@@ -5,10 +5,10 @@ import math
 import pytest
 
 from certainty import certain
+from hypernav.core.kind_shapes import kind_shape
 from hypernav.mapping.memory.candidate import Measure
 from hypernav.perception.shape.evidence import form_evidence, measure_of
 from hypernav.perception.shape.form import Form
-from hypernav.perception.shape.kinds import kind_shape
 from images import thing_before_wall
 
 SOFA, TV, TOILET = (certain(kind_shape(name)) for name in ("sofa", "tv", "toilet"))

@@ -6,11 +6,11 @@ import pytest
 from box_views import SolidBox, room, view_of
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.kind_shapes import KINDS, kind_shape
 from hypernav.core.observation import Observation
 from hypernav.models.vision.coco import COCO_CLASSES
 from hypernav.perception.shape.evidence import ShapeEvidence, shape_evidence
 from hypernav.perception.shape.form import Form, measured_form
-from hypernav.perception.shape.kinds import KINDS, kind_shape
 
 AT = Pose2(0.6, 3.0, 0.0)
 ROOM = room(8.0, 6.0)

@@ -111,3 +111,10 @@ def test_a_texture_lies_beside_the_file_and_a_missing_one_is_named(
 def test_a_broken_file_is_refused(tmp_path: Path, text: str) -> None:
     with pytest.raises(SceneError, match="export"):
         loaded(tmp_path, text)
+
+
+def test_a_geometry_names_what_its_node_does_not(tmp_path: Path) -> None:
+    text = dae(f'<node name="node_3">{SHOWN}</node><node name="Bed_01">{SHOWN}</node>')
+    scene = loaded(tmp_path, text.replace('name="square"', 'name="Stühle_02"'))
+    kinds = {item.name: item.label and item.label.category for item in scene.instances}
+    assert kinds == {"node_3": "stühle", "Bed_01": "bed"}

@@ -181,7 +181,7 @@ def test_a_model_as_large_as_a_room_holds_things_of_its_own(tmp_path: Path) -> N
     <node name="Desk_3">{SHOWN}</node><node name="mesh12">{SHOWN}</node>"""
     model(tmp_path / "ws" / "models", "office", mesh=dae(nodes))
     scene = loaded(tmp_path, "<include><uri>model://office</uri></include>")
-    assert sorted(map(str, categories(scene).values())) == ["None", "None", "desk"]
+    assert sorted(map(str, categories(scene).values())) == ["None", "desk", "square"]
 
 
 @pytest.mark.parametrize(

@@ -351,3 +351,120 @@ def test_text_that_is_no_gltf(tmp_path: Path) -> None:
     (tmp_path / "a.gltf").write_text("hello")
     with pytest.raises(SceneError, match="JSON part cannot be read"):
         read_scene(tmp_path / "a.gltf")
+
+
+def copies(attributes: dict[str, np.ndarray], **more: Any) -> GltfWriter:
+    writer = GltfWriter()
+    numbers = {
+        name: writer.array(values, **({"normalized": True} if values.dtype != np.float32 else {}))
+        for name, values in attributes.items()
+    }
+    extensions = {"EXT_mesh_gpu_instancing": {"attributes": numbers}}
+    mesh = writer.mesh(writer.square())
+    writer.node(name="Chair", mesh=mesh, translation=[0, 0, 5], extensions=extensions, **more)
+    return writer
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.int8, np.int16])
+def test_copies_of_a_mesh_are_objects_of_their_own(tmp_path: Path, kind: type) -> None:
+    half = np.array([[0, 0, 0, 1], [0, np.sqrt(0.5), 0, np.sqrt(0.5)]])
+    scaled = half if kind is np.float32 else np.rint(half * np.iinfo(kind).max)
+    attributes = {
+        "TRANSLATION": np.array([[0, 0, 0], [4, 0, 0]], np.float32),
+        "ROTATION": scaled.astype(kind),
+        "SCALE": np.array([[1, 1, 1], [2, 2, 2]], np.float32),
+    }
+    writer = copies(attributes)
+    writer.document["extensionsRequired"] = ["EXT_mesh_gpu_instancing"]
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
+    first, second = scene.instances
+    assert (first.name, second.name) == ("Chair", "Chair#2")
+    assert {i.label.category for i in scene.instances if i.label} == {"chair"}
+    np.testing.assert_allclose(first.box_min, [0, -5, 0], atol=1e-5)
+    # A quarter turn about glTF's y axis takes x to -z, which is y of the scene frame.
+    np.testing.assert_allclose(second.box_min, [4, -5, 0], atol=0.02)
+    np.testing.assert_allclose(second.box_max, [4, -3, 2], atol=0.02)
+
+
+def test_copies_with_transforms_of_different_number_are_refused(tmp_path: Path) -> None:
+    attributes = {
+        "TRANSLATION": np.zeros((2, 3), np.float32),
+        "SCALE": np.ones((3, 3), np.float32),
+    }
+    with pytest.raises(SceneError, match="different number"):
+        read_scene(copies(attributes).write(tmp_path / "a.glb"))
+
+
+@pytest.mark.parametrize("name", ["instanced.glb", "instanced_opt.glb"])
+def test_a_public_file_shows_all_its_copies(test_data: Path, name: str) -> None:
+    scene = read_scene(test_data / "field" / "12-instancing" / name)
+    assert sum(i.label is not None and i.label.category == "chair" for i in scene.instances) == 4
+
+
+@pytest.mark.parametrize(
+    ("place", "name", "named"),
+    [
+        ("nodes", "EXT_of_the_future", True),
+        ("primitives", "KHR_draco_mesh_compression", True),
+        ("bufferViews", "EXT_meshopt_compression", True),
+        ("document", "CESIUM_RTC", True),
+        ("nodes", "KHR_lights_punctual", False),
+        ("primitives", "KHR_materials_variants", False),
+        ("materials", "ADOBE_of_the_future", False),
+    ],
+)
+def test_an_unread_extension_is_named_where_it_may_change_surfaces(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture, place: str, name: str, named: bool
+) -> None:
+    writer = GltfWriter()
+    writer.add("materials", {})
+    writer.node(name="Bed", mesh=writer.mesh(writer.square()))
+    document = writer.document
+    document["extensionsUsed"] = [name]
+    items = {"primitives": document["meshes"][0]["primitives"], "document": [document]}
+    (items.get(place) or document[place])[0]["extensions"] = {name: {}}
+    assert len(read_scene(writer.write(tmp_path / "a.glb")).faces) == 2
+    assert any(name in message for message in caplog.messages) == named
+
+
+def test_a_buffer_without_its_fallback_is_named_by_its_extension(tmp_path: Path) -> None:
+    writer = GltfWriter()
+    writer.node(name="Bed", mesh=writer.mesh(writer.square()))
+    writer.document["bufferViews"][0] |= {
+        "buffer": 1,
+        "extensions": {"EXT_meshopt_compression": {}},
+    }
+    path = writer.write(tmp_path / "a.glb")
+    writer.document["buffers"].append({"byteLength": 48})
+    text = json.dumps(writer.document | {"buffers": [{"byteLength": 9}, {"byteLength": 48}]})
+    path = tmp_path / "a.gltf"
+    path.write_text(text)
+    with pytest.raises(SceneError, match="EXT_meshopt_compression"):
+        read_scene(path)
+
+
+def test_hidden_nodes_and_lower_levels_of_detail_are_not_shown(tmp_path: Path) -> None:
+    writer = GltfWriter()
+    mesh = writer.mesh(writer.square())
+    low = writer.node(name="Bed_LOD1", mesh=mesh)
+    writer.node(name="Bed", mesh=mesh, extensions={"MSFT_lod": {"ids": [low]}})
+    hidden = {"KHR_node_visibility": {"visible": False}}
+    inner = writer.node(root=False, name="Lamp", mesh=mesh)
+    writer.node(name="Hidden", children=[inner], extensions=hidden)
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
+    assert [instance.name for instance in scene.instances] == ["Bed"]
+
+
+def test_a_skin_holds_its_mesh_where_it_was_bound(tmp_path: Path) -> None:
+    writer = GltfWriter()
+    joint = writer.node(name="Joint", translation=[0.0, 3.0, 0.0])
+    bound = np.eye(4, dtype=np.float32)
+    bound[:3, 3] = [0.0, -1.0, 0.0]
+    inverse = writer.array(np.ascontiguousarray(bound.T).reshape(1, 16))
+    skin = writer.add("skins", {"joints": [joint], "inverseBindMatrices": inverse})
+    mesh = writer.mesh(writer.square())
+    shown = writer.node(root=False, name="Curtain", mesh=mesh, skin=skin, translation=[0, 50, 0])
+    writer.node(name="Armature", children=[shown], scale=[100.0, 100.0, 100.0])
+    scene = read_scene(writer.write(tmp_path / "a.glb"))
+    np.testing.assert_allclose(scene.instances[0].box_min, [0, 0, 2], atol=1e-6)
+    np.testing.assert_allclose(scene.instances[0].box_max, [1, 0, 3], atol=1e-6)

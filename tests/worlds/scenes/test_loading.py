@@ -1,4 +1,5 @@
 import json
+import unicodedata
 from pathlib import Path
 from typing import Any
 
@@ -236,3 +237,47 @@ def test_a_byte_order_mark_takes_no_corner_of_a_mesh(tmp_path: Path) -> None:
         (tmp_path / f"{name}.obj").write_bytes(content)
         shapes.append(read_scene(tmp_path / f"{name}.obj").vertices)
     assert np.array_equal(*shapes)
+
+
+def test_names_are_unicode_in_nodes_and_their_description(tmp_path: Path, test_data: Path) -> None:
+    path = test_data / "field" / "09-node-names-not-ascii" / "names.glb"
+    kinds = {name: kind for name, kind in labels_of(read_scene(path)).items() if kind}
+    assert kinds == {"床_01": "床", "Stuhl.001": "stuhl"}
+    decomposed = unicodedata.normalize("NFD", "Küche")
+    path = write_squares(tmp_path / "a.glb", decomposed)
+    write_objects(tmp_path, {"name": "k", "category": "table", "nodes": ["Küche"]})
+    assert labels_of(read_scene(path)) == {"k": "table"}
+    path = write_squares(tmp_path / "a.glb", "Küche")
+    write_objects(tmp_path, {"name": "k", "category": "table", "nodes": [decomposed]})
+    assert labels_of(read_scene(path)) == {"k": "table"}
+
+
+def test_the_name_of_a_mesh_counts_where_no_node_says_what_it_is(tmp_path: Path) -> None:
+    writer = GltfWriter()
+    for mesh in ("Bed_01", "Mesh_2"):
+        writer.node(name="Object_4", mesh=writer.mesh(writer.square(), name=mesh))
+    lamp = writer.node(root=False, name="Cube", mesh=writer.mesh(writer.square(), name="wood"))
+    writer.node(name="Lamp", children=[lamp])
+    kinds = labels_of(read_scene(writer.write(tmp_path / "a.glb")))
+    assert kinds == {"Object_4": "bed", "Object_4#2": None, "Cube": "lamp"}
+
+
+@pytest.mark.parametrize(("away", "refused"), [(4_865_499.0, True), (20_000.0, False)])
+def test_a_building_at_the_coordinates_of_a_map_is_refused(
+    tmp_path: Path, away: float, refused: bool
+) -> None:
+    lines = [f"v {away + x} {y} {z}" for x, y, z in ((0, 0, 0), (1, 0, 0), (0, 2, 3))]
+    (tmp_path / "a.obj").write_text("\n".join([*lines, "f 1 2 3"]))
+    if refused:
+        assert_scene_error(tmp_path / "a.obj", "km from the origin")
+    else:
+        assert len(read_scene(tmp_path / "a.obj").faces) == 1
+
+
+def test_materials_that_are_missing_are_named(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    text = "mtllib lost.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n"
+    (tmp_path / "a.obj").write_text(text)
+    assert len(read_scene(tmp_path / "a.obj").faces) == 1
+    assert any("lost.mtl" in message for message in caplog.messages)

@@ -25,6 +25,9 @@ from hypernav.worlds.scenes.node_names import category_of, is_structural, words_
         ("floor2_aws_robomaker_hospital_curtain_open", "curtain open"),
         ("desk_brown_clone_clone", "desk brown"),
         ("chair_visual", "chair"),
+        ("床_01", "床"),
+        ("办公室_床", "办公室 床"),
+        ("ESS_Küchentisch.001", "ess küchentisch"),
     ],
 )
 def test_names_become_words(name: str, category: str) -> None:

@@ -3,6 +3,7 @@
 import difflib
 import hashlib
 import json
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -49,13 +50,13 @@ def load_episodes(
         EpisodeError: Its name is not understood, or it is broken.
         SceneError: A scene cannot be used.
     """
-    name, hash_sign, part = canonical_name(dataset).partition("#")
-    if hash_sign and not part:
+    name, part = _name_and_part(dataset)
+    if part == "":
         raise EpisodeError(f"{dataset}: nothing follows the #; say which part, or leave it out")
     choice = DATA_SOURCES.find(name)
     request = DatasetRequest(
         argument="".join(choice.arguments),
-        part=part,
+        part=part or "",
         simulation=simulation or SimulationConfig(),
         embodiment=embodiment or Embodiment(),
         scenes_dir=scenes_dir,
@@ -74,9 +75,27 @@ def load_episodes(
 
 def canonical_name(dataset: str) -> str:
     """A data set's name without trailing slashes: ``hm3d:DIR/#val`` becomes ``hm3d:DIR#val``."""
-    name, hash_sign, part = dataset.partition("#")
+    name, part = _name_and_part(dataset)
+    return name if part is None else f"{name}#{part}"
+
+
+def _name_and_part(dataset: str) -> tuple[str, str | None]:
+    """A data set's name and what follows its ``#``, without trailing slashes; None without one.
+
+    A ``#`` within the path of an existing file or folder is one of its characters.
+    """
+    source, colon, path = dataset.partition(":")
+    if "#" in source:  # a part with a colon, as in houses-val#1000:1004
+        source, colon, path = "", "", dataset
+    name, part = path, None
+    hashes = [k for k, character in enumerate(path) if character == "#"]
+    if hashes and not (colon and os.path.exists(path)):
+        ends = [k for k in reversed(hashes) if colon and os.path.exists(path[:k])]
+        end = ends[0] if ends else hashes[0]
+        name, part = path[:end], path[end + 1 :].rstrip("/")
+    name = f"{source}{colon}{name}"
     shorter = name.rstrip("/")
-    return f"{name if shorter.endswith(':') else shorter}{hash_sign}{part.rstrip('/')}"
+    return (name if shorter.endswith(":") else shorter), part
 
 
 def select(

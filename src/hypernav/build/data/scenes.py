@@ -11,6 +11,7 @@ from hypernav.core.errors import SceneError
 from hypernav.core.text.whole_numbers import is_whole_number
 from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
 from hypernav.houses.house_cache import cached_building
+from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.scenes.scene import Scene
 
@@ -34,21 +35,26 @@ def is_no_file(spec: str) -> bool:
     return SCENES.knows(spec.partition(":")[0])
 
 
-def load_scene(spec: str) -> Scene:
+def load_scene(spec: str, simulation: SimulationConfig | None = None) -> Scene:
     """Load a scene by name.
 
     Args:
         spec: Name of the scene: ``builtin``, ``houses:N``, ``offices:N``, ``shops:N``,
             ``crowded:N`` or ``storeys:N`` for the generated building of number N, a name that an
             installed package provides, or the path of a GLB, another model or a Gazebo world.
+        simulation: How the robot is simulated: it says how files are read.
 
     Raises:
         SceneError: The file cannot be used, or there is no such building.
     """
+    config = simulation or SimulationConfig()
+    up, scale = config.file_up, config.file_scale
     if not is_no_file(spec):
         if not os.path.exists(spec):  # unlike Path.exists, it accepts any name
             _refuse_other_names(spec)
-        return open_scene(Path(spec))
+        return open_scene(Path(spec), up=up, scale=scale)
+    if up is not None or scale is not None:
+        raise SceneError(f"{spec}: is no file; leave world.file_up and world.file_scale out")
     choice = SCENES.find(spec)
     return choice.load()(*choice.arguments)
 

@@ -18,6 +18,7 @@ from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import EpisodeError
+from hypernav.core.files.reading import back_slashes
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.text.whole_numbers import is_whole_number
@@ -88,12 +89,14 @@ def scene_episodes(request: DatasetRequest) -> list[Episode]:
     scene, starts = request.argument, request.part
     if starts and not (is_whole_number(starts) and 0 < int(starts) <= _MOST_STARTS):
         raise EpisodeError(
-            f"scene:{scene}#{starts:.20}: expected the number of starts per goal, 1 to "
-            f"{_MOST_STARTS:,}"
+            f"scene:{scene}#{starts:.20}: expected the number of starts per goal after the #, 1 to "
+            f"{_MOST_STARTS:,}, or the whole path of a file"
         )
     count = int(starts) if starts else STARTS_PER_GOAL
     with closing(
-        SimulatedWorld(load_scene(scene), request.simulation, request.embodiment)
+        SimulatedWorld(
+            load_scene(scene, request.simulation), request.simulation, request.embodiment
+        )
     ) as world:
         return _goals_and_starts(scene, world, count, request)
 
@@ -164,7 +167,7 @@ def _named_scene(folders: Sequence[Path], scene_id: str) -> str:
     raise EpisodeError(
         f"there is no scene {scene_id} below {' or '.join(map(str, folders))}; scene ids of the "
         f"file are paths below its folder, below {SCENES_FOLDER} in a folder above it, or below "
-        "--scenes-dir FOLDER"
+        f"--scenes-dir FOLDER{back_slashes(scene_id)}"
     )
 
 

@@ -224,8 +224,8 @@ def _placed(
     options: Simulate, config: HyPerNavConfig, mishaps: MishapConfig
 ) -> Iterator[SimulatedBase]:
     """The robot in its building."""
-    scene = load_scene(options.scene)
     world = config.world
+    scene = load_scene(options.scene, world)
     if options.noise:
         world = world.model_copy(update={"noise": _NOISE})
     renderer = renderer_of(scene, world.renderer)

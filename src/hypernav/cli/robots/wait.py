@@ -54,7 +54,7 @@ def run(options: Wait) -> int:
     config = layered(HyPerNavConfig(), file=options.config, assignments=options.set)
     console, rng = Terminal(quiet=options.quiet), np.random.default_rng(options.seed)
     with console.status("loading the building …") as status:
-        scene = load_scene(options.scene)
+        scene = load_scene(options.scene, config.world)
         renderer = renderer_of(scene, config.world.renderer)
         world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
         with closing(world), closing(HttpServer(address)) as server:

@@ -76,6 +76,13 @@ def path_below(folder: Path, reference: str) -> Path:
     return path
 
 
+def back_slashes(path: str) -> str:
+    """What to say of the back slashes in a path that leads nowhere; empty if it has none."""
+    if "\\" not in path or os.sep == "\\":
+        return ""
+    return "; its back slashes separate no folders here: write / in their place"
+
+
 def _open_at_once(path: str, flags: int) -> int:
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 

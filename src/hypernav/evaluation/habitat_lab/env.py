@@ -240,7 +240,7 @@ class HabitatEnv:
             "embodiment": config.embodiment.model_copy(update={"camera": camera}),
             "world": config.world.model_copy(update={"labels": "semantic" in self.task.sensors}),
         }
-        scene = load_scene(scene_id)
+        scene = load_scene(scene_id, config.world)
         opened = open_world(
             scene, scene_id, config.model_copy(update=update), self._plan.world
         ).world

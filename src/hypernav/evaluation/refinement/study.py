@@ -68,7 +68,8 @@ class _OpenScene:
         if self._opened is None or self._opened[0] != scene_id:
             if self._opened is not None:
                 self._opened[1].close()
-            scene, config = load_scene(scene_id), self._config
+            config = self._config
+            scene = load_scene(scene_id, config.world)
             renderer = renderer_of(scene, config.world.renderer, RenderConfig(threads=1))
             world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
             self._opened = (scene_id, world, renderer)

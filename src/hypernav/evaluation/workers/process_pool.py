@@ -1,6 +1,7 @@
 """Workers as processes on this machine, one core each."""
 
 import gc
+import logging
 import multiprocessing
 import os
 import signal
@@ -30,6 +31,7 @@ ONE_THREAD = {
     name: "1"
     for name in ("NUMBA_NUM_THREADS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 }
+_LOGGER = logging.getLogger(__name__)
 _PYTHON_FAILED = 1
 _COMPONENT_FAILED = 76
 _FAULTS = (signal.SIGSEGV, signal.SIGBUS, signal.SIGILL, signal.SIGFPE, signal.SIGABRT)
@@ -57,6 +59,7 @@ class ProcessPool:
         self._context = multiprocessing.get_context("spawn")
         self._logs = tempfile.TemporaryDirectory(prefix="hypernav-workers-")
         self._started: dict[int, _Process] = {}
+        self._warned: set[str] = set()
 
     def start(self, worker: int) -> None:
         """Start a worker."""
@@ -108,7 +111,11 @@ class ProcessPool:
         match said:
             case str():
                 return Refused(worker, said)
-            case (list() as records, peak_mb):
+            case (list() as records, peak_mb, warnings):
+                for warning in warnings:
+                    if warning not in self._warned:
+                        self._warned.add(warning)
+                        _LOGGER.warning("%s", warning)
                 return Done(worker, records, peak_mb)
             case _:
                 return Ready(worker)
@@ -138,19 +145,23 @@ class ProcessPool:
 def _work(job: Job, pipe: Connection, log: Path) -> None:
     """Run lives in a worker's process.
 
-    It sends None when it is ready, records, and a message if the run can't go on.
+    It sends None when it is ready, records with the warnings that came with them, and a message if
+    the run can't go on.
     """
     gc.freeze()  # what was imported is no garbage; the last search among it would take the longest
     _die_with_owner()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # for systems where it cannot be blocked
     signal.signal(signal.SIGTERM, _leave)  # leaving by an exception closes scene and agent
     os.dup2(os.open(log, os.O_WRONLY | os.O_APPEND), sys.stderr.fileno())
+    warnings = _Warnings(logging.WARNING)
+    logging.getLogger("hypernav").addHandler(warnings)
     try:
         with interruptions_of_kernels(), closing(EpisodeWorker(job)) as episode_worker:
             _send(pipe, None)
             while True:
                 records = episode_worker.live(_receive(pipe))
-                _send(pipe, (records, peak_memory_mb()))
+                _send(pipe, (records, peak_memory_mb(), warnings.said))
+                warnings.said = []
     except KeyboardInterrupt:
         return  # the owner closes the pool
     except ComponentError as error:
@@ -158,6 +169,18 @@ def _work(job: Job, pipe: Connection, log: Path) -> None:
         sys.exit(_COMPONENT_FAILED)
     except HyPerNavError as error:
         _send(pipe, str(error))
+
+
+class _Warnings(logging.Handler):
+    """Keeps warnings, for the owner to show: nobody reads the standard error of a worker."""
+
+    def __init__(self, level: int) -> None:
+        super().__init__(level)
+        self.said: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep a warning."""
+        self.said.append(record.getMessage())
 
 
 def _send(pipe: Connection, said: object) -> None:

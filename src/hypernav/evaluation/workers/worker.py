@@ -52,7 +52,7 @@ class Job:
         seed: Seed of all noise.
         save: Choice of episodes that keep page and video.
         make_agent: Factory of an agent of your own, in place of the configured one.
-        open_scene: Function that gives the scene of a name.
+        open_scene: Function that gives the scene of a name; None loads it as configured.
         world: Simulator that scenes are opened in.
         fresh_memory: Whether every goal of a life begins without memory.
     """
@@ -63,7 +63,7 @@ class Job:
     seed: int = 0
     save: SaveChoice = "none"
     make_agent: Callable[[], Agent] | None = None
-    open_scene: Callable[[str], Scene] = load_scene
+    open_scene: Callable[[str], Scene] | None = None
     world: WorldName = "native"
     fresh_memory: bool = False
 
@@ -173,8 +173,12 @@ class EpisodeWorker:
     def _scene_of(self, scene_id: str) -> "_OpenScene":
         if self._scene is None or self._scene.scene_id != scene_id:
             self._leave_scene()  # frees the old scene's memory before the new one is loaded
-            scene = self._job.open_scene(scene_id)
-            opened = open_world(scene, scene_id, self._job.config, self._job.world)
+            job = self._job
+            if job.open_scene is None:
+                scene = load_scene(scene_id, job.config.world)
+            else:
+                scene = job.open_scene(scene_id)
+            opened = open_world(scene, scene_id, job.config, self._job.world)
             self._scene = _OpenScene(scene_id, opened.world, opened.renderer)
         return self._scene
 

@@ -8,6 +8,7 @@ from hypernav.core.curve import along
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.kind_shapes import KindShape
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.candidate import (
     Candidate,
@@ -21,7 +22,6 @@ from hypernav.mapping.memory.things import Things
 from hypernav.mapping.memory.visibility import is_cut_off, seems_to_hold, should_be_visible
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.shape.evidence import form_evidence
-from hypernav.perception.shape.kinds import KindShape
 
 _YOLOX = (
     *((0.0, -0.8), (0.1, -0.4), (0.2, 0.0), (0.3, 0.2), (0.45, 1.2)),

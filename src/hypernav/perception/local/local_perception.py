@@ -12,6 +12,7 @@ from hypernav.core.embodiment import CameraConfig
 from hypernav.core.exploring.sightings import Sightings
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.goal import Goal
+from hypernav.core.kind_shapes import kind_shape
 from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord
 from hypernav.mapping.memory.floor import Floor, counted_from
@@ -32,7 +33,6 @@ from hypernav.perception.local.out_of_range import far_position_of, off_floor_ou
 from hypernav.perception.local.refinement import eroded, projected
 from hypernav.perception.shape.evidence import measure_of, shape_evidence
 from hypernav.perception.shape.form import measured_form
-from hypernav.perception.shape.kinds import kind_shape
 
 _NO_DEPTH = "too few points with depth"
 _REJECTED = "rejected before"

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from hypernav.core.kind_shapes import KindShape
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.candidate import Measure
 from hypernav.perception.shape.form import Form
-from hypernav.perception.shape.kinds import KindShape
 
 _AGAINST, _PER_FACTOR = 1.0, 4.0
 _MOST_AGAINST = 4.0

@@ -14,6 +14,7 @@ from hypernav.core.files.xml_text import parse_xml
 from hypernav.worlds.collada.paints import PLAIN, FindImage, read_paints
 from hypernav.worlds.collada.transforms import local_matrix
 from hypernav.worlds.collada.triangles import Triangles, triangles_of
+from hypernav.worlds.scenes.axes import TO_Z_UP, Axis
 from hypernav.worlds.scenes.node_names import is_meaningful, unique_name
 from hypernav.worlds.scenes.paints import Paint
 from hypernav.worlds.scenes.scene_assembly import MeshPart, placed
@@ -21,21 +22,13 @@ from hypernav.worlds.scenes.scene_assembly import MeshPart, placed
 _MOST_NODES, _DEEPEST = 50_000, 200
 _MOST_BYTES = 500_000_000
 _BYTES_PER_NUMBER = 8
-_TO_Z_UP = {
-    "X_UP": np.array(
-        [[0.0, -1.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0, 0, 0, 1.0]]
-    ),
-    "Y_UP": np.array(
-        [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0, 0, 0, 1.0]]
-    ),
-    "Z_UP": np.eye(4),
-}
+_UP: dict[str, Axis] = {"X_UP": "x", "Y_UP": "y", "Z_UP": "z"}
 
 
 def read_collada(
-    path: Path, find_image: FindImage, allowance: Allowance, *, turns: bool = True
-) -> tuple[list[MeshPart], list[Paint]]:
-    """All triangles that a file's scene shows, in metres, and their materials.
+    path: Path, find_image: FindImage, allowance: Allowance, *, up: Axis | None = None
+) -> tuple[list[MeshPart], list[Paint], Axis]:
+    """All triangles that a file's scene shows, in metres, their materials, and the axis up.
 
     Skinned meshes are shown in the pose in which they were bound.
 
@@ -43,7 +36,7 @@ def read_collada(
         path: A ``.dae`` file.
         find_image: The file of an image that this one names, or None.
         allowance: Memory that it may take.
-        turns: Whether to turn it z up, as its ``up_axis`` says; Gazebo doesn't.
+        up: The axis of the file that points up; None takes its ``up_axis``, as Gazebo doesn't.
 
     Raises:
         ValueError: It is no COLLADA file, or is broken.
@@ -55,7 +48,7 @@ def read_collada(
     root = parse_xml(content, allowance)
     if root.tag != "COLLADA":
         raise ValueError(f"begins with {root.tag:.40}, expected COLLADA")
-    return _Reader(root, read_paints(root, find_image), allowance).read(turns)
+    return _Reader(root, read_paints(root, find_image), allowance).read(up)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,12 +80,12 @@ class _Reader:
         self._names: dict[str, int] = {}
         self._parts: list[MeshPart] = []
 
-    def read(self, turns: bool) -> tuple[list[MeshPart], list[Paint]]:
+    def read(self, up: Axis | None) -> tuple[list[MeshPart], list[Paint], Axis]:
         unit = self._root.find("asset/unit")
         scale = 1.0 if unit is None else float(unit.get("meter", "1"))
-        up = self._root.findtext("asset/up_axis", "Y_UP").strip()
-        turned = _TO_Z_UP.get(up, _TO_Z_UP["Y_UP"]) if turns else np.eye(4)
-        to_scene = turned @ np.diag([scale, scale, scale, 1.0])
+        up = up or _UP.get(self._root.findtext("asset/up_axis", "").strip(), "y")
+        to_scene = np.eye(4)
+        to_scene[:3, :3] = TO_Z_UP[up] * scale
         stack = [_Shown(node, to_scene, "", 0) for node in reversed(self._roots())]
         count = 0
         while stack:
@@ -103,7 +96,7 @@ class _Reader:
                     f"has more than {_MOST_NODES:,} nodes, or is deeper than {_DEEPEST}"
                 )
             stack += reversed(list(self._show(shown)))
-        return self._parts, self._paints
+        return self._parts, self._paints, up
 
     def _roots(self) -> list[ElementTree.Element]:
         instance = self._root.find("scene/instance_visual_scene")
@@ -150,10 +143,11 @@ class _Reader:
             for item in instance.iter("instance_material")
         }
         name = unique_name(own or geometry.get("name") or key or "node", self._names)
+        telling = telling if is_meaningful(telling) else geometry.get("name") or telling or name
         for triangles in self._meshes[key]:
             target = symbols.get(triangles.symbol, triangles.symbol)
             self._allowance.take(len(triangles.faces) * 150, f"{len(triangles.faces):,} triangles")
-            part = _part(name, telling or name, triangles, self._numbers.get(target, 0))
+            part = _part(name, telling, triangles, self._numbers.get(target, 0))
             self._parts.append(placed(part, to_scene @ bound))
 
     def _geometry(

@@ -6,16 +6,20 @@ from hypernav.core.errors import SceneError
 from hypernav.core.files.allowance import Allowance
 from hypernav.core.files.reading import path_below
 from hypernav.worlds.collada.document import read_collada
+from hypernav.worlds.scenes.axes import Axis
 from hypernav.worlds.scenes.paints import materials_of
 from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart
 
 
-def read_collada_scene(path: Path) -> tuple[list[MeshPart], list[Material]]:
-    """All triangles that a file's scene shows, in the scene frame, and its materials.
+def read_collada_scene(
+    path: Path, up: Axis | None = None
+) -> tuple[list[MeshPart], list[Material], Axis]:
+    """All triangles that a file's scene shows, in the scene frame, its materials, and its axis up.
 
     Args:
         path: A ``.dae`` file; its images lie in its folder.
+        up: The axis of the file that points up; None takes the one that it declares.
 
     Raises:
         SceneError: The file is broken.
@@ -23,14 +27,14 @@ def read_collada_scene(path: Path) -> tuple[list[MeshPart], list[Material]]:
     """
     allowance = Allowance()
     try:
-        parts, paints = read_collada(
-            path, lambda reference: _beside(path.parent, reference), allowance
+        parts, paints, up = read_collada(
+            path, lambda reference: _beside(path.parent, reference), allowance, up=up
         )
     except ValueError as error:
         raise SceneError(
             f"{path}: cannot be read as COLLADA ({error}); export the file again"
         ) from error
-    return parts, materials_of(path, paints, allowance)
+    return parts, materials_of(path, paints, allowance), up
 
 
 def _beside(folder: Path, reference: str) -> Path | None:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float32, Float64, Int64
 
+from hypernav.worlds.scenes.polygons import triangles_of_polygons
+
 _KINDS = ("triangles", "polylist", "polygons", "tristrips", "trifans")
 
 
@@ -32,7 +34,7 @@ class Triangles:
 
 
 def triangles_of(mesh: ElementTree.Element) -> Iterator[Triangles]:
-    """All triangles of a mesh; polygons are cut into fans, lines and points are left out.
+    """All triangles of a mesh; lines and points are left out.
 
     Args:
         mesh: An element ``mesh``.
@@ -55,7 +57,10 @@ def triangles_of(mesh: ElementTree.Element) -> Iterator[Triangles]:
         if min(offsets) < 0:
             raise ValueError("an input has a negative offset")
         width = 1 + max(offsets)
-        corners = _corners(primitive, width)
+        source, offset = inputs["POSITION"]
+        if source not in arrays:
+            arrays[source] = _array(sources, source)
+        corners = _corners(primitive, width, _first(arrays[source], 3), offset)
         if not len(corners):
             continue
         read: dict[str, tuple[Float64[np.ndarray, "n width"], Int64[np.ndarray, "faces 3"]]] = {}
@@ -118,8 +123,13 @@ def _array(sources: dict[str, ElementTree.Element], name: str) -> Float64[np.nda
     return values[: len(values) // width * width].reshape(-1, width)
 
 
-def _corners(primitive: ElementTree.Element, width: int) -> Int64[np.ndarray, "faces 3 width"]:
-    """Numbers of every value of every corner of the triangles."""
+def _corners(
+    primitive: ElementTree.Element,
+    width: int,
+    positions: Float64[np.ndarray, "n 3"],
+    offset: int,
+) -> Int64[np.ndarray, "faces 3 width"]:
+    """Numbers of every value of every corner of the triangles; a position's is at the offset."""
     runs = [_whole_numbers(item.text) for item in primitive.iter("p")]
     runs = [run[: len(run) // width * width].reshape(-1, width) for run in runs]
     if not runs:
@@ -136,16 +146,11 @@ def _corners(primitive: ElementTree.Element, width: int) -> Int64[np.ndarray, "f
         counts = np.array([len(run) for run in runs])
     if (len(counts) and counts.min() < 0) or counts.sum() > len(together):
         raise ValueError("the polygons have more corners than are listed")
-    return together[_fans(counts)]
-
-
-def _fans(counts: Int64[np.ndarray, "polygons"]) -> Int64[np.ndarray, "faces 3"]:
-    """Polygons with these numbers of corners, one after the other, cut at their first corners."""
-    starts = np.cumsum(counts) - counts
-    triangles = np.maximum(counts - 2, 0)
-    hub = np.repeat(starts, triangles)
-    step = np.arange(len(hub)) - np.repeat(np.cumsum(triangles) - triangles, triangles)
-    return np.stack([hub, hub + step + 1, hub + step + 2], axis=1).astype(np.int64)
+    together = together[: counts.sum()]
+    used = together[:, offset]
+    if len(used) and (used.min() < 0 or used.max() >= len(positions)):
+        raise ValueError("a polygon uses a POSITION that is not there")
+    return together[triangles_of_polygons(counts, positions[used])]
 
 
 def _strip(run: Int64[np.ndarray, "n width"]) -> Int64[np.ndarray, "faces 3 width"]:

@@ -61,14 +61,14 @@ class Meshes:
                 file.path,
                 lambda reference: _texture_of(file, reference),
                 self._allowance,
-                turns=False,
-            )
+                up="z",
+            )[:2]
         if suffix in (".glb", ".gltf"):
             return read_gltf(file.path)
         if suffix in (".stl", ".obj"):
             from hypernav.worlds.scenes.mesh_files import read_mesh
 
-            return read_mesh(file.path, z_up=True)
+            return read_mesh(file.path, up="z")
         raise ValueError(f"{suffix or file.path.name:.40} files are not read")
 
 

@@ -11,24 +11,32 @@ from hypernav.worlds.scans.matterport_mesh import objects_of_triangles
 from hypernav.worlds.scans.scan_cache import cached_scan
 from hypernav.worlds.scans.semantic_mesh import colors_of_triangles
 from hypernav.worlds.scans.semantic_text import read_annotations
+from hypernav.worlds.scenes.axes import Axis
 from hypernav.worlds.scenes.gltf import read_gltf
 from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.scenes.scene_assembly import SceneObject, assemble
 
 
-def open_scene(path: Path) -> Scene:
+def open_scene(path: Path, *, up: Axis | None = None, scale: float | None = None) -> Scene:
     """Open a scene from a file, whether it is a scan or not; large scans are kept in the cache.
 
     Args:
         path: A file that `read_scene` reads.
+        up: The axis of the file that points up; None takes that of its format.
+        scale: Factor on all lengths; None is 1.
 
     Raises:
-        SceneError: The file is missing, broken, empty or not a mesh.
+        SceneError: The file is missing, broken, empty or not a mesh, or is a scan, which has its
+            own axis and unit.
     """
     files = ScanFiles.of(path)
     if files is None or not path.is_file():
-        return read_scene(path)
+        return read_scene(path, up=up, scale=scale)
+    if up is not None or scale is not None:
+        raise SceneError(
+            f"{path}: is a scan, z up and in metres; leave world.file_up and world.file_scale out"
+        )
     return cached_scan(files, load_scan)
 
 
@@ -47,7 +55,7 @@ def load_scan(files: ScanFiles) -> Scene:
     """
     path = files.mesh
     try:
-        parts, materials = read_gltf(path, z_up=True)
+        parts, materials = read_gltf(path, up="z")
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
     if not parts:

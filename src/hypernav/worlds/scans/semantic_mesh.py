@@ -58,7 +58,7 @@ def colors_of_triangles(
 
 def _read(path: Path, *, color_codes: bool = False) -> tuple[list[MeshPart], list[Material]]:
     try:
-        parts, materials = read_gltf(path, z_up=True, color_codes=color_codes)
+        parts, materials = read_gltf(path, up="z", color_codes=color_codes)
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
     if not any(len(part.faces) for part in parts):

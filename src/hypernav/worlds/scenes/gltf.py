@@ -1,16 +1,27 @@
 """Reads glTF files: nodes, their transforms and their triangles."""
 
+import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from jaxtyping import Float, Float32, Float64, Int32, UInt8
+from pydantic import ValidationError
 
 from hypernav.core.errors import SceneError
 from hypernav.worlds.drawing.textures import linear_to_srgb
+from hypernav.worlds.scenes.axes import TO_Z_UP, Axis
 from hypernav.worlds.scenes.gltf_file import GltfFile
-from hypernav.worlds.scenes.gltf_format import Node, Primitive, TextureTransform
+from hypernav.worlds.scenes.gltf_format import (
+    Instancing,
+    LevelsOfDetail,
+    Node,
+    NodeVisibility,
+    Primitive,
+    TextureTransform,
+)
 from hypernav.worlds.scenes.gltf_materials import read_materials
 from hypernav.worlds.scenes.node_names import is_meaningful, unique_name
 from hypernav.worlds.scenes.scene import Material
@@ -18,17 +29,29 @@ from hypernav.worlds.scenes.scene_assembly import MeshPart
 
 _MOST_NODES, _MOST_PARTS = 50_000, 20_000
 _BYTES_PER_VERTEX, _BYTES_PER_CORNER = 50, 50
-_Y_UP_TO_Z_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+_OF_COPIES = {
+    "TRANSLATION": (0.0, 0.0, 0.0),
+    "ROTATION": (0.0, 0.0, 0.0, 1.0),
+    "SCALE": (1.0, 1.0, 1.0),
+}
+"""Attributes of copies, with the values of a copy that has none."""
+_NODE_EXTENSIONS = {
+    Instancing: "EXT_mesh_gpu_instancing",
+    LevelsOfDetail: "MSFT_lod",
+    NodeVisibility: "KHR_node_visibility",
+}
+_Extension = TypeVar("_Extension", Instancing, LevelsOfDetail, NodeVisibility)
+_LOGGER = logging.getLogger(__name__)
 
 
 def read_gltf(
-    path: Path, *, z_up: bool = False, color_codes: bool = False
+    path: Path, *, up: Axis = "y", color_codes: bool = False
 ) -> tuple[list[MeshPart], list[Material]]:
     """All triangles that a file's default scene shows, in the scene frame, and its materials.
 
     Args:
         path: A ``.glb`` or ``.gltf`` file.
-        z_up: Whether its coordinates are z up, contrary to the format's rule, as in scans.
+        up: The axis of the file that points up; z in scans, contrary to the format's rule.
         color_codes: Whether colours of vertices are sRGB, contrary to the format's rule.
 
     Raises:
@@ -36,7 +59,14 @@ def read_gltf(
         OSError: It cannot be read, or would take too much memory.
     """
     file = GltfFile(path)
-    placed = _placed_nodes(file, np.eye(3) if z_up else _Y_UP_TO_Z_UP)
+    if unread := file.unread_extensions():
+        _LOGGER.warning(
+            "%s: uses the glTF extension %s, which is not read and may change what is shown; "
+            "export the file again without it",
+            path,
+            ", ".join(unread),
+        )
+    placed = _placed_nodes(file, TO_Z_UP[up])
     meshes = file.document.meshes
     count = sum(len(file.item(meshes, node.mesh, "mesh").primitives) for node in placed)
     if count > _MOST_PARTS:
@@ -73,7 +103,9 @@ def _placed_nodes(file: GltfFile, to_scene: Float64[np.ndarray, "3 3"]) -> list[
     turned[:3, :3] = to_scene
     stack = [(index, turned, "") for index in reversed(_roots(file))]
     names: dict[str, int] = {}
-    visited: set[int] = set()
+    parents = {child: k for k, node in enumerate(nodes) for child in node.children}
+    # Levels of detail show the same thing once more.
+    visited = {k for node in nodes for k in _extension(file, node, LevelsOfDetail).ids}
     placed: list[_PlacedMesh] = []
     while stack:
         index, parent, descriptive_name = stack.pop()
@@ -81,14 +113,20 @@ def _placed_nodes(file: GltfFile, to_scene: Float64[np.ndarray, "3 3"]) -> list[
         if index in visited:  # A file that lists a node twice shows it once.
             continue
         visited.add(index)
+        if not _extension(file, node, NodeVisibility).visible:
+            continue
         to_scene = parent @ _local_matrix(node)
-        own = node.name
+        mesh_name = ""
         if node.mesh is not None:
-            own = own or file.item(file.document.meshes, node.mesh, "mesh").name
+            mesh_name = file.item(file.document.meshes, node.mesh, "mesh").name
+        own = node.name or mesh_name
         descriptive_name = own if is_meaningful(own) or not descriptive_name else descriptive_name
         if node.mesh is not None:
-            name = unique_name(own or f"node {index}", names)
-            placed.append(_PlacedMesh(name, descriptive_name, node.mesh, to_scene))
+            telling = descriptive_name if is_meaningful(descriptive_name) else mesh_name
+            shown = to_scene if node.skin is None else turned @ _bound(file, node.skin, parents)
+            for matrix in _copies(file, node):
+                name = unique_name(own or f"node {index}", names)
+                placed.append(_PlacedMesh(name, telling, node.mesh, shown @ matrix))
         stack += [(child, to_scene, descriptive_name) for child in reversed(node.children)]
     return placed
 
@@ -104,8 +142,15 @@ def _roots(file: GltfFile) -> list[int]:
 def _local_matrix(node: Node) -> Float64[np.ndarray, "4 4"]:
     if node.matrix is not None:
         return np.array(node.matrix, dtype=np.float64).reshape(4, 4).T
-    x, y, z, w = np.array(node.rotation) / max(float(np.linalg.norm(node.rotation)), 1e-12)
-    rotation = np.array(
+    return _matrix(*map(np.array, (node.translation, node.rotation, node.scale)))
+
+
+def _matrix(
+    translation: np.ndarray, rotation: np.ndarray, scale: np.ndarray
+) -> Float64[np.ndarray, "4 4"]:
+    """The transform of a position, a quaternion ``[x, y, z, w]`` and a size."""
+    x, y, z, w = rotation / max(float(np.linalg.norm(rotation)), 1e-12)
+    turned = np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
             [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
@@ -113,9 +158,53 @@ def _local_matrix(node: Node) -> Float64[np.ndarray, "4 4"]:
         ]
     )
     matrix = np.eye(4)
-    matrix[:3, :3] = rotation * np.array(node.scale)
-    matrix[:3, 3] = node.translation
+    matrix[:3, :3] = turned * scale
+    matrix[:3, 3] = translation
     return matrix
+
+
+def _copies(file: GltfFile, node: Node) -> list[Float64[np.ndarray, "4 4"]]:
+    """The transforms, within a node, of the copies of its mesh: one, or as many as it lists."""
+    accessors = _extension(file, node, Instancing).attributes
+    read = {name: file.array(accessors[name]) for name in _OF_COPIES if name in accessors}
+    if not read:
+        return [np.eye(4)]
+    counts = {len(values) for values in read.values()}
+    if len(counts) > 1 or any(v.shape[1] != len(_OF_COPIES[name]) for name, v in read.items()):
+        raise file.invalid("the copies of a node have transforms of different number or kind")
+    if len(read[next(iter(read))]) > _MOST_PARTS:
+        raise SceneError(f"{file.path}: a node has more than {_MOST_PARTS:,} copies; join them")
+    values = [read.get(name, np.tile(same, (max(counts), 1))) for name, same in _OF_COPIES.items()]
+    return [_matrix(*one) for one in zip(*values, strict=True)]
+
+
+def _bound(file: GltfFile, number: int, parents: dict[int, int]) -> Float64[np.ndarray, "4 4"]:
+    """Where a skin holds its mesh, in the file's frame, in the pose in which it was bound.
+
+    By the specification the transform of the node that shows the mesh doesn't count.
+    """
+    skin = file.item(file.document.skins, number, "skin")
+    matrix = np.eye(4)
+    if skin.inverse_bind_matrices is not None:
+        inverse = file.array(skin.inverse_bind_matrices)
+        if inverse.shape[0] < 1 or inverse.shape[1] != 16:
+            raise file.invalid("a skin has no transforms for its joints")
+        matrix = inverse[0].astype(np.float64).reshape(4, 4).T
+    joint, above = skin.joints[0], set[int]()
+    while joint is not None and joint not in above:
+        above.add(joint)
+        matrix = _local_matrix(file.item(file.document.nodes, joint, "node")) @ matrix
+        joint = parents.get(joint)
+    return matrix
+
+
+def _extension(file: GltfFile, node: Node, kind: type[_Extension]) -> _Extension:
+    """An extension of a node, with its default values where the node has none."""
+    try:
+        return kind.model_validate(node.extensions.get(_NODE_EXTENSIONS[kind], {}))
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise file.invalid(f"{_NODE_EXTENSIONS[kind]}: {first['msg']}") from error
 
 
 def _parts_of(

@@ -4,6 +4,7 @@ import base64
 import binascii
 import struct
 from collections.abc import Sequence
+from itertools import chain
 from pathlib import Path
 from typing import TypeVar
 from urllib.parse import unquote
@@ -25,6 +26,12 @@ _DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126
 _WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _EXTENSIONS = frozenset(
     {
+        "EXT_instance_features",
+        "EXT_mesh_features",
+        "EXT_mesh_gpu_instancing",
+        "EXT_structural_metadata",
+        "CESIUM_primitive_outline",
+        "FB_geometry_metadata",
         "KHR_materials_unlit",
         "KHR_materials_emissive_strength",
         "KHR_materials_pbrSpecularGlossiness",
@@ -39,12 +46,21 @@ _EXTENSIONS = frozenset(
         "KHR_materials_variants",
         "KHR_lights_punctual",
         "KHR_mesh_quantization",
+        "KHR_node_hoverability",
+        "KHR_node_selectability",
+        "KHR_node_visibility",
+        "KHR_physics_rigid_bodies",
+        "KHR_xmp_json_ld",
+        "MOZ_hubs_components",
+        "MSFT_lod",
+        "OMI_physics_body",
         "KHR_texture_basisu",
         "KHR_texture_transform",
         "EXT_texture_webp",
         "GOOGLE_texture_basis",
     }
 )
+"""Extensions that are read, or that change no surface: all others may where a mesh has them."""
 _Item = TypeVar("_Item")
 
 
@@ -72,19 +88,29 @@ class GltfFile:
         self.allowance = Allowance()
         text, binary = _split(path, self.allowance)
         self.document = _parse(path, text, self.allowance)
-        unknown = sorted(set(self.document.extensions_required) - _EXTENSIONS)
-        if unknown:
-            raise SceneError(
-                f"{path}: needs the glTF extension {', '.join(unknown)}, which is not supported; "
-                "export it again without compression, for example with "
-                "'gltf-transform copy' or Blender"
-            )
+        if unknown := sorted(set(self.document.extensions_required) - _EXTENSIONS):
+            raise self._needs(unknown)
         self._binary = binary
         self._buffers: dict[int, bytes] = {}
 
     def invalid(self, what: str) -> SceneError:
         """Error for a file that violates the format."""
         return SceneError(f"{self.path}: is not valid glTF: {what}; export the file again")
+
+    def _needs(self, extensions: Sequence[str]) -> SceneError:
+        return SceneError(
+            f"{self.path}: needs the glTF extension {', '.join(extensions)}, which is not "
+            "supported; export it again without compression, for example with "
+            "'gltf-transform copy' or Blender"
+        )
+
+    def unread_extensions(self) -> list[str]:
+        """Extensions that may change surfaces, and are not read."""
+        document = self.document
+        primitives = (one for mesh in document.meshes for one in mesh.primitives)
+        shapes = (document.nodes, document.meshes, document.accessors, document.buffer_views)
+        having = chain([document], primitives, *shapes)
+        return sorted({name for one in having for name in one.extensions} - _EXTENSIONS)
 
     def item(self, items: Sequence[_Item], index: int, what: str) -> _Item:
         """One item of the document's lists.
@@ -173,6 +199,11 @@ class GltfFile:
 
     def _view(self, index: int) -> tuple[memoryview, int | None]:
         view = self.item(self.document.buffer_views, index, "buffer view")
+        has_own_bytes = self._binary is not None and view.buffer == 0
+        if (unread := sorted(set(view.extensions) - _EXTENSIONS)) and not has_own_bytes:
+            buffers = self.document.buffers
+            if self.item(buffers, view.buffer, "buffer").uri is None:
+                raise self._needs(unread)  # the buffer holds no fallback for the extension
         buffer = self._buffer(view.buffer)
         end = view.byte_offset + view.byte_length
         if end > len(buffer):

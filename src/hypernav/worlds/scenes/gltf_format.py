@@ -15,6 +15,10 @@ class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, alias_generator=to_camel, allow_inf_nan=False)
 
 
+class _Extensible(_Part):
+    extensions: dict[str, Any] = Field(default_factory=dict)
+
+
 class Asset(_Part):
     """The version of the format."""
 
@@ -29,7 +33,7 @@ class Buffer(_Part):
     uri: str | None = None
 
 
-class BufferView(_Part):
+class BufferView(_Extensible):
     """A stretch of a buffer."""
 
     buffer: int = Field(ge=0)
@@ -61,7 +65,7 @@ class Sparse(_Part):
     values: SparseValues
 
 
-class Accessor(_Part):
+class Accessor(_Extensible):
     """An array in a buffer view."""
 
     buffer_view: int | None = Field(default=None, ge=0)
@@ -87,12 +91,11 @@ class Sampler(_Part):
     wrap_t: Literal[10497, 33648, 33071] = 10497
 
 
-class Texture(_Part):
+class Texture(_Extensible):
     """An image with its sampler."""
 
     source: int | None = Field(default=None, ge=0)
     sampler: int | None = Field(default=None, ge=0)
-    extensions: dict[str, Any] = Field(default_factory=dict)
 
 
 class TextureTransform(_Part):
@@ -104,12 +107,11 @@ class TextureTransform(_Part):
     tex_coord: int | None = Field(default=None, ge=0)
 
 
-class TextureInfo(_Part):
+class TextureInfo(_Extensible):
     """Reference to a texture and to the texture coordinates it uses."""
 
     index: int = Field(ge=0)
     tex_coord: int = Field(default=0, ge=0)
-    extensions: dict[str, Any] = Field(default_factory=dict)
 
 
 class PbrMetallicRoughness(_Part):
@@ -126,7 +128,7 @@ class SpecularGlossiness(_Part):
     diffuse_texture: TextureInfo | None = None
 
 
-class GltfMaterial(_Part):
+class GltfMaterial(_Extensible):
     """Appearance of a surface."""
 
     name: str = ""
@@ -135,10 +137,9 @@ class GltfMaterial(_Part):
     emissive_texture: TextureInfo | None = None
     alpha_mode: Literal["OPAQUE", "MASK", "BLEND"] = "OPAQUE"
     alpha_cutoff: float = 0.5
-    extensions: dict[str, Any] = Field(default_factory=dict)
 
 
-class Primitive(_Part):
+class Primitive(_Extensible):
     """Triangles of one material; mode 4 are triangles, 5 strips, 6 fans, others have no surface."""
 
     attributes: dict[str, int]
@@ -147,23 +148,49 @@ class Primitive(_Part):
     mode: int = 4
 
 
-class Mesh(_Part):
+class Mesh(_Extensible):
     """Primitives that belong together."""
 
     name: str = ""
     primitives: Items[Primitive]
 
 
-class Node(_Part):
+class Node(_Extensible):
     """A mesh with its transform, and children that move with it."""
 
     name: str = ""
     mesh: int | None = Field(default=None, ge=0)
+    skin: int | None = Field(default=None, ge=0)
     children: Items[int] = Field(default_factory=list)
     matrix: list[float] | None = Field(default=None, min_length=16, max_length=16)
     translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rotation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+
+class Skin(_Part):
+    """The nodes that a mesh moves with, and their inverse transforms when it was bound to them."""
+
+    joints: Items[int] = Field(min_length=1)
+    inverse_bind_matrices: int | None = Field(default=None, ge=0)
+
+
+class Instancing(_Part):
+    """The extension EXT_mesh_gpu_instancing: accessors with a transform for every copy."""
+
+    attributes: dict[str, int] = Field(default_factory=dict)
+
+
+class LevelsOfDetail(_Part):
+    """The extension MSFT_lod: the nodes that may be shown in place of one, from farther away."""
+
+    ids: Items[int] = Field(default_factory=list)
+
+
+class NodeVisibility(_Part):
+    """The extension KHR_node_visibility: whether a node and what it holds is shown."""
+
+    visible: bool = True
 
 
 class GltfScene(_Part):
@@ -172,7 +199,7 @@ class GltfScene(_Part):
     nodes: Items[int] = Field(default_factory=list)
 
 
-class Document(_Part):
+class Document(_Extensible):
     """A whole glTF document."""
 
     asset: Asset
@@ -181,6 +208,7 @@ class Document(_Part):
     scenes: Items[GltfScene] = Field(default_factory=list)
     nodes: Items[Node] = Field(default_factory=list)
     meshes: Items[Mesh] = Field(default_factory=list)
+    skins: Items[Skin] = Field(default_factory=list)
     materials: Items[GltfMaterial] = Field(default_factory=list)
     textures: Items[Texture] = Field(default_factory=list)
     samplers: Items[Sampler] = Field(default_factory=list)

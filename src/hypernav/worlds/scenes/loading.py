@@ -1,19 +1,24 @@
 """Loads scenes from files."""
 
 import logging
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from hypernav.core.errors import SceneError
-from hypernav.core.files.reading import check_file
+from hypernav.core.files.reading import back_slashes, check_file
 from hypernav.core.labels import ObjectLabel
+from hypernav.worlds.scenes.axes import Axis
+from hypernav.worlds.scenes.doubts import doubts_of
 from hypernav.worlds.scenes.gltf import read_gltf
 from hypernav.worlds.scenes.node_names import category_of
 from hypernav.worlds.scenes.objects_file import read_objects
 from hypernav.worlds.scenes.scene import Material, Scene
-from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject, assemble
+from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject, assemble, placed
 from hypernav.worlds.scenes.stray_parts import in_one_line, without_surroundings
 
 OBJECTS_FILE = "objects.json"
@@ -21,20 +26,25 @@ _GLTF_SUFFIXES = (".glb", ".gltf")
 _MESH_SUFFIXES = (".obj", ".ply", ".stl", ".off")
 _COLLADA_SUFFIX = ".dae"
 _WORLD_SUFFIXES = (".world", ".sdf")
+_COARSEST_M = 0.02
+"""Largest step between coordinates that a scene may have."""
 _LOGGER = logging.getLogger(__name__)
 
 
-def read_scene(path: Path) -> Scene:
+def read_scene(path: Path, *, up: Axis | None = None, scale: float | None = None) -> Scene:
     """Read a scene from a file that is no scan; `hypernav.load_scene` opens any.
 
     A file ``objects.json`` beside it says which nodes make up which object. Without it every node
-    is an instance of its own, labelled by its name. glTF files (y up) become ``(x, -z, y)``; for
-    the other formats see `read_mesh`. Units are metres. Stray parts (`without_surroundings`) are
-    left out, with a warning that names them.
+    is an instance of its own, labelled by its name. glTF and OBJ files (y up) become
+    ``(x, -z, y)``, the others are z up, or as a COLLADA file says. Units are metres. Stray parts
+    (`without_surroundings`) are left out, with a warning that names them, and a building that seems
+    to lie on its side or to have another unit gets a warning that says why.
 
     Args:
         path: A ``.glb``, ``.gltf``, ``.dae``, ``.obj``, ``.ply``, ``.stl`` or ``.off`` file, or a
             Gazebo world (``.world``, ``.sdf``).
+        up: The axis of the file that points up; None takes that of its format.
+        scale: Factor on all lengths, such as 0.001 for a file in millimetres; None is 1.
 
     Raises:
         SceneError: The file is missing, broken, empty or not a mesh, or ``objects.json`` doesn't
@@ -43,39 +53,54 @@ def read_scene(path: Path) -> Scene:
     path = Path(path)
     _check_readable(path)
     try:
-        parts, materials, missing = _read(path)
+        parts, materials, missing, read_up = _read(path, up)
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
     if not parts:
         raise SceneError(f"{path}: holds no triangles; export a mesh with faces")
+    if scale is not None:
+        parts = [placed(part, np.diag([scale, scale, scale, 1.0])) for part in parts]
     objects, storeys = _scene_objects(path, parts)
+    up_is_given = up is not None or path.suffix.lower() in _WORLD_SUFFIXES
+    for doubt in doubts_of(
+        parts, objects, read_up, up_is_given=up_is_given, scale_is_given=scale is not None
+    ):
+        _LOGGER.warning("%s: %s", path, doubt)
     building, stray = without_surroundings(parts)
+    _check_precision(path, building)
     left_out = [*missing, *stray]
     if left_out:
         _LOGGER.warning("%s: leaves out %s", path, in_one_line(left_out))
     return replace(assemble(_name(path), building, objects, materials), storeys=storeys)
 
 
-def _read(path: Path) -> tuple[list[MeshPart], list[Material], list[str]]:
-    """Parts and materials of a file, and what its reader leaves out."""
+def _read(path: Path, up: Axis | None) -> tuple[list[MeshPart], list[Material], list[str], Axis]:
+    """Parts and materials of a file, what its reader leaves out, and the axis that it took for up.
+
+    OBJ is read as y up, as written by modelling tools, the other formats that define no such axis
+    as z up, as written by scanners.
+    """
     suffix = path.suffix.lower()
     if suffix in _GLTF_SUFFIXES:
-        parts, materials = read_gltf(path)
-        return parts, materials, []
+        parts, materials = read_gltf(path, up=up or "y")
+        return parts, materials, [], up or "y"
     if suffix in _MESH_SUFFIXES:
         from hypernav.worlds.scenes.mesh_files import read_mesh
 
-        parts, materials = read_mesh(path)
-        return parts, materials, []
+        up = up or ("y" if suffix == ".obj" else "z")
+        parts, materials = read_mesh(path, up=up)
+        return parts, materials, [], up
     if suffix == _COLLADA_SUFFIX:
         from hypernav.worlds.collada.scene_file import read_collada_scene
 
-        parts, materials = read_collada_scene(path)
-        return parts, materials, []
+        parts, materials, up = read_collada_scene(path, up)
+        return parts, materials, [], up
     if suffix in _WORLD_SUFFIXES:
         from hypernav.worlds.gazebo.world import read_world
 
-        return read_world(path)
+        if up not in (None, "z"):
+            raise SceneError(f"{path}: a Gazebo world is z up; leave world.file_up out")
+        return *read_world(path), "z"
     known = ", ".join((*_GLTF_SUFFIXES, _COLLADA_SUFFIX, *_MESH_SUFFIXES, *_WORLD_SUFFIXES))
     raise SceneError(f"{path}: unknown kind of file {suffix!r}; give one of {known}")
 
@@ -89,11 +114,25 @@ def _check_readable(path: Path) -> None:
         check_file(path)
         empty = path.stat().st_size == 0
     except FileNotFoundError as error:
-        raise SceneError(f"{path}: no such scene file; check the path") from error
+        raise SceneError(
+            f"{path}: no such scene file; check the path{back_slashes(str(path))}"
+        ) from error
     except OSError as error:
         raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
     if empty:
         raise SceneError(f"{path}: the file is empty; copy or download it again")
+
+
+def _check_precision(path: Path, building: Sequence[MeshPart]) -> None:
+    """Refuse coordinates so large, as of maps, that single precision has moved their surfaces."""
+    corners = (part.vertices[part.faces] for part in building if len(part.faces))
+    farthest = max((float(np.abs(some).max()) for some in corners), default=0.0)
+    step = float(np.spacing(np.float32(farthest))) if math.isfinite(farthest) else 0.0
+    if step > _COARSEST_M:
+        raise SceneError(
+            f"{path}: lies {farthest / 1000.0:,.0f} km from the origin of its coordinates, where "
+            f"they are {step:.2g} m apart; move it to the origin and export it again"
+        )
 
 
 def _name(path: Path) -> str:

@@ -3,12 +3,16 @@
 import codecs
 import errno
 import io
+import logging
 import struct
+from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import trimesh
-from jaxtyping import Float32, Int32, UInt8
+from jaxtyping import Bool, Float32, Int32, UInt8
 from PIL.Image import Image as PilImage
 from trimesh.resolvers import FilePathResolver
 from trimesh.visual import ColorVisuals, TextureVisuals
@@ -17,15 +21,15 @@ from trimesh.visual.material import PBRMaterial
 from hypernav.core.errors import SceneError
 from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
 from hypernav.core.files.reading import path_below, read_file
+from hypernav.worlds.scenes.axes import TO_Z_UP, Axis
+from hypernav.worlds.scenes.obj_text import ObjText
 from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart
 
-_Y_UP_TO_Z_UP = np.array(
-    [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
-)
-
-
+_LOGGER = logging.getLogger(__name__)
 _MOST_BYTES = 500_000_000
+_OBJECT_NUMBERS = ("object_id", "objectId", "instance_id")
+"""Properties of faces that say which object of a scan they belong to, as in Replica."""
 _BROKEN = (
     ArithmeticError,
     AssertionError,
@@ -46,7 +50,16 @@ class _FilesBeside(FilePathResolver):
     """Materials and textures that a mesh file names: regular files beside it, of limited size."""
 
     def get(self, name: str) -> bytes:
-        content = read_file(path_below(Path(self.parent), name.strip()), most=_MOST_BYTES)
+        try:
+            content = read_file(path_below(Path(self.parent), name.strip()), most=_MOST_BYTES)
+        except OSError as error:
+            _LOGGER.warning(
+                "%s: the file %.80s, which a mesh names, cannot be read (%s); surfaces are plain",
+                self.parent,
+                name,
+                error.strerror or error,
+            )
+            raise
         size = image_size(content)
         if size is not None and size[0] * size[1] > MOST_PIXELS:
             raise OSError(
@@ -57,60 +70,91 @@ class _FilesBeside(FilePathResolver):
         return content.removeprefix(codecs.BOM_UTF8)
 
 
-def read_mesh(path: Path, *, z_up: bool = False) -> tuple[list[MeshPart], list[Material]]:
+def read_mesh(path: Path, *, up: Axis) -> tuple[list[MeshPart], list[Material]]:
     """All triangles of a file, in the scene frame, and its materials.
 
-    None of these formats defines which axis is up: OBJ is read as y up, as written by modelling
-    tools, the others as z up, as written by scanners. A PLY with colours is assumed to be a scan,
+    None of these formats defines which axis is up. A PLY with colours is assumed to be a scan,
     whose colours already contain the light.
 
     Args:
         path: A file that trimesh can read.
-        z_up: Whether it is z up, whatever its format.
+        up: The axis of the file that points up.
 
     Raises:
         SceneError: The file cannot be read as a mesh.
         OSError: The file cannot be read, or is too large.
     """
+    suffix = path.suffix.lower()
     # trimesh would drop the first line of a text with a byte order mark, silently.
-    content = io.BytesIO(read_file(path, most=_MOST_BYTES).removeprefix(codecs.BOM_UTF8))
+    content = read_file(path, most=_MOST_BYTES).removeprefix(codecs.BOM_UTF8)
+    name_of = str
+    options: dict[str, Any] = {"maintain_order": True}
+    if suffix == ".obj":
+        text = ObjText.of(content)
+        content, name_of = text.content, text.name_of
+        # Order kept, every object would hold the vertices of all.
+        options = {"split_objects": True} if text.names else options
     try:
         loaded = trimesh.load_scene(
-            content,
-            file_type=path.suffix[1:].lower(),
+            io.BytesIO(content),
+            file_type=suffix[1:],
             resolver=_FilesBeside(str(path)),
             process=False,
-            maintain_order=True,
+            **options,
         )
     except _BROKEN as error:
         raise SceneError(
             f"{path}: cannot be read as a mesh ({error}); export the file again"
         ) from error
-    up = _Y_UP_TO_Z_UP if path.suffix.lower() == ".obj" and not z_up else np.eye(4)
-    scanned = path.suffix.lower() == ".ply"
+    upright = np.eye(4)
+    upright[:3, :3] = TO_Z_UP[up]
     parts: list[MeshPart] = []
     materials: list[Material] = []
     with np.errstate(all="ignore"):  # non-finite corners are left out later
-        _collect(loaded, up, scanned, parts, materials)
+        for name, mesh in _meshes(loaded):
+            placed = mesh.copy()
+            placed.apply_transform(upright @ loaded.graph[name][0])
+            node, scanned = name_of(name), suffix == ".ply"
+            part = _part(node, placed, len(materials))
+            parts += _objects_of_faces(part, mesh) if scanned else [part]
+            materials.append(_material(node, placed, scanned=scanned))
     return parts, materials
 
 
-def _collect(
-    loaded: trimesh.Scene,
-    up: np.ndarray,
-    scanned: bool,
-    parts: list[MeshPart],
-    materials: list[Material],
-) -> None:
-    """Add the meshes of a file, placed by its scene graph, to the parts and materials."""
+def _meshes(loaded: trimesh.Scene) -> Iterator[tuple[str, trimesh.Trimesh]]:
+    """The nodes of a file that show triangles."""
     for name in loaded.graph.nodes_geometry:
-        to_scene, geometry = loaded.graph[name]
-        mesh = loaded.geometry[geometry]
+        mesh = loaded.geometry[loaded.graph[name][1]]
         if isinstance(mesh, trimesh.Trimesh) and len(mesh.faces):
-            placed = mesh.copy()
-            placed.apply_transform(up @ to_scene)
-            parts.append(_part(str(name), placed, len(materials)))
-            materials.append(_material(str(name), placed, scanned=scanned))
+            yield name, mesh
+
+
+def _objects_of_faces(part: MeshPart, mesh: trimesh.Trimesh) -> list[MeshPart]:
+    """A scan's part, divided into the objects that a property of its faces numbers."""
+    faces = mesh.metadata.get("_ply_raw", {}).get("face", {})
+    data = faces.get("data")
+    names = data if isinstance(data, dict) else getattr(data, "dtype", np.dtype(int)).names or ()
+    number = next((name for name in _OBJECT_NUMBERS if name in names), None)
+    if number is None:
+        return [part]
+    numbers = np.asarray(data[number]).ravel()
+    polygons, triangles = len(numbers), len(part.faces)
+    if triangles % max(polygons, 1):
+        return [part]
+    # trimesh divides quads into their first triangles and, behind these, their second ones.
+    numbers = np.tile(numbers, triangles // polygons)
+    return [_some_of(part, f"object {k}", numbers == k) for k in np.unique(numbers).tolist()]
+
+
+def _some_of(part: MeshPart, node: str, keep: Bool[np.ndarray, "faces"]) -> MeshPart:
+    return replace(
+        part,
+        node=node,
+        descriptive_name=node,
+        faces=part.faces[keep],
+        uv=None if part.uv is None else part.uv[keep],
+        colors=None if part.colors is None else part.colors[keep],
+    )
 
 
 def _part(name: str, mesh: trimesh.Trimesh, material: int) -> MeshPart:

@@ -6,7 +6,8 @@ detail; this module removes them.
 
 import re
 
-_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+from hypernav.core.text.unicode_words import composed, is_single_letter, words_within
+
 _FILE_SUFFIX = re.compile(
     r"\.(?:fbx|obj|dae|gltf|glb|blend|stl|ply|usdz?|cleaner.*)\b", re.IGNORECASE
 )
@@ -62,9 +63,8 @@ def words_of(name: str) -> tuple[str, ...]:
     ``Bed_01_001`` gives ``("bed",)``, ``dining-table.003`` gives ``("dining", "table")``,
     ``TVCabinet`` gives ``("tv", "cabinet")``.
     """
-    words = [word.lower() for word in _WORD.findall(_undecorated(name))]
-    words = [word for word in words if not word.isdigit()]
-    while len(words) > 1 and (words[-1] in _TAILS or len(words[-1]) == 1):
+    words = words_within(_undecorated(name))
+    while len(words) > 1 and (words[-1] in _TAILS or is_single_letter(words[-1])):
         words.pop()
     while len(words) > 1 and words[0] in _PREFIXES:
         words.pop(0)
@@ -82,7 +82,7 @@ def _undecorated(name: str) -> str:
 def is_meaningful(name: str) -> bool:
     """Whether a name says what an object is, unlike ``Object_4``, ``Cube.003`` or ``RootNode``."""
     words = words_of(name)
-    return any(len(word) > 1 and word not in _MEANINGLESS for word in words)
+    return any(not is_single_letter(word) and word not in _MEANINGLESS for word in words)
 
 
 def is_structural(name: str) -> bool:
@@ -106,13 +106,14 @@ def category_of(name: str) -> str | None:
 
 
 def unique_name(name: str, taken: dict[str, int]) -> str:
-    """A name that no node has yet: itself, or with a number behind it.
+    """A name that no node has yet: itself in composed form, or with a number behind it.
 
     Args:
         name: Name that the file gives the node.
         taken: Names that are taken, with the last number that was added to each; it gains the one
             that is returned.
     """
+    name = composed(name)
     free, number = name, taken.get(name, 1)
     while free in taken:
         number += 1

@@ -1,13 +1,15 @@
 """Reads ``objects.json``: the objects that the nodes of a scene form."""
 
 from pathlib import Path
+from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from hypernav.core.errors import SceneError
 from hypernav.core.files.json_text import Items, parse_json
 from hypernav.core.files.reading import read_file
 from hypernav.core.labels import ObjectLabel
+from hypernav.core.text.unicode_words import composed
 from hypernav.worlds.scenes.scene_assembly import SceneObject
 
 
@@ -17,7 +19,7 @@ class _Object(BaseModel):
     name: str = Field(min_length=1)
     category: str = Field(min_length=1)
     structural: bool = False
-    nodes: list[str] = Field(min_length=1)
+    nodes: list[Annotated[str, AfterValidator(composed)]] = Field(min_length=1)
     synonyms: list[str] = Field(default_factory=list)
     attributes: list[str] = Field(default_factory=list)
     room: str = ""

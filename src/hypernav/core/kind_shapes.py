@@ -1,4 +1,4 @@
-"""Sizes and places of some 200 kinds of things (``kinds.txt``), from common dimensions.
+"""Sizes and places of some 200 kinds of things (``kind_shapes.txt``), from common dimensions.
 
 Ranges are wide, since what lies outside is refuted: they span what shops sell and what homes,
 offices and shops hold, from children's to oversized pieces. The table holds COCO's indoor classes,
@@ -68,5 +68,5 @@ def _range(text: str) -> tuple[float, float]:
     return float(low), float(high)
 
 
-KINDS = _parsed(files("hypernav.perception.shape").joinpath("kinds.txt").read_text("utf-8"))
+KINDS = _parsed(files("hypernav.core").joinpath("kind_shapes.txt").read_text("utf-8"))
 """The table: under each place the kinds with height, longer extent, and face."""

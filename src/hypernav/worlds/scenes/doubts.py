@@ -1,0 +1,280 @@
+"""Doubts whether a building stands upright and is in metres, from what is known of buildings.
+
+A model that lies on its side, or whose numbers are inches, gives searches that look right and mean
+nothing. Five kinds of evidence say which way is up: floors and ceilings are level, walls are
+upright, furniture stands on few levels, the largest flat surface is a floor or a ceiling, and
+things have the heights and lengths of their kind. The sizes say the unit, too.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.kind_shapes import KindShape, kind_shape
+from hypernav.worlds.scenes.axes import TO_Z_UP, Axis, axis_along
+from hypernav.worlds.scenes.node_names import is_structural, words_of
+from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject
+
+_LEVEL = frozenset("floor floors flooring ground ceiling ceilings".split())  # noqa: SIM905
+_UPRIGHT = frozenset({"wall", "walls"})
+_ALIGNED = 0.98
+"""Least cosine between a face's normal and an axis that it lies across."""
+_UNITS = {
+    0.001: "millimetres",
+    0.01: "centimetres",
+    0.0254: "inches",
+    0.3048: "feet",
+    100.0: "hundreds of metres",
+    1000.0: "kilometres",
+}
+_SLACK = 1.15
+"""Factor on the limits of a kind's sizes."""
+_FEWEST_THINGS = 5
+_LARGEST_M, _SMALLEST_M = 150.0, 1.0
+"""Beyond these extents of a building, few things suffice to doubt its unit."""
+_MOST_FACES = 500_000
+"""Triangles that are looked at; of more, every n-th."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Vote:
+    """What one kind of evidence says.
+
+    Attributes:
+        axis: Number of the scene's axis that is up.
+        sign: Sense in which it is up, 1 or -1; 0 if the evidence doesn't tell.
+        words: The evidence, for people.
+    """
+
+    axis: int
+    sign: int
+    words: str
+
+
+@dataclass(frozen=True, eq=False)
+class _Things:
+    """Boxes of the objects whose kind is known, scene frame."""
+
+    low: Float64[np.ndarray, "things 3"]
+    high: Float64[np.ndarray, "things 3"]
+    kinds: tuple[KindShape, ...]
+
+    @staticmethod
+    def of(parts: Sequence[MeshPart], objects: Sequence[SceneObject]) -> "_Things":
+        """The objects of a file that have a label of a known kind."""
+        kinds = [(item, item.label and kind_shape(item.label.category)) for item in objects]
+        number = {node: k for k, (item, kind) in enumerate(kinds) if kind for node in item.nodes}
+        low, high = np.full((len(kinds), 3), np.inf), np.full((len(kinds), 3), -np.inf)
+        for part in parts:
+            corners = part.vertices[part.faces].reshape(-1, 3)
+            if part.node in number and len(corners) and np.isfinite(corners).all():
+                k = number[part.node]
+                low[k] = np.minimum(low[k], corners.min(axis=0))
+                high[k] = np.maximum(high[k], corners.max(axis=0))
+        there = [k for k, (_, kind) in enumerate(kinds) if kind and np.isfinite(low[k]).all()]
+        known = tuple(kind for k in there if (kind := kinds[k][1]))
+        return _Things(low[there], high[there], known)
+
+    def fitting(self, axis: int, scale: float = 1.0) -> int:
+        """The number of things that have the size of their kind, were this axis up."""
+        sizes = (self.high - self.low) * scale
+        heights, lengths = sizes[:, axis], np.delete(sizes, axis, axis=1).max(axis=1, initial=0.0)
+        limits = np.array([(*kind.height_m, *kind.long_m) for kind in self.kinds]).reshape(-1, 4)
+        low, high = limits[:, ::2] / _SLACK, limits[:, 1::2] * _SLACK
+        measured = np.stack([heights, lengths], axis=1)
+        return int(((measured >= low) & (measured <= high)).all(axis=1).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class _Faces:
+    """Areas of the triangles of some parts that lie across each axis."""
+
+    across: Float64[np.ndarray, "faces 3"]
+    area: Float64[np.ndarray, "faces"]
+    centres: Float64[np.ndarray, "faces 3"]
+
+    @staticmethod
+    def of(parts: Sequence[MeshPart]) -> "_Faces":
+        """The triangles of parts, without those that are not finite."""
+        step = 1 + sum(len(part.faces) for part in parts) // _MOST_FACES
+        some = (part.vertices[part.faces[::step]] for part in parts)
+        corners = [np.zeros((0, 3, 3)), *some]
+        triangles = np.concatenate(corners).astype(np.float64)
+        triangles = triangles[np.isfinite(triangles).all(axis=(1, 2))]
+        sides = triangles[:, 1:] - triangles[:, :1]
+        normals = np.cross(sides[:, 0], sides[:, 1]) / 2.0
+        area = np.linalg.norm(normals, axis=1)
+        across = np.abs(normals) > _ALIGNED * area[:, None]
+        return _Faces(across * area[:, None], area, triangles.mean(axis=1))
+
+    def shares(self) -> Float64[np.ndarray, "3"]:
+        """Shares of the area that lie across each axis."""
+        return self.across.sum(axis=0) / max(float(self.area.sum()), 1e-30)
+
+    def largest_planes(self, thickness: float) -> Float64[np.ndarray, "3"]:
+        """The largest area across each axis within one layer."""
+        largest = np.zeros(3)
+        for axis in range(3):
+            on = self.across[:, axis] > 0.0
+            layers = np.floor(self.centres[on, axis] / thickness).astype(np.int64)
+            if len(layers):
+                layers -= layers.min()
+                _, layers = np.unique(layers, return_inverse=True)
+                largest[axis] = np.bincount(layers, self.area[on]).max()
+        return largest
+
+
+def doubts_of(
+    parts: Sequence[MeshPart],
+    objects: Sequence[SceneObject],
+    read_up: Axis,
+    *,
+    up_is_given: bool = False,
+    scale_is_given: bool = False,
+) -> list[str]:
+    """What speaks against the axis and the unit by which a file was read, with the remedy.
+
+    Args:
+        parts: Parts of the file as read, scene frame.
+        objects: Its objects.
+        read_up: The axis of the file that was taken for up.
+        up_is_given: Whether somebody chose that axis: then it is not doubted.
+        scale_is_given: The same for its unit.
+    """
+    things = _Things.of(parts, objects)
+    extents = _extents(parts)
+    votes = [] if up_is_given or not extents.any() else _votes(parts, objects, things, extents)
+    up = _agreed(votes)
+    doubts: list[str] = []
+    if up is not None:
+        axis, sign = up
+        direction = np.zeros(3)
+        direction[axis] = sign
+        file_axis = axis_along(TO_Z_UP[read_up].T @ direction)
+        words = ", ".join(vote.words for vote in votes if vote.axis == axis)
+        doubts.append(
+            f"this building seems to lie on its side: with the file's {file_axis} axis up, not its "
+            f"{read_up} axis, {words}; --set world.file_up={file_axis} turns it, "
+            f"--set world.file_up={read_up} takes it as it is"
+        )
+    unit = None if scale_is_given else _better_scale(things, 2 if up is None else up[0], extents)
+    if unit is not None:
+        scale, fitting, fitting_now = unit
+        doubts.append(
+            f"this building seems to be in {_UNITS[scale]}, not in metres: {fitting} of its "
+            f"{len(things.kinds)} things of known kinds have the usual size then, {fitting_now} "
+            f"now; --set world.file_scale={scale:g} converts it, --set world.file_scale=1 takes "
+            "it as it is"
+        )
+    return doubts
+
+
+def _extents(parts: Sequence[MeshPart]) -> Float64[np.ndarray, "3"]:
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for part in parts:
+        corners = part.vertices[part.faces].reshape(-1, 3)
+        corners = corners[np.isfinite(corners).all(axis=1)].astype(np.float64)
+        low = np.minimum(low, corners.min(axis=0, initial=np.inf))
+        high = np.maximum(high, corners.max(axis=0, initial=-np.inf))
+    return high - low if (high >= low).all() else np.zeros(3)
+
+
+def _votes(
+    parts: Sequence[MeshPart],
+    objects: Sequence[SceneObject],
+    things: _Things,
+    extents: Float64[np.ndarray, "3"],
+) -> list[_Vote]:
+    """What every kind of evidence says that says anything clearly."""
+    thickness = float(extents.max()) / 400.0
+    everything = _Faces.of(parts)
+    names = {node: item.name for item in objects if item.label is None for node in item.nodes}
+    words = [_structural_word(part, names) for part in parts]
+    floors = _Faces.of([part for part, word in zip(parts, words, strict=True) if word in _LEVEL])
+    walls = _Faces.of([part for part, word in zip(parts, words, strict=True) if word in _UPRIGHT])
+    found: list[_Vote] = []
+    axis, sign, share = _feet(things)
+    stands = len(things.kinds) and share > 0.0
+    level = floors.shares()
+    if level.max() >= 0.7:
+        up = int(level.argmax())
+        above = (everything.centres[:, up] @ everything.area) / everything.area.sum()
+        below = (floors.centres[:, up] @ floors.area) / floors.area.sum()
+        side = sign if stands and axis == up else 1 if above >= below else -1
+        found.append(_Vote(up, side, f"{level[up]:.0%} of what is called floor is level"))
+    upright = np.sort(walls.shares())
+    if upright[0] <= 0.15 and upright[1] >= 0.15 and upright.sum() >= 0.7:
+        up = int(walls.shares().argmin())
+        found.append(_Vote(up, 0, "what is called wall is upright"))
+    if stands:
+        found.append(_Vote(axis, sign, f"{share:.0%} of the furniture stands on one level"))
+    planes = everything.largest_planes(thickness)
+    if planes.max() >= 1.3 * np.sort(planes)[1] and planes.max() > 0.0:
+        found.append(_Vote(int(planes.argmax()), 0, "the largest flat surface is level"))
+    fits = np.array([max(things.fitting(k, s) for s in (1.0, *_UNITS)) for k in range(3)])
+    best, count = int(fits.argmax()), len(things.kinds)
+    others = float(np.sort(fits)[1])
+    if count >= _FEWEST_THINGS and fits[best] >= max(0.7 * count, others + 0.12 * count):
+        found.append(_Vote(best, 0, f"{fits[best]} of {count} things have their usual height"))
+    return found
+
+
+def _structural_word(part: MeshPart, names: dict[str, str]) -> str:
+    """The last word of a name that means a level or an upright part of the building, or ""."""
+    for name in (part.descriptive_name, names.get(part.node, "")):
+        if is_structural(name):
+            known = [word for word in words_of(name) if word in _LEVEL | _UPRIGHT]
+            return known[-1] if known else ""
+    return ""
+
+
+def _feet(things: _Things) -> tuple[int, int, float]:
+    """Axis and sense in which most furniture stands on one level, and its share; 0 if unclear."""
+    standing = [k for k, kind in enumerate(things.kinds) if kind.support == "floor"]
+    if len(standing) < _FEWEST_THINGS:
+        return 2, 1, 0.0
+    low, high = things.low[standing], things.high[standing]
+    tolerance = 0.04 * float(np.median((high - low).max(axis=1)))
+    shares = {
+        (axis, sign): max(float((np.abs(feet - foot) <= tolerance).mean()) for foot in feet)
+        for axis in range(3)
+        for sign, feet in ((1, low[:, axis]), (-1, -high[:, axis]))
+    }
+    (first, second) = sorted(shares, key=lambda side: -shares[side])[:2]
+    clear = shares[first] >= 0.3 and shares[first] >= 1.5 * shares[second]
+    return *first, shares[first] if clear else 0.0
+
+
+def _agreed(votes: Sequence[_Vote]) -> tuple[int, int] | None:
+    """The direction that is up by clear evidence; None if that is z, or the evidence differs.
+
+    One kind of evidence is a building with something odd in it; two that agree are not.
+    """
+    axes = {vote.axis for vote in votes}
+    if len(votes) < 2 or len(axes) > 1:
+        return None
+    senses = [vote.sign for vote in votes if vote.sign]
+    sense = senses[0] if senses else 1
+    up = (axes.pop(), sense)
+    if up[0] == 2 and (sense > 0 or len(senses) < 2 or len(set(senses)) > 1):
+        return None
+    return up
+
+
+def _better_scale(
+    things: _Things, axis: int, extents: Float64[np.ndarray, "3"]
+) -> tuple[float, int, int] | None:
+    """A unit in which most things have the size of their kind; None if few lack it in metres.
+
+    Returns:
+        Its length in metres, and the numbers of things with a usual size then and now.
+    """
+    count, now = len(things.kinds), things.fitting(axis)
+    is_odd = not _SMALLEST_M <= float(extents.max()) <= _LARGEST_M
+    if count < (1 if is_odd else _FEWEST_THINGS) or now > 0.4 * count:
+        return None
+    fits = {scale: things.fitting(axis, scale) for scale in _UNITS}
+    best = max(fits, key=lambda scale: fits[scale])
+    return (best, fits[best], now) if fits[best] >= 0.7 * count else None
