@@ -21,6 +21,7 @@ _GLTF_SUFFIXES = (".glb", ".gltf")
 _MESH_SUFFIXES = (".obj", ".ply", ".stl", ".off")
 _COLLADA_SUFFIX = ".dae"
 _WORLD_SUFFIXES = (".world", ".sdf")
+_IFC_SUFFIX = ".ifc"
 _LOGGER = logging.getLogger(__name__)
 
 
@@ -33,10 +34,11 @@ def read_scene(path: Path) -> Scene:
     left out, with a warning that names them.
 
     Args:
-        path: A ``.glb``, ``.gltf``, ``.dae``, ``.obj``, ``.ply``, ``.stl`` or ``.off`` file, or a
-            Gazebo world (``.world``, ``.sdf``).
+        path: A ``.glb``, ``.gltf``, ``.dae``, ``.ifc``, ``.obj``, ``.ply``, ``.stl`` or ``.off``
+            file, or a Gazebo world (``.world``, ``.sdf``).
 
     Raises:
+        MissingExtraError: It is an ``.ifc`` file, and ifcopenshell is not installed.
         SceneError: The file is missing, broken, empty or not a mesh, or ``objects.json`` doesn't
             belong to it.
     """
@@ -76,7 +78,13 @@ def _read(path: Path) -> tuple[list[MeshPart], list[Material], list[str]]:
         from hypernav.worlds.gazebo.world import read_world
 
         return read_world(path)
-    known = ", ".join((*_GLTF_SUFFIXES, _COLLADA_SUFFIX, *_MESH_SUFFIXES, *_WORLD_SUFFIXES))
+    if suffix == _IFC_SUFFIX:
+        from hypernav.worlds.scenes.ifc_file import read_ifc
+
+        parts, materials = read_ifc(path)
+        return parts, materials, []
+    meshes = (*_GLTF_SUFFIXES, _COLLADA_SUFFIX, _IFC_SUFFIX, *_MESH_SUFFIXES)
+    known = ", ".join((*meshes, *_WORLD_SUFFIXES))
     raise SceneError(f"{path}: unknown kind of file {suffix!r}; give one of {known}")
 
 
