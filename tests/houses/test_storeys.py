@@ -23,6 +23,7 @@ from hypernav.worlds.navmesh.robot_navmesh import computed_for, robot_navmesh
 from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.surface.storeys import Storeys
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 NUMBERS = (3004, *(pytest.param(number, marks=pytest.mark.slow) for number in (3002, 3008)))
@@ -36,7 +37,7 @@ scene_of = cache(lambda number: generate(Building("storeys", number)))
 def climbed(number: int) -> NavmeshSurface:
     navmesh = robot_navmesh(scene_of(number), CLIMBING_BODY, "auto")
     assert navmesh is not None
-    return NavmeshSurface(navmesh, scene_of(number).storeys)
+    return NavmeshSurface(navmesh, Storeys.of(scene_of(number), CLIMBING_BODY))
 
 
 def on_storey(scene: Scene, z: float) -> WalkableGrid:
@@ -155,7 +156,8 @@ def test_an_exported_building_has_the_same_paths(tmp_path: Path):
     assert opened.storeys == scene.storeys
     assert robot_navmesh(opened, BodyConfig(), "auto") is None
     computed = NavmeshSurface(
-        Navmesh(navmesh_of(computed_for(opened, CLIMBING_BODY))), opened.storeys
+        Navmesh(navmesh_of(computed_for(opened, CLIMBING_BODY))),
+        Storeys.of(opened, CLIMBING_BODY),
     )
     # The largest part of this mesh is the roof: in the file, ceilings have two faces.
     assert computed.floor[:, 2].max() < scene.storeys[-1] + 0.5

@@ -205,7 +205,9 @@ def _destination(value: Any, view: ExplorationView | None = None, *_: Any) -> De
         for field in ("is_sighting", "thing", "image"):
             expected = "its default, because only the search sets it"
             found = getattr(one, field)
-            _expect(found is None or found is False, found, expected, f"a Destination with the {field} ")
+            _expect(
+                found is None or found is False, found, expected, f"a Destination with the {field} "
+            )
         one = one.then
     return value
 
