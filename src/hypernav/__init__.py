@@ -248,6 +248,7 @@ _MODULES = {
 }
 
 logging.getLogger("hypernav").addHandler(logging.NullHandler())
+importlib.import_module("hypernav.core.files.kernel_folder").choose_kernel_folder()
 
 
 def __getattr__(name: str) -> Any:
