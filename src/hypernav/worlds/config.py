@@ -79,7 +79,7 @@ class SimulationConfig(RoomConfig):
         cell_m: Side of the walkable surface's cells, metres; a navigation mesh has none.
         judge_eye_m: Height above the floor from which a goal must be visible at its view points,
             metres; None takes the camera's. Set it to compare different cameras.
-        floor_z: Height of the storey's floor in the scene frame, metres; None takes the largest
+        floor_z: Height of the storey's floor in the scene frame, metres; None takes the main
             storey. A navigation mesh has all storeys.
         renderer: What draws the scene; depth and instances are the same, colours differ at edges.
             "warp" needs the extra ``gpu``, and is for a machine with an NVIDIA GPU. habitat-sim

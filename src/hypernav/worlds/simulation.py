@@ -295,7 +295,10 @@ class SimulatedWorld:
         storeys = storeys_on_mesh(self.scene, body, choice)
         navmesh = robot_navmesh(self.scene, body, choice, has_storeys=storeys is not None)
         if navmesh is not None:
-            return NavmeshSurface(navmesh, storeys, self.config.stop_at)
+            surface = NavmeshSurface(navmesh, storeys, self.config.stop_at)
+            # What was found may be the top of a row of cupboards: a storey is come to.
+            if storeys is None or self.scene.storeys or len(surface.storeys_z) > 1:
+                return surface
         return WalkableGrid.from_scene(
             self.scene, self.embodiment.body, cell_m=self.config.cell_m, floor_z=z
         )

@@ -98,6 +98,7 @@ def test_a_single_word_is_never_taken_away() -> None:
         ("IfcSanitaryTerminal", "sanitary terminal"),
         ("IfcFurniture_Sofa_01", "sofa"),
         ("room:Bed_01", "room bed"),
+        ("M_Chair-Task:Chair-Task:138999 #5000", "task chair"),
     ],
 )
 def test_names_of_building_models_become_words(name: str, category: str) -> None:
@@ -125,6 +126,8 @@ def test_names_of_building_models_become_words(name: str, category: str) -> None
         "IfcSlab",
         "Stair-004",
         "Slab - 012",
+        "Basic Wall:Interior - Partition (92mm Stud):138584 #4131",
+        "Opening1",
     ],
 )
 def test_a_building_model_says_what_is_the_building(name: str) -> None:
@@ -139,6 +142,7 @@ def test_a_building_model_says_what_is_the_building(name: str) -> None:
         "product-4e2e5a5c-1111-2222-3333-444455556666-body",
         "IfcBuildingElementProxy/2O2Fr$t4X7Zf8NOew3FLOH",
         "IfcFurniture",
+        "0RDVTmkVv60xF$yp_gU2jx:1",
     ],
 )
 def test_identifiers_of_building_models_are_no_names(name: str) -> None:

@@ -106,6 +106,14 @@ def test_a_roof_at_the_height_of_a_storey_is_not_its_main_part():
     assert grid.component_of(12.0, 2.4) != 0
 
 
+def test_a_level_that_no_stairs_lead_to_is_no_storey_of_a_robot_that_climbs():
+    cupboards: list[Box] = [(None, (-0.1, 2.0, 0.0), (6.1, 4.1, 1.4))]
+    scene = scene_of(*CLOSED, BED, *cupboards)
+    assert len(Storeys.of(scene, CLIMBS).heights) == 2
+    walkable = SimulatedWorld(scene, SimulationConfig(), Embodiment(body=CLIMBS)).walkable
+    assert isinstance(walkable, WalkableGrid)
+
+
 STAIRS: list[Box] = [
     (None, (1.0 + 0.3 * k, 3.0, 0.0), (1.3 + 0.3 * k, 4.0, 0.17 * (k + 1))) for k in range(16)
 ]

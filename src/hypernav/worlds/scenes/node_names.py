@@ -35,7 +35,7 @@ _STRUCTURAL = frozenset(
     """
     wall walls floor floors flooring ceiling ceilings roof ground room house building apartment
     doorframe doorway baseboard baseboards skirting moulding molding column pillar beam
-    stair stairs staircase railing handrail slab structure shell architecture
+    stair stairs staircase railing handrail slab opening structure shell architecture
     """.split()  # noqa: SIM905
 )
 _SIDES = frozenset(
