@@ -217,3 +217,12 @@ def test_small_house_matches_its_description(small_house: Path) -> None:
             assert instance.label.category == item["category"]
         owned = scene.face_instance == instance.id
         assert int(owned.sum()) == item["triangles"]
+
+
+@pytest.mark.parametrize(("offset_m", "said"), [(0.0, False), (5_400_000.0, True)])
+def test_a_building_at_coordinates_of_a_map_is_named(tmp_path, caplog, offset_m, said) -> None:
+    writer = GltfWriter()
+    mesh = writer.mesh(writer.square())
+    writer.node(name="floor", mesh=mesh, translation=[0.0, 0.0, offset_m])
+    read_scene(writer.write(tmp_path / "far.glb"))
+    assert ("5400 km from its origin, where positions are exact to 0.5 m" in caplog.text) == said

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from hypernav.core.errors import SceneError
 from hypernav.core.files.reading import check_file
 from hypernav.core.labels import ObjectLabel
@@ -22,6 +24,8 @@ _MESH_SUFFIXES = (".obj", ".ply", ".stl", ".off")
 _COLLADA_SUFFIX = ".dae"
 _WORLD_SUFFIXES = (".world", ".sdf")
 _IFC_SUFFIX = ".ifc"
+_FAR_M = 30_000.0
+"""Beyond this, single precision is coarser than a few millimetres."""
 _LOGGER = logging.getLogger(__name__)
 
 
@@ -55,7 +59,9 @@ def read_scene(path: Path) -> Scene:
     left_out = [*missing, *stray]
     if left_out:
         _LOGGER.warning("%s: leaves out %s", path, in_one_line(left_out))
-    return replace(assemble(_name(path), building, objects, materials), storeys=storeys)
+    scene = replace(assemble(_name(path), building, objects, materials), storeys=storeys)
+    _warn_if_far_away(path, scene)
+    return scene
 
 
 def _read(path: Path) -> tuple[list[MeshPart], list[Material], list[str]]:
@@ -102,6 +108,19 @@ def _check_readable(path: Path) -> None:
         raise SceneError(f"{path}: cannot be read ({error.strerror or error})") from error
     if empty:
         raise SceneError(f"{path}: the file is empty; copy or download it again")
+
+
+def _warn_if_far_away(path: Path, scene: Scene) -> None:
+    """Say where coordinates of a map leave too few digits for walls and doors."""
+    farthest = np.abs(scene.vertices[scene.faces]).max()
+    if farthest > _FAR_M:
+        _LOGGER.warning(
+            "%s: lies %.0f km from its origin, where positions are exact to %.2g m only, so that "
+            "walls and doors may vanish; export it with coordinates near the origin",
+            path,
+            farthest / 1000.0,
+            np.spacing(farthest),
+        )
 
 
 def _name(path: Path) -> str:
