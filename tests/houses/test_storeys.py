@@ -148,6 +148,12 @@ def test_goals_are_on_one_storey_and_as_often_above_as_below():
 
 
 @pytest.mark.slow
+def test_storeys_that_nobody_names_are_found():
+    scene = scene_of(3004)
+    found = Storeys.of(replace(scene, storeys=()), CLIMBING_BODY).heights
+    assert found == pytest.approx(scene.storeys, abs=0.05)
+
+
 def test_an_exported_building_has_the_same_paths(tmp_path: Path):
     scene, surface = scene_of(3004), climbed(3004)
     files = export_building(Building("storeys", 3004), tmp_path)
