@@ -67,7 +67,7 @@ $(VENV)/.installed: $(BIN)/python pyproject.toml
 	touch $@
 
 $(VENV)/.installed-dev: $(BIN)/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --editable '.[bags,ros2,onnx,hm3d,robot,foxglove,rerun]' --group dev
+	$(BIN)/python -m pip install --quiet --editable '.[bags,ros2,onnx,hm3d,ifc,robot,foxglove,rerun]' --group dev
 	touch $@
 
 $(VENV)/.installed-docs: $(BIN)/python pyproject.toml
@@ -81,7 +81,7 @@ $(VLM)/.installed: pyproject.toml
 	$(VLM)/bin/python -m pip install --quiet torch==2.13.0
 	$(VLM)/bin/python -m pip install --quiet transformers==5.23.0 accelerate openai
 	$(VLM)/bin/python -m pip install --quiet --no-deps torchvision==0.28.0
-	$(VLM)/bin/python -m pip install --quiet --editable '.[bags,ros2,onnx,hm3d,robot,foxglove,rerun,gpu]' --group dev
+	$(VLM)/bin/python -m pip install --quiet --editable '.[bags,ros2,onnx,hm3d,ifc,robot,foxglove,rerun,gpu]' --group dev
 	touch $@
 
 clean:

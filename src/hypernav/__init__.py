@@ -45,7 +45,7 @@ if TYPE_CHECKING:
         SensorError,
         StartError,
     )
-    from hypernav.core.exploring.exploration import Destination
+    from hypernav.core.exploring.exploration import Destination, ExplorationView
     from hypernav.core.geometry.boxes import Box, Detection
     from hypernav.core.geometry.camera import PinholeCamera
     from hypernav.core.geometry.grid import OccupancyGrid
@@ -106,6 +106,7 @@ __all__ = [
     "EpisodeRun",
     "EpisodeStep",
     "Executed",
+    "ExplorationView",
     "Explorer",
     "Goal",
     "GoalError",
@@ -184,6 +185,7 @@ _MODULES = {
     "Segmenter": "hypernav.core.components.protocols",
     "RoomConfig": "hypernav.core.config",
     "Destination": "hypernav.core.exploring.exploration",
+    "ExplorationView": "hypernav.core.exploring.exploration",
     "Embodiment": "hypernav.core.embodiment",
     "Episode": "hypernav.core.episodes.episode",
     "Outcome": "hypernav.core.episodes.episode",
@@ -246,6 +248,7 @@ _MODULES = {
 }
 
 logging.getLogger("hypernav").addHandler(logging.NullHandler())
+importlib.import_module("hypernav.core.files.kernel_folder").choose_kernel_folder()
 
 
 def __getattr__(name: str) -> Any:

@@ -54,6 +54,26 @@ def test_two_searches_never_write_one_folder(glb, tmp_path, capsys):
     assert not (tmp_path / "trace.jsonl").exists()
 
 
+EXPLORER = """
+from hypernav import Destination, ExplorationView
+
+
+class Ahead:
+    def next_destination(self, view: ExplorationView) -> Destination | None:
+        x, y = view.robot.xy
+        return Destination(x + 1.0, y, "ahead", most_steps=3) if len(view.visits) < 3 else None
+"""
+
+
+def test_an_explorer_of_ones_own_says_where_to_go(glb, tmp_path, monkeypatch):
+    (tmp_path / "my_explorer.py").write_text(EXPLORER)
+    monkeypatch.syspath_prepend(tmp_path)
+    options = ("--agent", "my_explorer:Ahead", "--out", tmp_path / "run", "--max-steps", 40)
+    assert hypernav("find", "piano", "--scene", glb, "--quiet", *options, *SMALL) == 1
+    steps = (tmp_path / "run" / "trace.jsonl").read_text().splitlines()
+    assert any(json.loads(step)["reason"] == "ahead" for step in steps)
+
+
 def test_quiet_says_nothing(glb, tmp_path, capsys):
     hypernav("find", "bed", "--scene", glb, "--out", tmp_path, "--quiet", "--max-steps", 2, *SMALL)
     said = capsys.readouterr()

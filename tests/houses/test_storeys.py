@@ -23,6 +23,7 @@ from hypernav.worlds.navmesh.robot_navmesh import computed_for, robot_navmesh
 from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.surface.storeys import Storeys
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 NUMBERS = (3004, *(pytest.param(number, marks=pytest.mark.slow) for number in (3002, 3008)))
@@ -36,7 +37,7 @@ scene_of = cache(lambda number: generate(Building("storeys", number)))
 def climbed(number: int) -> NavmeshSurface:
     navmesh = robot_navmesh(scene_of(number), CLIMBING_BODY, "auto")
     assert navmesh is not None
-    return NavmeshSurface(navmesh, scene_of(number).storeys)
+    return NavmeshSurface(navmesh, Storeys.of(scene_of(number), CLIMBING_BODY))
 
 
 def on_storey(scene: Scene, z: float) -> WalkableGrid:
@@ -147,6 +148,12 @@ def test_goals_are_on_one_storey_and_as_often_above_as_below():
 
 
 @pytest.mark.slow
+def test_storeys_that_nobody_names_are_found():
+    scene = scene_of(3004)
+    found = Storeys.of(replace(scene, storeys=()), CLIMBING_BODY).heights
+    assert found == pytest.approx(scene.storeys, abs=0.05)
+
+
 def test_an_exported_building_has_the_same_paths(tmp_path: Path):
     scene, surface = scene_of(3004), climbed(3004)
     files = export_building(Building("storeys", 3004), tmp_path)
@@ -155,7 +162,8 @@ def test_an_exported_building_has_the_same_paths(tmp_path: Path):
     assert opened.storeys == scene.storeys
     assert robot_navmesh(opened, BodyConfig(), "auto") is None
     computed = NavmeshSurface(
-        Navmesh(navmesh_of(computed_for(opened, CLIMBING_BODY))), opened.storeys
+        Navmesh(navmesh_of(computed_for(opened, CLIMBING_BODY))),
+        Storeys.of(opened, CLIMBING_BODY),
     )
     # The largest part of this mesh is the roof: in the file, ceilings have two faces.
     assert computed.floor[:, 2].max() < scene.storeys[-1] + 0.5

@@ -15,6 +15,7 @@ from typing import NoReturn
 
 from hypernav.cli.guards.crashes import ReportedCrashError, crash_report
 from hypernav.cli.guards.interruptions import Terminated, sigterm_as_interruption
+from hypernav.cli.guards.library_words import silence_libraries
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.core.components.exits import answer_exits, end_at_once
 from hypernav.core.errors import HyPerNavError, ModelUnavailableError
@@ -31,6 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
         if getattr(sys, name) is None:  # closed: no file of a search may get its number
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
     if arguments is None:  # this is the program
+        silence_libraries()
         answer_exits(_end_of_component)
     status = _flushed(_status(sys.argv[1:] if arguments is None else arguments))
     if arguments is None:  # this is the program

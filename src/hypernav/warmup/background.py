@@ -17,10 +17,12 @@ from pathlib import Path
 
 from numba.extending import is_jitted
 
+from hypernav.core.files.kernel_folder import kernels_are_kept, why_not_kept
 from hypernav.mapping.top_down import integrate_kernels
 from hypernav.warmup.stale_kernels import forget_stale_kernels
 
 FIRST_RUN = "first run: compiling for this machine, once, takes a quarter of a minute or more …"
+"""What is said where the next run finds what this one compiles."""
 
 
 def is_compiled() -> bool:
@@ -53,7 +55,7 @@ def warm_up_in_background(say: Callable[[str], object]) -> Iterator[None]:
     if is_compiled():
         yield
         return
-    say(FIRST_RUN)
+    say(FIRST_RUN if kernels_are_kept() else why_not_kept())
     if (os.cpu_count() or 1) < 2:
         yield
         return

@@ -80,7 +80,7 @@ class SimulationConfig(RoomConfig):
         cell_m: Side of the walkable surface's cells, metres; a navigation mesh has none.
         judge_eye_m: Height above the floor from which a goal must be visible at its view points,
             metres; None takes the camera's. Set it to compare different cameras.
-        floor_z: Height of the storey's floor in the scene frame, metres; None takes the largest
+        floor_z: Height of the storey's floor in the scene frame, metres; None takes the main
             storey. A navigation mesh has all storeys.
         file_up: The axis of a scene's file that points up, for a file that is turned otherwise than
             its format says; None believes the format. For your own files, not for scans.

@@ -21,7 +21,7 @@ from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.drawing.choice import renderer_of
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.goal_objects import named_as_goals
-from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
+from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh, storeys_on_mesh
 from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.noise import noisy_depth
 from hypernav.worlds.scenes.scene import Scene
@@ -291,9 +291,14 @@ class SimulatedWorld:
 
     def _surface_at(self, z: float | None) -> WalkableSurface:
         """The robot's navigation mesh, or the walkable surface of the storey at a height."""
-        navmesh = robot_navmesh(self.scene, self.embodiment.body, self.config.navmesh)
+        body, choice = self.embodiment.body, self.config.navmesh
+        storeys = storeys_on_mesh(self.scene, body, choice)
+        navmesh = robot_navmesh(self.scene, body, choice, has_storeys=storeys is not None)
         if navmesh is not None:
-            return NavmeshSurface(navmesh, self.scene.storeys, self.config.stop_at)
+            surface = NavmeshSurface(navmesh, storeys, self.config.stop_at)
+            # What was found may be the top of a row of cupboards: a storey is come to.
+            if storeys is None or self.scene.storeys or len(surface.storeys_z) > 1:
+                return surface
         return WalkableGrid.from_scene(
             self.scene, self.embodiment.body, cell_m=self.config.cell_m, floor_z=z
         )

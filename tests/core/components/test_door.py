@@ -6,7 +6,7 @@ import os
 import pickle
 import sys
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from hypernav.core.components.protocols import (
     SceneScorer,
     Segmenter,
 )
+from hypernav.core.components.returned import ValueFault, checked
 from hypernav.core.errors import (
     ComponentError,
     ContractError,
@@ -45,6 +46,7 @@ from hypernav.core.exploring.overview import (
     Overview,
     prospects_of_boundaries,
 )
+from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
@@ -60,6 +62,7 @@ GOOD = Detection(Box(1.0, 2.0, 30.0, 40.0), 0.5, "door")
 BLOCK = Block(1, 0.0, 0.0, 1.0, 9, 3, (0.5, 0.5), 1.0)
 OVERVIEW = Overview(lambda *_: SEEN.rgb, (BLOCK, replace(BLOCK, number=2)), Pose2(0.0, 0.0, 0.0))
 THERE = Destination(1.0, 2.0, "x")
+THING = SeenThing("bed", (1.0, 2.0))
 ARROW = Arrow(1, 0.0, 1.0, (1.0, 0.0), (5.0, 5.0), 1.0, False)
 ARROWS = ArrowView(lambda: SEEN.rgb, (ARROW,), may_turn=True)
 
@@ -80,7 +83,7 @@ def raising(error: BaseException) -> Callable[..., Any]:
     return fail
 
 
-def broken(thing: Any, **values: Any) -> Any:
+def broken(thing: Any, /, **values: Any) -> Any:
     """A value with members that a type checker would refuse."""
     made = copy.copy(thing)
     for name, value in values.items():
@@ -111,10 +114,15 @@ DETECTED = {
     "a whole number beyond all floats": [broken(GOOD, score=10**400)],
     "a corner beyond all floats": [broken(GOOD, box=Box(0.0, 0.0, 10**400, 9.0))],
     "a box without end": [broken(GOOD, box=Box(-1e300, -1e300, 1e300, 1e300))],
+    "a goal that is neither": [broken(GOOD, is_goal="door")],
     "a masked array": [broken(GOOD, mask=np.ma.masked_array(np.ones(SHAPE, bool), mask=True))],
 }
 CASES = [
     *((Detector, "detect", (SEEN, GOAL), value) for value in DETECTED.values()),
+    *((Detector, "name_things", (SEEN,), {1: value}) for value in (
+        "bed", broken(THING, label=None), broken(THING, position=(1.0, math.nan)),
+        broken(THING, position=(1.0,)), broken(THING, position=(1.0, 1e5)),
+    )),
     *((Segmenter, "segment", (SEEN, GOOD.box), mask) for mask in (
         None, np.ones((10, 10), bool), np.ones(SHAPE, np.uint8), [[True]],
     )),
@@ -123,10 +131,15 @@ CASES = [
     *((Agent, "act", (SEEN,), value) for value in (7, -1, 1.0, True, "STOP", math.nan)),
     *((Explorer, "next_destination", (None,), value) for value in (
         (1.0, 2.0), broken(THERE, x=math.nan), broken(THERE, y=1e300), broken(THERE, face=math.nan),
-        broken(THERE, floor=0.5), broken(THERE, reason=None),
+        broken(THERE, most_steps=0.5), broken(THERE, reason=None), broken(THERE, blocks=[BLOCK]),
+        broken(THERE, blocks=(1,)), broken(THERE, blocks=(replace(BLOCK, size_m=math.inf),)),
+        broken(THERE, insight={}), broken(THERE, then=(1.0, 2.0)), broken(THERE, holds="no"),
+        replace(THERE, then=replace(THERE, x=1e300)), replace(THERE, connector=1),
+        replace(THERE, is_sighting=True), replace(THERE, thing=1), replace(THERE, image=0),
     )),
     *((BlockReasoner, "choose", (OVERVIEW, GOAL, frozenset({2})), value) for value in (
         None, 1, BlockChoice(2, "excluded"), BlockChoice(9, "not there"),
+        broken(BlockChoice(1, "x"), number=True), broken(BlockChoice(1, "x"), number=1.0),
     )),
     *((ArrowReasoner, "choose", (ARROWS, GOAL), value) for value in (
         None, ArrowChoice((7,), "not there"), broken(ArrowChoice((), "x"), numbers=[1]),
@@ -190,7 +203,7 @@ def test_an_attribute_that_says_neither_yes_nor_no_is_named():
 
 def test_good_values_pass():
     mask = np.ones(SHAPE, bool)
-    found = [GOOD, broken(GOOD, mask=mask, score=np.float32(1.0000001), box=Box(0, 0, 0, 0))]
+    found = [GOOD, broken(GOOD, mask=mask, score=1.0000001, box=Box(0, 0, 0, 0))]
     detector = through_door(returning("detect", tuple(found)), Detector)
     assert detector.detect(observation=SEEN, goal=GOAL) == found
     assert through_door(returning("segment", mask), Segmenter).segment(SEEN, GOOD.box) is mask
@@ -212,6 +225,35 @@ def test_good_values_pass():
     assert model.text_vectors(["a bed", "a sofa"]).dtype == np.float32
     explorer = through_door(returning("next_destination", None), Explorer)
     assert explorer.next_destination(None) is None  # pyright: ignore[reportArgumentType]
+    there = replace(THERE, blocks=(replace(BLOCK, travel_m=math.inf),), then=THERE, face=0.5)
+    explorer = through_door(returning("next_destination", there), Explorer)
+    assert explorer.next_destination(None) is there  # pyright: ignore[reportArgumentType]
+
+
+def test_numbers_of_numpy_become_those_that_files_can_hold():
+    there = broken(THERE, x=np.float32(0.5), most_steps=np.int64(3), holds=np.bool_(True))
+    explorer = through_door(returning("next_destination", there), Explorer)
+    found = explorer.next_destination(None)  # pyright: ignore[reportArgumentType]
+    assert found == replace(THERE, x=0.5, most_steps=3, holds=True)
+    assert found is not None
+    assert [type(one) for one in (found.x, found.most_steps, found.holds)] == [float, int, bool]
+
+
+@pytest.mark.parametrize(
+    "kind", [ArrowChoice, Block, BlockChoice, Box, Destination, Detection, GuideChoice, SeenThing]
+)
+def test_every_field_of_what_components_return_is_checked(kind):
+    good = {Block: BLOCK, Box: GOOD.box, Destination: THERE, Detection: GOOD, SeenThing: THING}
+    made = good.get(kind) or {
+        ArrowChoice: ArrowChoice((1,), "x"),
+        BlockChoice: BlockChoice(1, "x"),
+        GuideChoice: GuideChoice(Direction.LEFT, "x"),
+    }[kind]  # fmt: skip
+    for field in fields(kind):
+        if field.name == "mask":  # an array, whose shape is the image's
+            continue
+        with pytest.raises(ValueFault, match=f"{field.name} <object object"):
+            checked(broken(made, **{field.name: object()}), kind)
 
 
 @pytest.mark.parametrize(

@@ -83,3 +83,70 @@ def test_names_that_say_nothing_have_no_category(name: str) -> None:
 def test_a_single_word_is_never_taken_away() -> None:
     assert words_of("Mesh_01") == ("mesh",)
     assert words_of("A1") == ("a",)
+
+
+@pytest.mark.parametrize(
+    ("name", "category"),
+    [
+        ("M_Bed-Standard:1525 x 2007mm - Queen:168449", "standard bed"),
+        ("M_Bed-Standard:1525 x 2007mm - Queen:168449#2", "standard bed"),
+        ("M_Table-Coffee:600 x 600 x 600mm:1234", "coffee table"),
+        ("M_Table-Dining Round w Chairs:0915mm Diameter:1234", "dining table"),
+        ('Table-Night Stand:24" x 18":99', "night table"),
+        ("M_Floor Lamp - Shaded:60W - 120V:8", "shaded floor lamp"),
+        ("M_Chair-Executive [212345]", "executive chair"),
+        ("IfcFurniture/Chair", "chair"),
+        ("IfcFurnishingElement/M_Desk:1800x900:44", "desk"),
+        ("IfcLightFixture/2O2Fr$t4X7Zf8NOew3FLOH", "light fixture"),
+        ("IfcSanitaryTerminal", "sanitary terminal"),
+        ("IfcFurniture_Sofa_01", "sofa"),
+        ("room:Bed_01", "room bed"),
+        ("M_Chair-Task:Chair-Task:138999 #5000", "task chair"),
+    ],
+)
+def test_names_of_building_models_become_words(name: str, category: str) -> None:
+    assert category_of(name) == category
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Basic Wall:Interior - 135mm Partition:123456",
+        "Basic Wall:Interior - 135mm Part.001",
+        "Basic Wall [198694]",
+        "Floor:Generic 150mm:12",
+        "Basic Roof:Generic - 400mm:1",
+        "Compound Ceiling:600 x 600mm Grid:7",
+        "Railing:Handrail - Rectangular:151210",
+        "M_Single-Flush:0915 x 2134mm:146596",
+        "Curtain Wall:Storefront:5",
+        "Rectangular Mullion:50 x 150mm:6",
+        "IfcStairFlight/Assembled Stair:Stair:151086 Run 1",
+        "IfcWall/Living room",
+        "IfcWallStandardCase/SW - 001",
+        "IfcCovering/Parquet",
+        "IfcDoor/Front door",
+        "IfcSlab",
+        "Stair-004",
+        "Slab - 012",
+        "Basic Wall:Interior - Partition (92mm Stud):138584 #4131",
+        "Opening1",
+    ],
+)
+def test_a_building_model_says_what_is_the_building(name: str) -> None:
+    assert is_structural(name)
+    assert category_of(name) is None
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "2O2Fr$t4X7Zf8NOew3FLOH",
+        "product-4e2e5a5c-1111-2222-3333-444455556666-body",
+        "IfcBuildingElementProxy/2O2Fr$t4X7Zf8NOew3FLOH",
+        "IfcFurniture",
+        "0RDVTmkVv60xF$yp_gU2jx:1",
+    ],
+)
+def test_identifiers_of_building_models_are_no_names(name: str) -> None:
+    assert category_of(name) is None

@@ -33,8 +33,10 @@ from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
 from hypernav.datasets.habitat_episodes import episodes_of, read_split
 from hypernav.houses.episodes.splits import SPLITS, load_split, numbers_of
 from hypernav.worlds.config import SimulationConfig
+from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
+from hypernav.worlds.surface.walkable_surface import WalkableSurface
 
 STARTS_PER_GOAL = 5
 """Default number of starts per goal of ``scene:`` data sets."""
@@ -104,11 +106,12 @@ def scene_episodes(request: DatasetRequest) -> list[Episode]:
 def _goals_and_starts(
     scene: str, world: SimulatedWorld, count: int, request: DatasetRequest
 ) -> list[Episode]:
-    """Every goal of a scene from several drawn starts."""
+    """Every goal of a scene from several drawn starts, on the storeys in turn."""
     goals = world.regions.categories()
     if not goals:
         raise EpisodeError(f"scene:{scene}: no labelled object in it can be reached")
     episodes = []
+    floors = _floors_of(world.walkable)
     numbers = {goal: number for number, goal in enumerate(goals)}
     for done, goal in enumerate(goals):
         request.tell(done, len(goals))
@@ -116,9 +119,18 @@ def _goals_and_starts(
         for number in range(count):
             spec = Episode(scene, f"{goal}-{number}", Goal(goal), Pose2(0.0, 0.0, 0.0))
             rng = np.random.default_rng(spec.seed(0))
-            start = random_start(world.walkable, rng, region)
-            episodes.append(replace(spec, start=start, object_category=goal, category_ids=numbers))
+            walkable, z = floors[number % len(floors)]
+            start = random_start(walkable, rng, region, z=z)
+            spec = replace(spec, start=start, start_z=z)
+            episodes.append(replace(spec, object_category=goal, category_ids=numbers))
     return episodes
+
+
+def _floors_of(walkable: WalkableSurface) -> list[tuple[WalkableSurface, float | None]]:
+    """The surface on each storey that the robot can reach, with its height; None for one alone."""
+    if isinstance(walkable, NavmeshSurface) and len(walkable.storeys_z) > 1:
+        return [(walkable.on_storey(z), z) for z in walkable.storeys_z]
+    return [(walkable, None)]
 
 
 def habitat_episodes(request: DatasetRequest) -> list[Episode]:

@@ -3,9 +3,12 @@
 import json
 import math
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
+from dataclasses import is_dataclass, replace
+from functools import lru_cache
 from numbers import Integral, Real
-from typing import Any
+from types import NoneType, UnionType
+from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -13,12 +16,12 @@ from hypernav.core.actions import Action
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import HyPerNavError
 from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice, ArrowView
-from hypernav.core.exploring.exploration import Destination
-from hypernav.core.exploring.guidance import Direction, GuideChoice
-from hypernav.core.exploring.insight import Insight
+from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.floors import WayOut
+from hypernav.core.exploring.guidance import GuideChoice
 from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.exploring.sightings import SeenThing
-from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
@@ -35,6 +38,8 @@ _LENGTHS = (1e-30, 1e30)
 _MOST_DETECTIONS = 1_000
 _MOST_CHARACTERS = 32_768
 """Length of a text, as of a model's answer."""
+_ENDLESS = ("travel_m",)
+"""Fields that are infinite where there is no way."""
 
 
 class ValueFault(HyPerNavError):
@@ -57,6 +62,8 @@ def _shown(value: object) -> str:
 
 def _is_number(value: Any, low: float = -_LARGEST, high: float = _LARGEST) -> bool:
     number: Any = value if isinstance(value, Real) and not isinstance(value, bool) else math.nan
+    if isinstance(number, np.generic):  # beside one, other numbers would lose digits
+        number = number.item()
     return bool(low <= number <= high)
 
 
@@ -70,6 +77,62 @@ def _expect_text(value: Any, where: str) -> None:
 
 def _is_whole(value: Any) -> bool:
     return isinstance(value, Integral) and not isinstance(value, bool)
+
+
+@lru_cache
+def _fields_of(kind: type) -> dict[str, Any]:
+    """The fields of a dataclass with their types, apart from arrays."""
+    hints = get_type_hints(kind)
+    return {name: hint for name, hint in hints.items() if name not in ("mask", "xy")}
+
+
+def checked(value: Any, kind: type, where: str = "") -> Any:
+    """A dataclass of this package with every field in the form of its type.
+
+    What a field may hold follows from its annotation, so the checks are those of today's fields.
+    """
+    a = "an" if kind.__name__[0] in "AI" else "a"
+    _expect(isinstance(value, kind), value, f"{a} {kind.__name__}", where)
+    inside = f"{where}{a} {kind.__name__} with the "
+    given = {name: getattr(value, name) for name in _fields_of(kind)}
+    made = {
+        name: _in_form(given[name], hint, f"{inside}{name} ", endless=name in _ENDLESS)
+        for name, hint in _fields_of(kind).items()
+    }
+    return value if all(made[name] is given[name] for name in made) else replace(value, **made)
+
+
+def _in_form(value: Any, hint: Any, where: str, *, endless: bool = False) -> Any:
+    """A value in the form of a type as dataclasses of this package are annotated."""
+    if get_origin(hint) in (Union, UnionType):
+        (hint,) = (one for one in get_args(hint) if one is not NoneType)
+        return None if value is None else _in_form(value, hint, where)
+    if get_origin(hint) is tuple:
+        return _tuple_in_form(value, get_args(hint), where)
+    if hint is str:
+        _expect_text(value, where)
+        return value
+    if isinstance(hint, type) and is_dataclass(hint):
+        return checked(value, hint, where)
+    if hint is float:
+        _expect(_is_number(value) or (endless and value == math.inf), value, "a number", where)
+        return value if isinstance(value, float | int) else float(value)
+    if hint is int:
+        _expect(_is_whole(value), value, "a whole number", where)
+        return int(value)
+    if hint is bool:
+        return _yes_or_no(value, where=where)
+    _expect(isinstance(value, hint), value, f"{hint.__name__}", where)
+    return value
+
+
+def _tuple_in_form(value: Any, kinds: tuple[Any, ...], where: str) -> tuple[Any, ...]:
+    many = kinds[-1] is Ellipsis
+    fits = isinstance(value, tuple) and (many or len(value) == len(kinds))
+    _expect(fits, value, "a tuple" if many else f"a tuple of {len(kinds)}", where)
+    each = kinds[:1] * len(value) if many else kinds
+    made = tuple(_in_form(one, kind, where) for one, kind in zip(value, each, strict=True))
+    return value if all(a is b for a, b in zip(made, value, strict=True)) else made
 
 
 def _action(value: Any, *_: Any) -> Action | None:
@@ -88,9 +151,9 @@ def _detections(value: Any, *given: Any) -> list[Detection]:
 
 
 def _detection(value: Any, shape: tuple[int, ...]) -> Detection:
-    _expect(isinstance(value, Detection), value, "a list of Detection", "a list with ")
-    box, where = value.box, "a Detection with "
-    _expect(isinstance(box, Box), box, "a Box", f"{where}the box ")
+    where = "a Detection with "
+    value = checked(value, Detection, "a list with ")
+    box = value.box
     corners = (box.x_min, box.y_min, box.x_max, box.y_max)
     finite = all(_is_number(one, -_FARTHEST_PIXELS, _FARTHEST_PIXELS) for one in corners)
     _expect(finite, box, "finite numbers of pixels, up to a million", f"{where}the box ")
@@ -98,7 +161,6 @@ def _detection(value: Any, shape: tuple[int, ...]) -> Detection:
     _expect(in_order, box, "x_min <= x_max and y_min <= y_max", f"{where}the box ")
     sure = _is_number(value.score, -_ROUNDING, 1.0 + _ROUNDING)
     _expect(sure, value.score, "a number from 0 to 1", f"{where}the score ")
-    _expect_text(value.label, f"{where}the label ")
     if value.mask is not None:
         _mask_of(value.mask, shape, f"{where}the mask ")
     return value
@@ -118,64 +180,64 @@ def _mask_of(value: Any, shape: tuple[int, ...], where: str = "") -> np.ndarray:
 
 def _things(value: Any, *_: Any) -> Mapping[int, SeenThing]:
     _expect(isinstance(value, Mapping), value, "a mapping of numbers to SeenThing")
+    things = dict[int, SeenThing]()
     for number, thing in value.items():
         _expect(_is_whole(number), number, "whole numbers as keys", "a mapping with the key ")
-        _expect(isinstance(thing, SeenThing), thing, "SeenThing", "a mapping with ")
-        _expect(_is_position(thing.position), thing, "a position on the map", "a mapping with ")
-    return value
+        things[int(number)] = checked(thing, SeenThing, "a mapping with ")
+        _expect(_is_near(thing.position), thing, "a position on the map", "a mapping with ")
+    return things
 
 
-def _is_position(value: Any) -> bool:
-    is_pair = isinstance(value, Sequence) and len(value) == 2
-    return is_pair and all(_is_number(one, -_FARTHEST_M, _FARTHEST_M) for one in value)
+def _is_near(position: tuple[float, float]) -> bool:
+    return all(abs(one) <= _FARTHEST_M for one in position)
 
 
-def _destination(value: Any, *_: Any) -> Destination | None:
+def _destination(value: Any, view: ExplorationView | None = None, *_: Any) -> Destination | None:
     if value is None:
         return None
-    _expect(isinstance(value, Destination), value, "a Destination, or None if nothing is left")
-    _expect(_is_position(value.xy), value, f"x and y within {_FARTHEST_M:,.0f} m")
-    _expect_text(value.reason, "a Destination for the reason ")
-    for field in ("arrival_m", "face"):
-        number = getattr(value, field)
-        fits = number is None or _is_number(number)
-        _expect(fits, number, "a number, or None", f"a Destination with {field} ")
-    for field in ("floor", "most_steps"):
-        number = getattr(value, field)
-        fits = number is None or _is_whole(number)
-        _expect(fits, number, "a whole number, or None", f"a Destination with {field} ")
-    insight = value.insight
-    fits = insight is None or isinstance(insight, Insight)
-    _expect(fits, insight, "an Insight, or None", "a Destination with the insight ")
+    value = one = checked(value, Destination)
+    stairs = {way.connector for way in _stairs_of(view)} if view is not None else set[int]()
+    while one is not None:
+        _expect(_is_near(one.xy), one, f"x and y within {_FARTHEST_M:,.0f} m")
+        offered = one.connector is None or one.connector in stairs
+        expected = f"None or one of the view's stairs, {sorted(stairs)}"
+        _expect(offered, one.connector, expected, "a Destination with the connector ")
+        for field in ("is_sighting", "thing", "image"):
+            expected = "its default, because only the search sets it"
+            found = getattr(one, field)
+            _expect(
+                found is None or found is False, found, expected, f"a Destination with the {field} "
+            )
+        one = one.then
     return value
+
+
+def _stairs_of(view: ExplorationView) -> list[WayOut]:
+    """All stairs that an explorer is told of."""
+    there = [way for floor in view.elsewhere for way in (*floor.way, *floor.stairs)]
+    return [*view.ways_out, *there]
 
 
 def _block(value: Any, overview: Overview, _goal: Any, excluded: frozenset[int]) -> BlockChoice:
-    _expect(isinstance(value, BlockChoice), value, "a BlockChoice")
+    value = checked(value, BlockChoice)
     free = [block.number for block in overview.blocks if block.number not in excluded]
     if value.number is not None and value.number not in free:
         free = [block.number for block in overview.everywhere if block.number not in excluded]
     fits = value.number is None or value.number in free
     _expect(fits, value.number, f"None or one of {free}", "a BlockChoice of the number ")
-    _expect_text(value.reason, "a BlockChoice for the reason ")
     return value
 
 
 def _arrows(value: Any, view: ArrowView, *_: Any) -> ArrowChoice:
-    _expect(isinstance(value, ArrowChoice), value, "an ArrowChoice")
+    value = checked(value, ArrowChoice)
     numbers = [TURN_AROUND, *(arrow.number for arrow in view.arrows)]
-    fits = isinstance(value.numbers, tuple) and all(one in numbers for one in value.numbers)
+    fits = all(one in numbers for one in value.numbers)
     _expect(fits, value.numbers, f"a tuple of some of {numbers}", "an ArrowChoice of ")
-    _expect_text(value.reason, "an ArrowChoice for the reason ")
     return value
 
 
 def _direction(value: Any, *_: Any) -> GuideChoice:
-    _expect(isinstance(value, GuideChoice), value, "a GuideChoice")
-    fits = isinstance(value.direction, Direction)
-    _expect(fits, value.direction, "a Direction", "a GuideChoice of ")
-    _expect_text(value.reason, "a GuideChoice for the reason ")
-    return value
+    return checked(value, GuideChoice)
 
 
 def _score(value: Any, *_: Any) -> float:
@@ -197,8 +259,8 @@ def _vectors(value: Any, given: Any) -> np.ndarray:
     return value.astype(np.float32)
 
 
-def _yes_or_no(value: Any, *_: Any) -> bool:
-    _expect(isinstance(value, bool | np.bool_), value, "True or False")
+def _yes_or_no(value: Any, *_: Any, where: str = "") -> bool:
+    _expect(isinstance(value, bool | np.bool_), value, "True or False", where)
     return bool(value)
 
 

@@ -16,12 +16,13 @@ def cache_folder() -> Path:
 
     If it cannot be used, one warning says so; whoever reads or writes in it goes on without.
     """
-    folder = _named()
+    folder = named_cache_folder()
     _warn_if_unusable(folder)
     return folder
 
 
-def _named() -> Path:
+def named_cache_folder() -> Path:
+    """The cache folder, whether it can be used or not."""
     if own := os.environ.get(CACHE_VARIABLE):
         return Path(own)
     if sys.platform == "win32":

@@ -1,6 +1,6 @@
 """The navigation mesh that a robot walks on in a scene: that of the file, or one computed for it.
 
-A building that is known to have several storeys gets one, too, if the robot climbs stairs. For a
+A building with several storeys, named or found, gets one, too, if the robot climbs stairs. For a
 robot that doesn't, its storeys are apart, and the drop at the head of stairs is the end of the
 floor; its mesh would lead over the stairs, because habitat-lab's agents climb 0.2 m.
 
@@ -23,10 +23,11 @@ from hypernav.worlds.navmesh.navmesh import Navmesh
 from hypernav.worlds.navmesh.recast.build import compute_navmesh
 from hypernav.worlds.navmesh.recast.scene_triangles import habitat_vertices
 from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.surface.storeys import Storeys
 
 
-def robot_navmesh(scene: Scene, body: BodyConfig, choice: NavmeshChoice) -> Navmesh | None:
-    """The mesh that a robot walks on; None if there is no file and none is to be computed.
+def storeys_on_mesh(scene: Scene, body: BodyConfig, choice: NavmeshChoice) -> Storeys | None:
+    """Storeys of a building whose mesh leads over all of them; None if it has one, or is a scan.
 
     Args:
         scene: The scene.
@@ -34,9 +35,33 @@ def robot_navmesh(scene: Scene, body: BodyConfig, choice: NavmeshChoice) -> Navm
         choice: Which mesh.
 
     Raises:
+        SceneError: The scene is too large to be in metres.
+    """
+    if choice == "auto" and not body.climbs_stairs:
+        return None
+    if scene.storeys:
+        return Storeys.of(scene, body)
+    if choice != "auto" or scene.navmesh is not None:
+        return None
+    found = Storeys.of(scene, body)
+    return found if len(found.heights) > 1 else None
+
+
+def robot_navmesh(
+    scene: Scene, body: BodyConfig, choice: NavmeshChoice, *, has_storeys: bool = False
+) -> Navmesh | None:
+    """The mesh that a robot walks on; None if there is no file and none is to be computed.
+
+    Args:
+        scene: The scene.
+        body: The robot.
+        choice: Which mesh.
+        has_storeys: Whether the building has several storeys, if the scene doesn't say so.
+
+    Raises:
         NavmeshError: The file can't be used, or there is nothing to walk on.
     """
-    has_stairs = choice == "auto" and bool(scene.storeys)
+    has_stairs = choice == "auto" and (has_storeys or bool(scene.storeys))
     # A scan has a mesh for every robot, as in habitat-sim: its storeys are not known.
     if has_stairs and not body.climbs_stairs:
         return None

@@ -1,7 +1,7 @@
 """A navigation mesh as the surface that a simulated robot stands on, over all storeys."""
 
 import math
-from collections.abc import Sequence
+from copy import copy
 from functools import cached_property
 from pathlib import Path
 
@@ -15,36 +15,42 @@ from hypernav.worlds.config import StopChoice
 from hypernav.worlds.navmesh.goal_paths import GoalPaths
 from hypernav.worlds.navmesh.navmesh import Navmesh, Point
 from hypernav.worlds.surface.box_distance import floors_of_box, is_near_box
+from hypernav.worlds.surface.main_part import by_importance
+from hypernav.worlds.surface.storeys import Storeys
 
 _SPACING_M = 0.05
 _DRAWS = 1000
 _ON_STOREY_M = 0.3
+_SMALLEST_M2 = 1.0
+_FEWER = 8
+"""One point in so many tells what kind of floor an island is."""
 
 
 class NavmeshSurface:
     """Where Habitat's robot can stand: a `WalkableSurface`.
 
     Standing, steps, sliding and paths are as in habitat-sim. Positions are in the scene frame, z
-    up, metres. Connected parts are the mesh's islands, by area; roofs come last where the heights
-    of the storeys are known.
+    up, metres. Connected parts are the mesh's islands, by area, or where the storeys are known
+    `by_importance`, so that roofs come last.
 
     Attributes:
         navmesh: The mesh, in Habitat's frame.
         floor_z: Height of the main storey's floor, metres: the median over the largest island, or
             over that of its storeys that has the most floor, if they are known.
+        storeys_z: Heights of the known storeys of which 1 m² and more can be reached, metres.
     """
 
     def __init__(
         self,
         navmesh: Navmesh,
-        storeys: Sequence[float] = (),
+        storeys: Storeys | None = None,
         stop_at: StopChoice = "first_wall",
     ) -> None:
         """Create it with a navigation mesh.
 
         Args:
             navmesh: The mesh.
-            storeys: Heights of the building's floors, metres; empty if they are not known.
+            storeys: Storeys of the building; None if they are not known.
             stop_at: The wall that ends a step without sliding.
 
         Raises:
@@ -52,17 +58,29 @@ class NavmeshSurface:
         """
         self.navmesh = navmesh
         self._stop_at: StopChoice = stop_at
-        is_roof = np.array(
-            [bool(storeys) and not self._touches(k, storeys) for k in range(len(navmesh.areas_m2))],
-            dtype=bool,
-        )
-        self._by_area: Int64[np.ndarray, " i"] = np.lexsort((-navmesh.areas_m2, is_roof))
+        self._by_area: Int64[np.ndarray, " i"] = np.argsort(-navmesh.areas_m2, kind="stable")
+        if storeys is not None:
+            areas_m2 = navmesh.areas_m2.tolist()
+            parts = [
+                storeys.part(self._points_of(k)[::_FEWER], areas_m2[island])
+                for k, island in enumerate(self._by_area.tolist())
+            ]
+            self._by_area = self._by_area[by_importance(parts)]
         if len(self.floor) == 0:
             raise SceneError("the robot fits nowhere: the navigation mesh has nothing to walk on")
         heights = self.floor[:, 2]
-        near = (heights[np.abs(heights - z) < _ON_STOREY_M] for z in storeys)
+        known = storeys.heights if storeys is not None else ()
+        near = (heights[np.abs(heights - z) < _ON_STOREY_M] for z in known)
         on_storeys = [floor for floor in near if len(floor)]
         self.floor_z = float(np.median(max(on_storeys, key=len, default=heights)))
+        large = (floor for floor in on_storeys if len(floor) * _SPACING_M**2 >= _SMALLEST_M2)
+        self.storeys_z = tuple(float(np.median(floor)) for floor in large)
+
+    def on_storey(self, z: float) -> "NavmeshSurface":
+        """The same surface with another main storey, at a height in metres."""
+        other = copy(self)
+        other.floor_z = z
+        return other
 
     @staticmethod
     def load(path: Path) -> "NavmeshSurface":
@@ -165,14 +183,6 @@ class NavmeshSurface:
     def floor(self) -> Float64[np.ndarray, "n 3"]:
         """Positions on the largest island, 5 cm apart, on all its storeys and stairs, metres."""
         return self._points_of(0)
-
-    def _touches(self, island: int, storeys: Sequence[float]) -> bool:
-        """Whether an island has a corner on one of the storeys."""
-        mesh = self.navmesh.mesh
-        used = np.arange(mesh.corners.shape[1]) < mesh.corner_count[:, None]
-        used &= (self.navmesh.islands == island)[:, None]
-        heights = mesh.vertices[mesh.corners[used], 1]
-        return bool((np.abs(heights[:, None] - np.array(storeys)) < _ON_STOREY_M).any())
 
     def _points_of(self, component: int) -> Float64[np.ndarray, "n 3"]:
         """Points of an island in rows and columns, with the heights of its polygons."""

@@ -26,6 +26,8 @@ _GLTF_SUFFIXES = (".glb", ".gltf")
 _MESH_SUFFIXES = (".obj", ".ply", ".stl", ".off")
 _COLLADA_SUFFIX = ".dae"
 _WORLD_SUFFIXES = (".world", ".sdf")
+_IFC_SUFFIX = ".ifc"
+_ALWAYS_Z_UP = (*_WORLD_SUFFIXES, _IFC_SUFFIX)
 _COARSEST_M = 0.02
 """Largest step between coordinates that a scene may have."""
 _LOGGER = logging.getLogger(__name__)
@@ -41,12 +43,13 @@ def read_scene(path: Path, *, up: Axis | None = None, scale: float | None = None
     to lie on its side or to have another unit gets a warning that says why.
 
     Args:
-        path: A ``.glb``, ``.gltf``, ``.dae``, ``.obj``, ``.ply``, ``.stl`` or ``.off`` file, or a
-            Gazebo world (``.world``, ``.sdf``).
+        path: A ``.glb``, ``.gltf``, ``.dae``, ``.ifc``, ``.obj``, ``.ply``, ``.stl`` or ``.off``
+            file, or a Gazebo world (``.world``, ``.sdf``).
         up: The axis of the file that points up; None takes that of its format.
         scale: Factor on all lengths, such as 0.001 for a file in millimetres; None is 1.
 
     Raises:
+        MissingExtraError: It is an ``.ifc`` file, and ifcopenshell is not installed.
         SceneError: The file is missing, broken, empty or not a mesh, or ``objects.json`` doesn't
             belong to it.
     """
@@ -61,7 +64,7 @@ def read_scene(path: Path, *, up: Axis | None = None, scale: float | None = None
     if scale is not None:
         parts = [placed(part, np.diag([scale, scale, scale, 1.0])) for part in parts]
     objects, storeys = _scene_objects(path, parts)
-    up_is_given = up is not None or path.suffix.lower() in _WORLD_SUFFIXES
+    up_is_given = up is not None or path.suffix.lower() in _ALWAYS_Z_UP
     for doubt in doubts_of(
         parts, objects, read_up, up_is_given=up_is_given, scale_is_given=scale is not None
     ):
@@ -81,6 +84,8 @@ def _read(path: Path, up: Axis | None) -> tuple[list[MeshPart], list[Material], 
     as z up, as written by scanners.
     """
     suffix = path.suffix.lower()
+    if suffix in _ALWAYS_Z_UP and up not in (None, "z"):
+        raise SceneError(f"{path}: files of its kind are z up; leave world.file_up out")
     if suffix in _GLTF_SUFFIXES:
         parts, materials = read_gltf(path, up=up or "y")
         return parts, materials, [], up or "y"
@@ -98,10 +103,14 @@ def _read(path: Path, up: Axis | None) -> tuple[list[MeshPart], list[Material], 
     if suffix in _WORLD_SUFFIXES:
         from hypernav.worlds.gazebo.world import read_world
 
-        if up not in (None, "z"):
-            raise SceneError(f"{path}: a Gazebo world is z up; leave world.file_up out")
         return *read_world(path), "z"
-    known = ", ".join((*_GLTF_SUFFIXES, _COLLADA_SUFFIX, *_MESH_SUFFIXES, *_WORLD_SUFFIXES))
+    if suffix == _IFC_SUFFIX:
+        from hypernav.worlds.scenes.ifc_file import read_ifc
+
+        parts, materials = read_ifc(path)
+        return parts, materials, [], "z"
+    meshes = (*_GLTF_SUFFIXES, _COLLADA_SUFFIX, _IFC_SUFFIX, *_MESH_SUFFIXES)
+    known = ", ".join((*meshes, *_WORLD_SUFFIXES))
     raise SceneError(f"{path}: unknown kind of file {suffix!r}; give one of {known}")
 
 

@@ -7,6 +7,7 @@ detail; this module removes them.
 import re
 
 from hypernav.core.text.unicode_words import composed, is_single_letter, words_within
+from hypernav.worlds.scenes.bim_names import is_of_the_building, plain_name
 
 _FILE_SUFFIX = re.compile(
     r"\.(?:fbx|obj|dae|gltf|glb|blend|stl|ply|usdz?|cleaner.*)\b", re.IGNORECASE
@@ -27,14 +28,14 @@ _MEANINGLESS = frozenset(
     mesh node object objects geometry scene root group primitive default untitled cube plane
     sphere cylinder cone torus circle curve empty model world sketchfab collada armature material
     entity instance polygon polysurface surface shape component layer part static prefab
-    link body base visual collision id sketch up skp
+    link body base visual collision id sketch up skp product
     """.split()  # noqa: SIM905
 )
 _STRUCTURAL = frozenset(
     """
     wall walls floor floors flooring ceiling ceilings roof ground room house building apartment
     doorframe doorway baseboard baseboards skirting moulding molding column pillar beam
-    stairs staircase railing structure shell architecture
+    stair stairs staircase railing handrail slab opening structure shell architecture
     """.split()  # noqa: SIM905
 )
 _SIDES = frozenset(
@@ -76,7 +77,7 @@ def words_of(name: str) -> tuple[str, ...]:
 
 def _undecorated(name: str) -> str:
     """A name without the suffix of a file and without what identifies it to machines."""
-    return _FILE_SUFFIX.sub(" ", _IDENTIFIER.sub(" ", name))
+    return _FILE_SUFFIX.sub(" ", _IDENTIFIER.sub(" ", plain_name(name)))
 
 
 def is_meaningful(name: str) -> bool:
@@ -90,6 +91,8 @@ def is_structural(name: str) -> bool:
 
     ``RoomWall_01`` and ``wall_north`` do, ``wall clock`` does not.
     """
+    if is_of_the_building(name):
+        return True
     words = list(words_of(name))
     while len(words) > 1 and words[-1] in _SIDES:
         words.pop()

@@ -206,7 +206,7 @@ def _solids(order, low, high, flat, max_step, bottoms, tops, standing):
 
 @njit(cache=True, nogil=True)
 def floors_of_columns(upwards, where, low, high, flat, cells, max_step, clearance):
-    """Floors to stand on: the column and height of each, in order of columns.
+    """Floors to stand on: column, height and whether something is overhead, in order of columns.
 
     Args:
         upwards: Numbers of the intervals in order of their lower ends, to the millimetre.
@@ -227,6 +227,7 @@ def floors_of_columns(upwards, where, low, high, flat, cells, max_step, clearanc
     standing = np.empty(longest, dtype=np.bool_)
     floor_cell = np.empty(max(cells, 1), dtype=np.int32)
     floor_z = np.empty(max(cells, 1), dtype=np.float32)
+    covered = np.empty(max(cells, 1), dtype=np.bool_)
     n = 0
     for cell in range(cells):
         intervals = order[start[cell] : start[cell + 1]]
@@ -236,6 +237,7 @@ def floors_of_columns(upwards, where, low, high, flat, cells, max_step, clearanc
             if standing[k] and room >= clearance:
                 if n == floor_cell.size:
                     floor_cell, floor_z = _grown(floor_cell), _grown(floor_z)
-                floor_cell[n], floor_z[n] = cell, tops[k]
+                    covered = _grown(covered)
+                floor_cell[n], floor_z[n], covered[n] = cell, tops[k], k + 1 < count
                 n += 1
-    return floor_cell[:n], floor_z[:n]
+    return floor_cell[:n], floor_z[:n], covered[:n]

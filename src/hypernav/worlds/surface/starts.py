@@ -18,6 +18,7 @@ def random_start(
     *,
     nearest_m: float = 2.0,
     farthest_m: float = 30.0,
+    z: float | None = None,
 ) -> Pose2:
     """A start pose from which a goal can be reached.
 
@@ -27,6 +28,7 @@ def random_start(
         region: Region of the goal; without one (or if no path leads to it) any start is possible.
         nearest_m: Smallest geodesic distance to the goal.
         farthest_m: Largest geodesic distance to the goal.
+        z: Height of the floor that `walkable` draws from, metres; None means its main storey.
 
     Returns:
         A uniformly drawn pose of the largest connected part with a geodesic distance in the range;
@@ -39,7 +41,7 @@ def random_start(
     if region is not None and region.is_reachable:
         for _ in range(_DRAWS):
             point = walkable.random_point(rng)
-            distance = region.distance(*point)
+            distance = region.distance(*point, z)
             if nearest_m <= distance <= farthest_m:
                 best = point
                 break

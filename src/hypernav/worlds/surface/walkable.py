@@ -39,7 +39,8 @@ class WalkableGrid:
     Attributes:
         standable: Cells where the robot's middle may be.
         heights: Floor height of every standable cell, metres; NaN elsewhere.
-        components: Connected part of every cell: 0 is the largest, -1 is not standable.
+        components: Connected part of every cell: 0 is the main one, the largest unless another
+            has the building's things or ceilings (`by_importance`); -1 is not standable.
         cell_m: Side of a cell.
         origin: Lower left corner of cell (0, 0).
         floor_z: Height of the storey's floor (median).
@@ -69,7 +70,7 @@ class WalkableGrid:
             scene: All its triangles count, whatever they belong to: a closed door is an obstacle.
             robot: Robot that has to fit.
             cell_m: Side of a cell; the robot's clearance is kept to this accuracy.
-            floor_z: Height of the wanted storey's floor, metres; None takes the largest storey.
+            floor_z: Height of the wanted storey's floor, metres; None takes the main storey.
 
         Raises:
             SceneError: The robot can stand nowhere in the scene (or on that storey).
@@ -235,7 +236,7 @@ def _by_size(
 
 def _grid_of(storey: Storey, robot: BodyConfig) -> WalkableGrid:
     """Number the parts of a storey and drop what is no floor: tabletops, insides of furniture."""
-    components = _by_size(*label_components(storey.heights, robot.max_step_m))
+    components = storey.labels.copy()
     floor_z = float(np.median(storey.heights[components == 0]))
     cells = np.bincount(components[components >= 0])
     kept = 1
