@@ -279,6 +279,7 @@ def preset(name: PresetName) -> HyPerNavConfig:
             pursue_far_sightings=False,
             recall=False,
         ),
+        chat=ChatConfig(published_model="QwenVL-7B"),
         grounding=VlmDetectorConfig(right_articles=False, score_crops=0, min_score=0.0),
         presence=PresenceConfig(right_articles=False, unsure="yes"),
         image_recall=ImageRecallConfig(max_questions=0),

@@ -62,9 +62,7 @@ def test_where_the_raw_box_has_nothing_to_drop_there_is_no_drop():
 
 
 def test_an_area_is_off_the_goal_if_most_of_its_cells_are():
-    shares = [
-        table(episode(0, raw, 0))[0].measures[BESIDE].share.mean for raw in (0, 4, 5, 6, 10)
-    ]
+    shares = [table(episode(0, raw, 0))[0].measures[BESIDE].share.mean for raw in (0, 4, 5, 6, 10)]
     assert shares == [0.0, 0.0, 0.0, 1.0, 1.0]
 
 

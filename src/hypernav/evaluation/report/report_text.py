@@ -199,6 +199,7 @@ def protocol_lines(run: RunData) -> list[tuple[str, str]]:
         ("Agent", f"{who['agent']}, preset {who['preset']}"),
         ("Sees with", captions.component_caption(str(who["detector"]))),
         ("Segments with", str(who.get("segmenter", "–"))),
+        ("Model", str(who.get("model", "–"))),
         ("Decides with", captions.component_caption(str(who["reasoner"]))),
         ("Seed", str(told["seed"])),
         ("Software", f"hypernav {run.configuration['hypernav']}"),
