@@ -79,7 +79,8 @@ def test_the_goal_area_of_a_partly_hidden_things_box_lies_off_it_and_that_of_its
     records = by_kind(study(config).run(START, world, renderer))
     first = {mask: records[BoxSource.TRUE, mask].first_off for mask in MaskSource}
     raw = first[MaskSource.RAW]
-    assert raw == first[MaskSource.BOX] is not None
+    assert raw is not None
+    assert raw == first[MaskSource.BOX]
     assert raw > 0.5
     assert first[MaskSource.TRUE] == 0.0
 

@@ -153,7 +153,8 @@ def _calls(run: RunData) -> dict[str, float]:
 
 
 def _rule_words(failure: Failure) -> str:
-    return report_text.RULES_IN_WORDS[failure]
+    rule, in_paper = report_text.RULES_IN_WORDS[failure], failure.in_paper
+    return f"{rule} Class of the HyPerNav paper: {in_paper}." if in_paper else rule
 
 
 def _yaml(configuration: object) -> str:
