@@ -90,6 +90,21 @@ def test_the_setting_is_in_the_papers_words(text, words):
     assert words in text
 
 
+def test_the_robots_rows_in_the_docs_are_the_data():
+    page = Path(__file__).parents[2].joinpath("docs", "robot.md").read_text(encoding="utf-8")
+    for row in paper.ROBOT:
+        cells = f"{row.found} of {row.searches} | {row.score.success_percent:.0f}"
+        spl = f"{row.spl_percent / 100:.2f}"
+        assert f"| {row.goal} | {row.method} | {cells} | {spl} |" in page
+
+
+@pytest.mark.parametrize(("runs", "benchmark"), [(HM3D, "hm3d"), (OVON, "ovon")])
+def test_the_docs_select_the_scenes_that_the_paper_prints(runs, benchmark):
+    page = Path(__file__).parents[2].joinpath("docs", "hm3d.md").read_text(encoding="utf-8")
+    command = page.partition(f"--benchmark hypernav-paper-{benchmark} ")[2].partition("--out")[0]
+    assert f"--scenes {runs.selection} " in command
+
+
 def test_the_preset_names_the_papers_networks():
     config = preset("paper")
     assert (config.chat.published_model, config.local.published_segmenter) == (

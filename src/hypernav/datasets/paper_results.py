@@ -154,5 +154,6 @@ ROBOT = (
 ROBOT_SETTING = (
     "the authors' lab office; a wheeled half-humanoid with an Azure DK camera and odometry by IMU, "
     "a vision-language model on a server with an RTX 4090 behind Flask; the same detector and "
-    "segmenter for both methods; shortest paths measured by hand"
+    "segmenter for both methods; steps differ slightly from the simulation's; shortest paths "
+    "measured by hand"
 )

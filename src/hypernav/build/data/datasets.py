@@ -192,16 +192,11 @@ def _slice(text: str, count: int) -> slice:
     return chosen
 
 
-def _stem(scene: str) -> str:
-    """A scene's name without folders and suffixes."""
-    return Path(scene).stem.removesuffix(".basis")
-
-
 def _short_names(scene: str) -> set[str]:
     """Shorter names of a scene: ``802`` for a file in the folder ``00802-wcojb4TFT35``."""
     path = Path(scene)
     folder = path.parent.name
-    names = {scene.rpartition(":")[2], path.stem, _stem(scene)}
+    names = {scene.rpartition(":")[2], path.stem, path.stem.removesuffix(".basis")}
     if number := scene_number(scene):
         names |= {folder, folder.partition("-")[0], number}
     return names
@@ -224,12 +219,14 @@ def _scene_named(text: str, names: list[str]) -> str:
     if found:
         return found[0]
     # HM3D's scenes have numbers: there a number that none of them has is a mistake, no position.
-    numbered = [name for name in names if scene_number(name)]
-    if not numbered and is_whole_number(text) and int(text) < len(names):
+    if numbers := [number for name in names if (number := scene_number(name))]:
+        shown = ", ".join(numbers[:_SHOWN_SCENES])
+        there = f"there are {len(names)}: {shown}{', …' if len(names) > _SHOWN_SCENES else ''}"
+    elif is_whole_number(text) and int(text) < len(names):
         return names[int(text)]
-    shown = [scene_number(name) or _stem(name) for name in names[:_SHOWN_SCENES]]
-    listed = f"{', '.join(shown)}{', …' if len(names) > len(shown) else ''}"
-    position = "" if numbered else f", or give a position from 0 to {len(names) - 1}"
-    raise EpisodeError(
-        f"--scenes: there is no scene '{text}'; there are {len(names)}: {listed}{position}"
-    )
+    else:
+        there = (
+            f"there are {len(names)}, from {names[0]} to {names[-1]}, or give a position from 0 to "
+            f"{len(names) - 1}"
+        )
+    raise EpisodeError(f"--scenes: there is no scene '{text}'; {there}")

@@ -1,4 +1,4 @@
-"""The presence check at the goal, before the robot declares success (paper: Stop)."""
+"""The presence check at the goal, before the robot declares success (paper: Termination)."""
 
 from dataclasses import dataclass, field
 from typing import Literal

@@ -1,4 +1,4 @@
-"""Detection by a vision-language model that is asked for boxes (paper: VLM grounding)."""
+"""Detection by a vision-language model that is asked for boxes (paper: by Qwen-VL)."""
 
 from collections import Counter
 from dataclasses import replace
