@@ -70,6 +70,7 @@ def test_the_robots_rows_are_the_papers(text):
     "words",
     [
         f"We used {paper.MODEL} as main VLM",
+        f"The detection is provided by {paper.DETECTOR} model",
         f"{paper.SEGMENTER}\\cite",
         "on GTX4080 server",
         f"includes {HM3D.episodes:,} navigation episodes",

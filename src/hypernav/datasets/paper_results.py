@@ -8,7 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 MODEL = "QwenVL-7B"
-"""The paper's "main VLM", which also gives the boxes."""
+"""The paper's "main VLM"."""
+DETECTOR = "Qwen-VL"
+"""Model that gives the boxes; it doesn't say of which size."""
 SEGMENTER = "MobileSAM"
 STEP_SECONDS = {"HyPerNav": 1.2, "NavVLM": 3.3}
 """Time of a step in "What is the HyPerNav navigation time consumption?", seconds."""

@@ -169,7 +169,7 @@ def _of_method(run: RunData, printed: PaperRuns | None) -> Iterator[str]:
 
 
 def _of_networks(run: RunData) -> Iterator[str]:
-    who, published = run.who, f"the paper's boxes are {paper_results.MODEL}'s"
+    who, published = run.who, f"the paper's boxes are {paper_results.DETECTOR}'s"
     model = str(who.get("model", "none"))
     if run.is_told_truth:
         yield f"The simulator told the run what it sees; {published}."

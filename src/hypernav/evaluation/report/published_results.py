@@ -64,9 +64,9 @@ def _in_simulation(runs: PaperRuns, version: str, step_seconds: float | None = N
         f"{runs.episodes:,} episodes",
         runs.total.success_percent,
         runs.total.spl_percent,
-        f"real scans; {paper_results.MODEL} answers and gives the boxes, {paper_results.SEGMENTER} "
-        f"cuts them out; camera and success distance are unstated. The plain means of the scenes "
-        f"that it lists ({', '.join(runs.scenes)}) are {mean.success_percent:.1f} and "
+        f"real scans; {paper_results.MODEL} is the main model, {paper_results.DETECTOR} gives the "
+        f"boxes, {paper_results.SEGMENTER} the masks; camera and success distance are "
+        f"unstated. The plain means of the scenes that it lists ({', '.join(runs.scenes)}) are {mean.success_percent:.1f} and "
         f"{mean.spl_percent:.1f}; whether its average is of these alone, it doesn't say",
         f"HyPerNav, tables “Average Performance in HM3D, OVON” and “{runs.table}”",
         step="0.5 m",
