@@ -65,8 +65,9 @@ def _in_simulation(runs: PaperRuns, version: str, step_seconds: float | None = N
         runs.total.success_percent,
         runs.total.spl_percent,
         f"real scans; {paper_results.MODEL} is the main model, {paper_results.DETECTOR} gives the "
-        f"boxes, {paper_results.SEGMENTER} the masks; camera and success distance are "
-        f"unstated. The plain means of the scenes that it lists ({', '.join(runs.scenes)}) are {mean.success_percent:.1f} and "
+        f"boxes, {paper_results.SEGMENTER} the masks; run on "
+        f"{paper_results.MACHINE}; camera and success distance are unstated. Plain means of the "
+        f"scenes that it lists ({', '.join(runs.scenes)}) are {mean.success_percent:.1f} and "
         f"{mean.spl_percent:.1f}; whether its average is of these alone, it doesn't say",
         f"HyPerNav, tables “Average Performance in HM3D, OVON” and “{runs.table}”",
         step="0.5 m",
