@@ -4,7 +4,7 @@ from hypernav.build.agents import build_search
 from hypernav.build.choosing import choose_components
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import preset
-from hypernav.build.stand_ins import segmenter_words
+from hypernav.build.stand_ins import beside_published, segmenter_words
 from hypernav.core.errors import ConfigError
 from hypernav.core.trace import ExchangeLog
 from hypernav.perception.local.depth_cut import DepthCutConfig, DepthCutSegmenter
@@ -46,6 +46,25 @@ def test_nothing_stands_in_for_the_real_one_or_where_none_is_asked_for(published
     assert words in told.words
     assert "in place of" not in told.words
     assert told.warning == ""
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["QwenVL-7B", "Qwen/Qwen2.5-VL-7B-Instruct", "qwen2-vl:7b", "Qwen2_5-VL-7B-AWQ (replayed)"],
+)
+def test_the_papers_model_goes_by_family_and_size(name):
+    chosen = choose_components(ComponentSpecs(vlm=f"openai:http://localhost:1/v1#{name}"))
+    assert beside_published(chosen, "QwenVL-7B", name) == name
+    assert beside_published(chosen, "", "") == "none"
+
+
+@pytest.mark.parametrize(
+    "name", ["", "the model at http://localhost:1/v1", "Qwen2.5-VL-72B", "Qwen2.5-7B", "llava-7b"]
+)
+def test_another_model_or_none_is_named_beside_the_papers(name):
+    chosen = choose_components(ComponentSpecs())
+    said = beside_published(chosen, "QwenVL-7B", name)
+    assert said == f"{name or 'none'}; the published one is QwenVL-7B"
 
 
 def test_no_segmenter_at_all_is_no_choice():

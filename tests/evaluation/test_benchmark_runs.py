@@ -2,8 +2,9 @@
 
 import json
 import shutil
-from contextlib import closing
+from contextlib import closing, nullcontext
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,10 +14,12 @@ from hypernav.build.data.datasets import load_episodes, select
 from hypernav.cli.main import main
 from hypernav.cli.options.agent import AgentOptions
 from hypernav.cli.options.eval import Options
-from hypernav.cli.run_choice import config_of, plan_of
+from hypernav.cli.run_choice import check, config_of, plan_of
 from hypernav.core.episodes.episode import Outcome
-from hypernav.core.errors import EpisodeError
-from hypernav.evaluation.report.report_text import warnings
+from hypernav.core.errors import ConfigError, EpisodeError
+from hypernav.datasets import paper_results
+from hypernav.datasets.benchmark_files import scene_number
+from hypernav.evaluation.report.report_text import protocol_lines, warnings
 from hypernav.evaluation.report.run_data import load_runs
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
@@ -31,6 +34,13 @@ ROBOT = small_config(embodiment={"motion": {"forward_m": 0.25, "turn_angle_deg":
 def own_data(benchmark_data, tmp_path):
     """A data folder that a test may change."""
     return shutil.copytree(benchmark_data, tmp_path / "data")
+
+
+class Blind:
+    """A detector without masks that finds nothing."""
+
+    def detect(self, observation, goal):
+        return []
 
 
 def hypernav(*arguments):
@@ -76,8 +86,29 @@ def test_what_the_file_names_is_found_whatever_the_annotators_called_it(own_data
 def test_scenes_go_by_the_numbers_of_the_paper(benchmark_data, name):
     episodes = load_episodes(f"hm3d:{benchmark_data}#v1/val")
     assert len(select(episodes, scenes=name)) == len(episodes) == 4
-    with pytest.raises(EpisodeError, match="there is no scene '813'"):
+    with pytest.raises(EpisodeError, match=r"there is no scene '813'; there are 1: 802$"):
         select(episodes, scenes="802,813")
+
+
+def test_the_papers_scenes_go_as_the_benchmark_prints_them(benchmark_data):
+    episodes = load_episodes(f"hm3d:{benchmark_data}#v1/val")
+    folder = Path(episodes[0].scene_id).parents[1]
+    split = [
+        replace(episode, scene_id=str(folder / f"00{number}-x" / "x.basis.glb"))
+        for number in ("880", *paper_results.HM3D.scenes, "800", "899")
+        for episode in episodes[:2]
+    ]
+    chosen = select(split, scenes=paper_results.HM3D.selection)
+    numbers = [scene_number(episode.scene_id) for episode in chosen]
+    assert set(numbers) == set(paper_results.HM3D.scenes)
+    with pytest.raises(EpisodeError, match=r"no scene '847'; there are 12: 880, 802, 813, .*899$"):
+        select(split, scenes=paper_results.OVON.selection.removeprefix("820,835,810,"))
+
+
+def test_where_scenes_have_numbers_another_number_is_no_position(benchmark_data):
+    episodes = load_episodes(f"hm3d:{benchmark_data}#v1/val")
+    with pytest.raises(EpisodeError, match=r"there is no scene '0'; there are 1: 802$"):
+        select(episodes, scenes="0")
 
 
 def test_only_the_scenes_of_chosen_episodes_are_needed(benchmark_data, tmp_path):
@@ -172,24 +203,46 @@ def test_the_papers_goals_go_by_the_words_of_the_files(benchmark_data):
     assert [episode.goal.text for episode in chosen] == ["plant"]
 
 
+@pytest.mark.parametrize(
+    ("who", "refused"),
+    [
+        (AgentOptions(segmenter="depth-cut"), "is run with QwenVL-7B: name the model, --vlm"),
+        (AgentOptions(segmenter="depth-cut", reasoner="geometric"), "is run with QwenVL-7B"),
+        (AgentOptions(vlm="openai:http://localhost:1/v1"), "is run with MobileSAM: name its"),
+        (AgentOptions(vlm="openai:http://localhost:1/v1", segmenter="depth-cut"), ""),
+        (AgentOptions(detector="none:1", reasoner="geometric", segmenter="depth-cut"), ""),
+    ],
+)
+def test_the_papers_networks_have_to_be_named_or_what_replaces_them(who, refused):
+    options = Options("hm3d:data", who, benchmark="hypernav-paper-hm3d")
+    with pytest.raises(ConfigError, match=refused) if refused else nullcontext():
+        check(options)
+
+
+def test_a_run_by_the_papers_protocol_names_the_papers_networks_beside_its_own():
+    config = config_of(Options("ovon:data", AgentOptions(), benchmark="hypernav-paper-ovon"))
+    assert config.chat.published_model == paper_results.MODEL
+    assert config.local.published_segmenter == paper_results.SEGMENTER
+
+
 @pytest.mark.slow
-def test_the_papers_segmenter_has_to_be_named_and_what_stands_in_is_said(
-    benchmark_data, tmp_path, capsys
-):
+def test_what_stands_in_for_the_papers_networks_is_said(benchmark_data, tmp_path, capsys):
     split = (f"hm3d:{benchmark_data}#v1/val", "--benchmark", "hypernav-paper-hm3d")
     quick = ("--max-steps", "2", "--workers", "1", "--episodes", "0:1", *SMALL)
     command = ("eval", *split, *quick, "--out", tmp_path / "run")
     assert hypernav(*command) == 2
-    assert "is run with MobileSAM: name its files, --segmenter" in capsys.readouterr().err
-    assert hypernav(*command, "--segmenter", "depth-cut") == 0
+    assert "is run with QwenVL-7B: name the model, --vlm" in capsys.readouterr().err
+    stand_ins = ("--segmenter", "depth-cut", "--detector", f"{__name__}:Blind")
+    assert hypernav(*command, *stand_ins, "--reasoner", "geometric") == 0
     said = capsys.readouterr().err
-    assert "10 scenes of HM3D's val" in said
+    assert "10 scenes with 1,000 episodes: --scenes 802,813,814,824,829,835,853," in said
     run = json.loads((tmp_path / "run" / "run.json").read_text())["configuration"]
     assert run["benchmark"] == "hypernav-paper-hm3d"
     assert run["who"]["segmenter"].endswith("in place of MobileSAM")
-    (warned,) = [
-        one for one in warnings(load_runs([tmp_path / "run"])) if "hypernav-paper-hm3d" in one
-    ]
+    assert run["who"]["model"] == "none; the published one is QwenVL-7B"
+    runs = load_runs([tmp_path / "run"])
+    assert dict(protocol_lines(runs[0]))["Model"] == run["who"]["model"]
+    (warned,) = [one for one in warnings(runs) if "hypernav-paper-hm3d" in one]
     assert "its success distance and its camera are not stated" in warned
 
 

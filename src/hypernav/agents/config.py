@@ -76,7 +76,7 @@ class SearchConfig(RoomConfig):
         max_steps: Number of steps that a search has; the last of them lead to the likeliest
             candidate, even if it was refuted (with `LocalConfig.target` "candidates").
         use_stairs: Whether a robot that climbs stairs looks for them, and goes on to other floors
-            (paper: one floor).
+            (the paper has nothing about floors).
         pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:
             to where that range ended, also through the unknown, before anything else is explored;
             and over stairs towards one that was seen on another floor.

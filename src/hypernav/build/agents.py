@@ -15,7 +15,7 @@ from hypernav.build.native import check_native_robot
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.prompts import prompt_hashes
 from hypernav.build.registries import AGENTS, ROLES, Factory
-from hypernav.build.stand_ins import segmenter_words
+from hypernav.build.stand_ins import beside_published, segmenter_words
 from hypernav.core.components.abilities import ChecksModel, wants_named_things
 from hypernav.core.components.door import through_door
 from hypernav.core.components.protocols import (
@@ -113,6 +113,7 @@ def build_agent(
         detector_words=detector_words,
         reasoner_words=(chosen.reasoner or chosen.agent).words(model=model),
         segmenter=segmenter_words(chosen, published, detector_words=detector_words, model=model),
+        model_words=beside_published(chosen, config.chat.published_model, model),
         components=tuple(one for one in parts if one is not None),
         files=given_files(chosen, config),
         ledger=ledger,

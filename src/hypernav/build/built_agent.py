@@ -37,6 +37,7 @@ class BuiltAgent:
         detector_words: Name of the detector for people.
         reasoner_words: Name of the reasoner or explorer for people.
         segmenter: Name of the segmenter for people, and the published one that it replaces.
+        model_words: Name of the chat model for people, and the published one if it is another.
         components: All components, for their optional abilities.
         files: Files that components were given, such as weights.
         ledger: Ledger of the questions to the chat model; empty without one.
@@ -51,6 +52,7 @@ class BuiltAgent:
     detector_words: str
     reasoner_words: str
     segmenter: SegmenterWords
+    model_words: str
     components: tuple[object, ...]
     files: tuple[Path, ...]
     ledger: Ledger

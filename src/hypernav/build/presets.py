@@ -279,8 +279,9 @@ def preset(name: PresetName) -> HyPerNavConfig:
             pursue_far_sightings=False,
             recall=False,
         ),
-        grounding=VlmDetectorConfig(right_articles=False, score_crops=0, min_score=0.0),
-        presence=PresenceConfig(right_articles=False, unsure="yes"),
+        chat=ChatConfig(published_model="QwenVL-7B"),
+        grounding=VlmDetectorConfig(score_crops=0, min_score=0.0),
+        presence=PresenceConfig(unsure="yes"),
         image_recall=ImageRecallConfig(max_questions=0),
         yolox=YoloxConfig(score_threshold=0.3, look_closer_below=0.0),
         block_choice=VlmReasonerConfig(

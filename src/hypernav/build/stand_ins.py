@@ -1,5 +1,6 @@
 """Names and warnings for components that replace a network of the published method."""
 
+import re
 from dataclasses import dataclass
 
 from hypernav.build.choosing import ChosenComponents
@@ -41,6 +42,28 @@ def segmenter_words(
     words += f", in place of {published}"
     remedy = "with weights of it: --segmenter onnx-sam:ENCODER.onnx,DECODER.onnx"
     return SegmenterWords(words, f"segments with {words}; {remedy}")
+
+
+def beside_published(chosen: ChosenComponents, published: str, model: str) -> str:
+    """The chat model's name for people, beside that of the published method if it is another.
+
+    Args:
+        chosen: Components in use.
+        published: Model that the configuration asks for; empty if it asks for none.
+        model: Name of the chat model; empty without one.
+    """
+    words = model or "none"
+    if chosen.is_whole_agent or not published or _is_named(published, model):
+        return words
+    return f"{words}; the published one is {published}"
+
+
+def _is_named(published: str, model: str) -> bool:
+    """Whether a model's name has family and size of another: Qwen2.5-VL-7B-Instruct, QwenVL-7B."""
+    family, _, size = published.lower().rpartition("-")
+    said = model.lower()
+    has_size = re.search(rf"(?<![\d.]){re.escape(size)}(?![a-z\d])", said) is not None
+    return has_size and family in re.sub(r"[^a-z]", "", said)
 
 
 def reasoner_warning(chosen: ChosenComponents) -> str:

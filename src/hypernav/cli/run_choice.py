@@ -46,17 +46,34 @@ def check(options: Options) -> None:
         check_option("--workers", options.workers, (1, MOST_THREADS), "at least one is needed")
     if options.world == "habitat":
         require_habitat()
-    benchmark = benchmark_of(options.dataset, options.benchmark)
-    if benchmark is not None and benchmark.segmenter and options.who.segmenter is None:
-        raise ConfigError(
-            f"{benchmark.name} is run with {benchmark.segmenter}: name its files, --segmenter "
-            "onnx-sam:mobile_sam_encoder.onnx,mobile_sam_decoder.onnx, or a substitute, such as "
-            "--segmenter depth-cut, which results and reports then name"
-        )
+    _check_published_networks(options)
     if options.who.record is not None:
         raise ConfigError(
             "--record is for single searches: use it with hypernav find; an evaluation keeps "
             "questions and answers in the traces of --save videos"
+        )
+
+
+def _check_published_networks(options: Options) -> None:
+    """Refuse a benchmark with published networks where the run doesn't name what it uses.
+
+    Raises:
+        ConfigError: Segmenter or model are left open.
+    """
+    benchmark, who = benchmark_of(options.dataset, options.benchmark), options.who
+    if benchmark is None:
+        return
+    if benchmark.model and who.vlm is None and not (who.detector and who.reasoner):
+        raise ConfigError(
+            f"{benchmark.name} is run with {benchmark.model}: name the model, --vlm "
+            "openai:http://localhost:8000/v1, or what replaces it, such as --detector ground-truth "
+            "--reasoner geometric, which results and reports then name"
+        )
+    if benchmark.segmenter and who.segmenter is None:
+        raise ConfigError(
+            f"{benchmark.name} is run with {benchmark.segmenter}: name its files, --segmenter "
+            "onnx-sam:mobile_sam_encoder.onnx,mobile_sam_decoder.onnx, or a substitute, such as "
+            "--segmenter depth-cut, which results and reports then name"
         )
 
 
@@ -106,11 +123,14 @@ def config_of(options: Options) -> HyPerNavConfig:
     if benchmark is None:
         return options.who.resolve().for_steps(_steps_of(options))
     config = options.who.resolve(benchmark.embodiment).for_steps(_steps_of(options))
-    # The plan and all reports name the segmenter that replaces the benchmark's.
+    # The plan and all reports name the benchmark's segmenter and model beside those in use.
     local = config.local.model_copy(
         update={"published_segmenter": config.local.published_segmenter or benchmark.segmenter}
     )
-    return config.model_copy(update={"local": local})
+    chat = config.chat.model_copy(
+        update={"published_model": config.chat.published_model or benchmark.model}
+    )
+    return config.model_copy(update={"local": local, "chat": chat})
 
 
 def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:

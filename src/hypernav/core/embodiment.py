@@ -54,7 +54,7 @@ class BodyConfig(RoomConfig):
 
 
 class CameraConfig(RoomConfig):
-    """The RGB-D camera. The paper specifies none, so the default is ours: Habitat's HM3D camera.
+    """The RGB-D camera. The paper states none for simulations: the default is Habitat's for HM3D.
 
     Depth outside the sensor's range is 0 (no return), below as well as above it, as in real depth
     cameras. (Habitat clips it to the range instead, so that a far wall appears at the maximum; a

@@ -7,6 +7,7 @@ from pathlib import Path, PurePosixPath
 
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import EpisodeError
+from hypernav.core.text.whole_numbers import is_whole_number
 from hypernav.datasets.benchmarks import Benchmark
 from hypernav.datasets.goat import goat_parts
 from hypernav.datasets.habitat_episodes import split_parts
@@ -163,6 +164,12 @@ def scene_in(folders: Sequence[Path], scene_id: str, releases: Sequence[str] = (
             if os.path.isfile(file := place.with_name(name)):
                 return file
     return None
+
+
+def scene_number(scene_id: str) -> str:
+    """HM3D's number of a scene, ``802`` for a file in ``00802-…``; empty if it has none."""
+    number, dash, _ = PurePosixPath(scene_id).parent.name.partition("-")
+    return str(int(number)) if dash and is_whole_number(number) else ""
 
 
 def _bases(folder: Path) -> tuple[Path, ...]:

@@ -7,6 +7,8 @@ from hypernav.core.embodiment import BodyConfig, CameraConfig, Embodiment, Motio
 from hypernav.core.episodes.episode import MAX_STEPS
 from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.errors import ConfigError
+from hypernav.datasets import paper_results
+from hypernav.datasets.paper_results import PaperRuns
 
 _HABITAT_STEP_M = 0.2
 """Habitat's navigation meshes: a robot climbs edges of up to 0.2 m, so also stairs."""
@@ -33,9 +35,11 @@ class Benchmark:
         asks_as_in_files: Whether goals are named as in the files, even if the data set has names of
             its own.
         segmenter: Segmenter that the publication states; a run has to name the one that it uses.
+        model: Vision-language model that it states; likewise.
+        printed: What the HyPerNav paper prints of its runs on this data set, if it ran on it.
         goal_types: Types of its goals, where it has several.
-        caveats: Sentences about what the publication leaves open or is not known here. They are
-            shown before a run and in its reports.
+        caveats: Sentences about what the publication leaves open. They are shown before a run and
+            in its reports.
     """
 
     name: str
@@ -53,6 +57,8 @@ class Benchmark:
     words: Mapping[str, str] = field(default_factory=dict)
     asks_as_in_files: bool = False
     segmenter: str = ""
+    model: str = ""
+    printed: PaperRuns | None = None
     goal_types: tuple[str, ...] = ()
     caveats: tuple[str, ...] = ()
 
@@ -77,6 +83,7 @@ _HM3D_SCENES = "with a licence from https://matterport.com/habitat-matterport-3d
 _HM3D = Benchmark(
     name="hm3d",
     title="HM3D ObjectNav",
+    printed=paper_results.HM3D,
     embodiment=_LOCOBOT,
     source="habitat-lab, benchmark/nav/objectnav/objectnav_hm3d.yaml",
     episodes=(
@@ -124,6 +131,7 @@ _MP3D = Benchmark(
 _OVON = Benchmark(
     name="ovon",
     title="HM3D-OVON",
+    printed=paper_results.OVON,
     embodiment=_STRETCH,
     source="Yokoyama et al., HM3D-OVON, 2024, section IV, and its objectnav_stretch_hm3d.yaml",
     episodes=(
@@ -171,34 +179,44 @@ _GOAT = Benchmark(
     ),
 )
 
-_PAPER_CAVEATS = (
+_UNSTATED_BY_PAPER = (
     "The HyPerNav paper states steps of 0.5 m, turns of 30° and 500 steps; its success distance "
-    "and its camera are not stated, so this run uses those of the data set, which is our choice.",
-    "The paper reports 961 episodes in selected scenes; it is not known here which of its two "
-    "data sets that number belongs to, nor which scenes they were: --scenes selects scenes.",
+    "and its camera are not stated, so this run uses those of the data set, which is our choice."
 )
 
 
-def _as_in_the_paper(benchmark: Benchmark, scenes: str, splits: tuple[str, ...]) -> Benchmark:
-    """A data set with the protocol of the HyPerNav paper, as far as it is known.
+def _as_in_the_paper(
+    benchmark: Benchmark, printed: PaperRuns, split: str, version: str
+) -> Benchmark:
+    """A data set with the protocol of the HyPerNav paper, as far as it states it.
 
     Args:
         benchmark: The data set with its own protocol.
-        scenes: Sentence about the scenes of the paper, and its version of the data set.
-        splits: Splits that the paper evaluates.
+        printed: What the paper prints of its runs on it.
+        split: Split that the paper evaluates.
+        version: Sentence about the version of the episodes.
     """
     motion = MotionConfig(forward_m=0.5, turn_angle_deg=30.0)
+    scenes = (
+        f"The paper prints SR and SPL of {len(printed.scenes)} scenes with {printed.episodes:,} "
+        f"episodes: --scenes {printed.selection} selects them, and hypernav report --published "
+        "sets them beside this run's."
+    )
     return replace(
         benchmark,
         name=f"hypernav-paper-{benchmark.name}",
         title=f"{benchmark.title} by the protocol of the HyPerNav paper",
         embodiment=benchmark.embodiment.model_copy(update={"motion": motion}),
-        source="HyPerNav, experiments: forward 0.5 m, turn 30°, 500 steps, MobileSAM",
-        splits=splits,
+        source=(
+            "HyPerNav, simulation evaluation: forward 0.5 m, turn 30°, 500 steps, "
+            f"{paper_results.MODEL}, {paper_results.SEGMENTER}"
+        ),
+        splits=(split,),
         words={},
         asks_as_in_files=True,
-        segmenter="MobileSAM",
-        caveats=(scenes, *_PAPER_CAVEATS),
+        segmenter=paper_results.SEGMENTER,
+        model=paper_results.MODEL,
+        caveats=(scenes, version, _UNSTATED_BY_PAPER),
     )
 
 
@@ -211,11 +229,17 @@ BENCHMARKS = {
         _GOAT,
         _as_in_the_paper(
             _HM3D,
-            "The paper ran 10 scenes of HM3D's val; whether its episodes are those of v1 or of v2 "
-            "is not stated.",
-            ("val",),
+            paper_results.HM3D,
+            "val",
+            "The paper says that a scene has around 100 episodes, so its episodes are those of v1, "
+            "with 2,000 in 20 scenes (v2: 1,000 in 36).",
         ),
-        _as_in_the_paper(_OVON, "The paper ran 12 scenes of OVON's val unseen.", ("val_unseen",)),
+        _as_in_the_paper(
+            _OVON,
+            paper_results.OVON,
+            "val_unseen",
+            "Its split is OVON's val unseen, 3,000 episodes in 36 scenes.",
+        ),
     )
 }
 """All benchmarks, by name."""

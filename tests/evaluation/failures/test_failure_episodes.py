@@ -171,17 +171,17 @@ def test_language():
 FACING_BED = Pose2(5.4, 0.9, 0.0)  # 0.6 m short of where the bed counts as reached
 
 
-def test_map_quality_when_the_goal_area_lies_beside_the_object():
+def test_wrong_map_when_the_goal_area_lies_beside_the_object():
     agent = believing(square(7.5, 3.2), start=FACING_BED, steps=3)
     record = run(agent, start=FACING_BED)
-    assert record.failure is Failure.MAP_QUALITY
+    assert record.failure is Failure.WRONG_MAP
     assert "1.5 m beside the bed" in record.why
 
 
-def test_map_quality_when_the_map_closes_what_is_open():
+def test_wrong_map_when_the_map_closes_what_is_open():
     agent = believing(square(7.4, 0.9), start=FACING_BED, wall=(0.3, 0.9))
     record = run(agent, start=FACING_BED, max_steps=4)
-    assert record.failure is Failure.MAP_QUALITY
+    assert record.failure is Failure.WRONG_MAP
     assert "no path to the bed, though there is one" in record.why
 
 
@@ -197,6 +197,49 @@ def test_path_planning():
     record = run(search(), start=Pose2(5.6, 3.1, -0.5), max_steps=3)
     assert record.failure is Failure.PATH_PLANNING
     assert "took the bed for the goal, rightly, and ran out of steps" in record.why
+
+
+def test_path_planning_when_the_robot_has_steps_enough_and_stays():
+    record = run(believing(square(7.4, 0.9), start=FACING_BED), start=FACING_BED, max_steps=4)
+    assert record.failure is Failure.PATH_PLANNING
+
+
+def test_seen_too_late():
+    start = Pose2(4.6, 0.45, math.pi)
+    agent = believing(square(2.4, 0.45), start=start)
+    record = run(agent, goal="refrigerator", start=start, max_steps=1)
+    assert record.failure is Failure.SEEN_TOO_LATE
+    assert "m longer than its steps; it ran out of steps" in record.why
+    agent = believing(square(2.4, 0.45), start=start)
+    record = run(agent, goal="refrigerator", start=start, max_steps=20)
+    assert record.failure is Failure.PATH_PLANNING
+
+
+@cache
+def torn(gap_m=0.8):
+    """A room whose floor has a hole before the bed; along one wall there is a way past it."""
+    floor = (None, (-0.1, -0.1, -0.1), (8.1, 4.1, 0.0))
+    walls = [box for box in room_boxes(8.0, 4.0) if box != floor]
+    assert len(walls) == len(room_boxes(8.0, 4.0)) - 1
+    floors = [
+        (None, (-0.1, -0.1, -0.1), (3.0, 4.1, 0.0)),
+        (None, (3.0 + gap_m, -0.1, -0.1), (8.1, 4.1, 0.0)),
+        (None, (3.0, 2.8, -0.1), (3.0 + gap_m, 4.1, 0.0)),
+    ]
+    return scene_of(*floors, *walls, ("bed", (6.0, 0.5, 0.0), (7.9, 1.7, 0.5)), name="torn")
+
+
+BEFORE_THE_HOLE = Pose2(1.5, 1.1, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("gap_m", "failure"), [(0.8, Failure.MISSING_DATA), (0.0, Failure.PATH_PLANNING)]
+)
+def test_missing_data_where_the_path_leads_over_a_hole_in_the_scan(gap_m, failure):
+    agent = believing(square(6.4, 1.1), start=BEFORE_THE_HOLE, of=(70.0, 62.0, 90.0, 72.0))
+    record = run(agent, scene=lambda: torn(gap_m), start=BEFORE_THE_HOLE, max_steps=20)
+    assert record.failure is failure
+    assert ("its images lacked data" in record.why) == (gap_m > 0.0)
 
 
 def test_stopped_too_far():

@@ -34,11 +34,15 @@ class Reports:
 
 def gap_between_two_posts():
     """A bed that is two posts with a gap between them: its box shows the wall 2 m behind."""
+    return world_of(
+        ("bed", (3.0, 1.4, 0.0), (3.2, 1.6, 1.2)), ("bed", (3.0, 1.6, 1.1), (3.2, 2.6, 1.2))
+    )
+
+
+def world_of(*things):
+    """A room of 6 m by 4 m with these things."""
     config = small_config("paper")
-    post = ("bed", (3.0, 1.4, 0.0), (3.2, 1.6, 1.2))
-    bar = ("bed", (3.0, 1.6, 1.1), (3.2, 2.6, 1.2))
-    boxes = [*room_boxes(6.0, 4.0), post, bar]
-    scene = scene_of(*boxes)
+    scene = scene_of(*room_boxes(6.0, 4.0), *things)
     renderer = CpuRenderer(scene)
     world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
     return config, world, renderer
@@ -65,6 +69,20 @@ def test_a_raw_box_holds_the_wall_behind_and_a_true_mask_does_not(posts):
     assert raw.frames == true.frames > 0
     assert raw.seen_off > 0
     assert true.seen_off == 0
+
+
+def test_the_goal_area_of_a_partly_hidden_things_box_lies_off_it_and_that_of_its_mask_does_not():
+    config, world, renderer = world_of(
+        ("bed", (4.0, 1.0, 0.0), (4.5, 3.0, 0.8)),
+        ("cabinet", (2.8, 1.5, 0.0), (3.0, 2.5, 1.2)),
+    )
+    records = by_kind(study(config).run(START, world, renderer))
+    first = {mask: records[BoxSource.TRUE, mask].first_off for mask in MaskSource}
+    raw = first[MaskSource.RAW]
+    assert raw is not None
+    assert raw == first[MaskSource.BOX]
+    assert raw > 0.5
+    assert first[MaskSource.TRUE] == 0.0
 
 
 def test_refined_cells_are_nearly_all_on_the_thing(posts):

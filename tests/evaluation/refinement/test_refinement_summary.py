@@ -12,6 +12,7 @@ from small_episodes import episode_from
 EPISODE = episode_from(Pose2(0.0, 0.0, 0.0))
 GOOD = GoalPosition(in_obstacle=False, unreachable=False, occluded=False, fails=False)
 OFF = "cells off the goal"
+BESIDE = "goal area off the goal"
 
 
 def record(mask, off, position=GOOD, *, number=0, frames=1, box=BoxSource.TRUE):
@@ -60,12 +61,34 @@ def test_where_the_raw_box_has_nothing_to_drop_there_is_no_drop():
     assert table(episode(0, 0, 0))[2].measures[OFF].drop is None
 
 
+def test_an_area_is_off_the_goal_if_most_of_its_cells_are():
+    shares = [table(episode(0, raw, 0))[0].measures[BESIDE].share.mean for raw in (0, 4, 5, 6, 10)]
+    assert shares == [0.0, 0.0, 0.0, 1.0, 1.0]
+
+
+def test_whether_an_area_is_off_the_goal_is_told_by_the_first_one():
+    first, later = OffTarget(10, 6), OffTarget(1000, 0)
+    one = replace(record(MaskSource.RAW, None), position=GOOD).after(first).after(later)
+    others = [record(mask, 2) for mask in MaskSource if mask is not MaskSource.RAW]
+    raw = table([one, *others])[0].measures
+    assert raw[BESIDE].share.mean == 1.0
+    assert raw[OFF].share.mean == pytest.approx(6 / 1010)
+
+
+def test_areas_of_boxes_that_show_what_lies_behind_drop_as_the_papers_do():
+    rows = table([*episode(0, 8, 1), *episode(1, 7, 6), *episode(2, 9, 0), *episode(3, 2, 0)])
+    raw, _, refined, _ = (row.measures[BESIDE] for row in rows)
+    assert raw.share.mean == pytest.approx(0.75)
+    assert refined.drop is not None
+    assert refined.drop.mean == pytest.approx(2 / 3)
+
+
 @pytest.mark.parametrize(
     ("fact", "measure"),
     [
         ("in_obstacle", "goal in an obstacle"),
-        ("occluded", "vision occluded"),
-        ("unreachable", "unreachable"),
+        ("occluded", "goal out of sight at the end"),
+        ("unreachable", "no path to the goal area"),
         ("fails", "a STOP there fails"),
     ],
 )

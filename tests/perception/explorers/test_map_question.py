@@ -1,6 +1,7 @@
 import math
 
 import numpy as np
+import pytest
 
 from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.exploring.sightings import SeenThing
@@ -61,8 +62,9 @@ def test_each_block_is_described():
     assert (drawn.shown, drawn.excluded) == ({1, 3, 4}, set())
 
 
-def test_the_goal_is_named_without_its_article():
-    question, _ = asked()
+@pytest.mark.parametrize("mode", ["paper", "reasoned", "constrained"])
+def test_the_goal_is_named_without_its_article(mode):
+    question, _ = asked(mode=mode)
     assert "find the chair in the office?" in question.text
     assert "the the" not in question.text
 

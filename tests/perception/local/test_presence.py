@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from chat_models import Parrot
+from hypernav.build.presets import preset
 from hypernav.core.chat import Answer, Question
 from hypernav.core.errors import ModelUnavailableError
 from hypernav.core.geometry.camera import PinholeCamera
@@ -53,11 +54,13 @@ def test_neither_counts_as_configured_and_is_told(unsure: Literal["yes", "no"]):
         ("L-shaped sofa", "Is there an L-shaped sofa in this picture?"),
         ("stairs", "Is there stairs in this picture?"),
         ("glass", "Is there a glass in this picture?"),
+        ("the black chair", "Is there a black chair in this picture?"),
     ],
 )
-def test_the_goal_has_the_right_article(goal: str, question: str):
-    asked = presence_question(PresenceConfig(), VIEW.rgb, Goal(goal))
-    assert asked.text.startswith(question)
+def test_the_goal_has_the_right_article_in_either_preset(goal: str, question: str):
+    for name in ("paper", "default"):
+        asked = presence_question(preset(name).presence, VIEW.rgb, Goal(goal))
+        assert asked.text.startswith(question)
 
 
 def test_probabilities_decide_where_there_are_some():

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from chat_models import Parrot
+from hypernav.build.component_specs import PresetName
+from hypernav.build.presets import preset
 from hypernav.core.chat import Answer, Question
 from hypernav.core.errors import ConfigError, ModelUnavailableError
 from hypernav.core.geometry.boxes import Box
@@ -205,9 +207,11 @@ def test_likely_confusions_are_offered_as_alternatives(view: Observation):
     assert set(confusions(Goal("couch"))) == {"armchair", "bed"}
 
 
-def test_goals_are_asked_for_without_their_article(view: Observation):
+@pytest.mark.parametrize("name", ["paper", "default"])
+def test_goals_are_asked_for_without_their_article(view: Observation, name: PresetName):
     model = Parrot("[]")
-    VlmDetector(model, ExchangeLog()).detect(view, Goal("the chair in the office"))
+    config = preset(name).grounding
+    VlmDetector(model, ExchangeLog(), config).detect(view, Goal("the chair in the office"))
     assert "Locate every chair in the office in the picture" in model.asked[0].text
     assert "no chair in the office in" in model.asked[0].text
 

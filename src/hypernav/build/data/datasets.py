@@ -17,7 +17,11 @@ from hypernav.core.episodes.episode import Episode
 from hypernav.core.episodes.life import lives_of
 from hypernav.core.errors import ComponentError, EpisodeError
 from hypernav.core.text.whole_numbers import is_whole_number
+from hypernav.datasets.benchmark_files import scene_number
 from hypernav.worlds.config import SimulationConfig
+
+_SHOWN_SCENES = 40
+"""Most scenes that a message lists; more than HM3D has for validation."""
 
 
 def load_episodes(
@@ -113,8 +117,8 @@ def select(
         part: Positions in the data set's order, ``FIRST:END`` (END is not included); those of
             lives, where it has lives.
         scenes: Scenes with commas between them: the name (``houses:1003``), its last part
-            (``1003``), the number or name of an HM3D scene (``802``, ``00802-wcojb4TFT35``), or
-            the scene's position in the data set (``3``, from 0).
+            (``1003``), the number or name of an HM3D scene (``802``, ``00802-wcojb4TFT35``), or,
+            where scenes have no such numbers, their position in the data set (``3``, from 0).
         goals: Goals with commas between them, by the names of the episodes or of the benchmark's
             files.
         words: Names of the goals by category of the files, where the two differ.
@@ -212,9 +216,8 @@ def _short_names(scene: str) -> set[str]:
     path = Path(scene)
     folder = path.parent.name
     names = {scene.rpartition(":")[2], path.stem, path.stem.removesuffix(".basis")}
-    number, dash, _ = folder.partition("-")
-    if dash and is_whole_number(number):
-        names |= {folder, number, str(int(number))}
+    if number := scene_number(scene):
+        names |= {folder, folder.partition("-")[0], number}
     return names
 
 
@@ -234,9 +237,15 @@ def _scene_named(text: str, names: list[str]) -> str:
         )
     if found:
         return found[0]
-    if is_whole_number(text) and int(text) < len(names):
+    # HM3D's scenes have numbers: there a number that none of them has is a mistake, no position.
+    if numbers := [number for name in names if (number := scene_number(name))]:
+        shown = ", ".join(numbers[:_SHOWN_SCENES])
+        there = f"there are {len(names)}: {shown}{', …' if len(names) > _SHOWN_SCENES else ''}"
+    elif is_whole_number(text) and int(text) < len(names):
         return names[int(text)]
-    raise EpisodeError(
-        f"--scenes: there is no scene '{text}'; there are {len(names)}, from {names[0]} to "
-        f"{names[-1]}, or give a position from 0 to {len(names) - 1}"
-    )
+    else:
+        there = (
+            f"there are {len(names)}, from {names[0]} to {names[-1]}, or give a position from 0 to "
+            f"{len(names) - 1}"
+        )
+    raise EpisodeError(f"--scenes: there is no scene '{text}'; {there}")

@@ -171,6 +171,7 @@ class AgentOptions:
             "detector": parts.detector_words,
             "reasoner": parts.reasoner_words,
             "segmenter": parts.segmenter.words,
+            "model": parts.model_words,
             "parts": parts.chosen.as_dict(),
             **files,
             **prompts,

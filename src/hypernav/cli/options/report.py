@@ -14,6 +14,8 @@ class Options:
     """Folders that hypernav eval wrote; the first is the one that others are compared with."""
     compare: bool = False
     """Compare every run with the first one, episode by episode."""
+    published: bool = False
+    """Set every run beside the HyPerNav paper's rows, scene by scene and goal by goal."""
     out: Path | None = None
     """Folder of the report; by default that of the only run, or compared/ in the first run's."""
     quiet: bool = False

@@ -48,8 +48,8 @@ def why_unread(field: str, method: Method) -> str:
     chosen, local = method.chosen, method.config.local
     section = field.partition(".")[0]
     asks_model = chosen.reasoner is not None and "chat" in asked_by(chosen.reasoner)
-    if field == "local.published_segmenter":
-        return "it changes only how screens and reports name the segmenter"
+    if field in ("local.published_segmenter", "chat.published_model"):
+        return "it changes only how screens and reports name what is in use"
     if section in _sections_of_components() - _sections_in_use(method):
         return f"no component in use reads the section '{section}'"
     if field in _DRAWN | _ASKED and not asks_model:

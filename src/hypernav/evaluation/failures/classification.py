@@ -1,8 +1,9 @@
 """The classification of failed episodes by written rules.
 
-The classes follow the paper's failure analysis, with some of our own. The evidence is gathered
-from trace and ground truth by `hypernav.evaluation.failures.failure_evidence`. The rules are
-applied in the order of `RULES`, and the first that holds decides:
+The classes are finer than those of the paper's failure analysis: every one of them but outages
+belongs to exactly one of these, by the paper's own definitions (`PaperFailure`). The evidence is
+gathered from trace and ground truth by `hypernav.evaluation.failures.failure_evidence`. The rules
+are applied in the order of `RULES`, and the first that holds decides:
 
 =================== ============================================================================
 model unavailable   A model was unavailable for longer than the patience. Not counted in rates.
@@ -11,11 +12,15 @@ unreachable         The scene holds the goal, but no path leads there from the s
 language            What the robot took for the goal has a similar name: a shower curtain for a
                     window curtain.
 false detection     What it took for the goal is neither the goal nor similar to it by name.
-map quality         It believed in the right object, but its map is wrong: the goal area lies more
+wrong map           It believed in the right object, but its map is wrong: the goal area lies more
                     than `MISPLACED_M` beside the object; or the map blocks a way that is open.
 target surrounded   It believed in the right object, but around the goal area there is no position
                     where a robot could stand within its stop distance.
 stopped too far     It believed in the right object and stopped, but beyond the success distance.
+missing data        It believed in the right object and its map has a path there, which leads where
+                    nobody can stand; images lacked what is there, as at a hole in a scan.
+seen too late       It believed in the right object, but when it began to, the shortest path was
+                    longer than its last steps could be.
 path planning       It believed in the right object and its map has a path there, but it didn't
                     arrive.
 seen but missed     The goal was in the image, but the robot ended without a goal area.
@@ -36,13 +41,32 @@ MISPLACED_M = 1.0
 """Distance between a goal area and its object beyond which the map is at fault, metres."""
 
 
+class PaperFailure(StrEnum):
+    """Classes of the HyPerNav paper's failure analysis, by its definitions."""
+
+    DETECTION = "detection"
+    """False positives, due to poor viewpoints or limits of detection."""
+    MAP_QUALITY = "map quality"
+    """Missing RGB-D data in simulation, so that a wrong path is planned."""
+    NOT_FOUND = "not found"
+    """The robot fails to reach or observe the target within its steps."""
+    TARGET_SURROUNDED = "target surrounded"
+    """Obstacles enclose the goal area, so that no path is found."""
+    PATH_PLANNING = "path planning"
+    """A wrong path, or one that is not updated: position or goal area are mostly inaccurate."""
+    LANGUAGE_UNDERSTANDING = "language understanding"
+    """The robot finds an object of a similar name."""
+
+
 class Failure(StrEnum):
     """Classes of failures."""
 
     FALSE_DETECTION = "false_detection"
     LANGUAGE = "language"
-    MAP_QUALITY = "map_quality"
+    WRONG_MAP = "wrong_map"
     TARGET_SURROUNDED = "target_surrounded"
+    MISSING_DATA = "missing_data"
+    SEEN_TOO_LATE = "seen_too_late"
     PATH_PLANNING = "path_planning"
     NEVER_SEEN = "never_seen"
     SEEN_BUT_MISSED = "seen_but_missed"
@@ -59,12 +83,31 @@ class Failure(StrEnum):
     @property
     def words(self) -> str:
         """The name of the class for people."""
-        return _WORDS.get(self, self.value.replace("_", " "))
+        words = self.value.replace("_", " ")
+        return f"not found: {words}" if self.in_paper is PaperFailure.NOT_FOUND else words
+
+    @property
+    def in_paper(self) -> PaperFailure | None:
+        """The class of the paper that it belongs to; None for outages, which the paper lacks."""
+        return _IN_PAPER.get(self)
+
+    @classmethod
+    def _missing_(cls, value: object) -> "Failure | None":
+        return cls.WRONG_MAP if value == "map_quality" else None  # in records of earlier versions
 
 
-_WORDS = {
-    Failure.NEVER_SEEN: "not found: never seen",
-    Failure.SEEN_BUT_MISSED: "not found: seen but missed",
+_IN_PAPER = {
+    Failure.FALSE_DETECTION: PaperFailure.DETECTION,
+    Failure.LANGUAGE: PaperFailure.LANGUAGE_UNDERSTANDING,
+    Failure.MISSING_DATA: PaperFailure.MAP_QUALITY,
+    Failure.TARGET_SURROUNDED: PaperFailure.TARGET_SURROUNDED,
+    Failure.WRONG_MAP: PaperFailure.PATH_PLANNING,
+    Failure.STOPPED_TOO_FAR: PaperFailure.PATH_PLANNING,
+    Failure.PATH_PLANNING: PaperFailure.PATH_PLANNING,
+    Failure.SEEN_TOO_LATE: PaperFailure.NOT_FOUND,
+    Failure.SEEN_BUT_MISSED: PaperFailure.NOT_FOUND,
+    Failure.NEVER_SEEN: PaperFailure.NOT_FOUND,
+    Failure.UNREACHABLE: PaperFailure.NOT_FOUND,
 }
 
 
@@ -87,6 +130,9 @@ class BelievedTarget:
         is_surrounded: Whether in truth there is no position to stand within the stop distance.
         map_leads_there: Whether the robot's map has a path to within the stop distance; None if it
             has no map.
+        lacks_data: Whether that path leads where nobody can really stand, and images lacked data.
+        short_m: Length by which the shortest path from where the robot began to believe in it was
+            longer than its steps since then; 0 or less where they were enough.
     """
 
     kind: TargetKind
@@ -94,6 +140,8 @@ class BelievedTarget:
     offset_m: float = 0.0
     is_surrounded: bool = False
     map_leads_there: bool | None = None
+    lacks_data: bool = False
+    short_m: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -180,7 +228,7 @@ def _false_detection(facts: Facts) -> str | None:
     return f"it took the {target.name} for the goal; {facts.ending}"
 
 
-def _map_quality(facts: Facts) -> str | None:
+def _wrong_map(facts: Facts) -> str | None:
     target = facts.correct_target
     if target is None:
         return None
@@ -205,6 +253,26 @@ def _stopped_too_far(facts: Facts) -> str | None:
     return (
         f"it stopped at the {target.name}, {facts.distance_to_goal_m:.2f} m from where "
         f"it counts as reached (within {facts.success_distance_m:g} m)"
+    )
+
+
+def _missing_data(facts: Facts) -> str | None:
+    target = facts.correct_target
+    if target is None or not target.lacks_data:
+        return None
+    return (
+        f"the path on its map to the {target.name} leads where nobody can stand, and its images "
+        f"lacked data; {facts.ending}"
+    )
+
+
+def _seen_too_late(facts: Facts) -> str | None:
+    target = facts.correct_target
+    if target is None or facts.gave_up or target.short_m <= facts.success_distance_m:
+        return None
+    return (
+        f"when it took the {target.name} for the goal, rightly, the shortest path was "
+        f"{target.short_m:.1f} m longer than its steps; {facts.ending}"
     )
 
 
@@ -234,9 +302,11 @@ RULES: tuple[tuple[Failure, Callable[[Facts], str | None]], ...] = (
     (Failure.UNREACHABLE, _unreachable),
     (Failure.LANGUAGE, _language),
     (Failure.FALSE_DETECTION, _false_detection),
-    (Failure.MAP_QUALITY, _map_quality),
+    (Failure.WRONG_MAP, _wrong_map),
     (Failure.TARGET_SURROUNDED, _target_surrounded),
     (Failure.STOPPED_TOO_FAR, _stopped_too_far),
+    (Failure.MISSING_DATA, _missing_data),
+    (Failure.SEEN_TOO_LATE, _seen_too_late),
     (Failure.PATH_PLANNING, _path_planning),
     (Failure.SEEN_BUT_MISSED, _seen_but_missed),
     (Failure.NEVER_SEEN, _never_seen),

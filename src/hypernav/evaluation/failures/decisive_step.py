@@ -9,7 +9,7 @@ _WRONG_BELIEFS = frozenset(
     {
         Failure.FALSE_DETECTION,
         Failure.LANGUAGE,
-        Failure.MAP_QUALITY,
+        Failure.WRONG_MAP,
         Failure.TARGET_SURROUNDED,
     }
 )

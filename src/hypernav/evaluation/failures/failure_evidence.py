@@ -2,6 +2,8 @@
 
 import math
 from collections import Counter
+from collections.abc import Sequence
+from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -9,7 +11,7 @@ from jaxtyping import Bool, Float64
 
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.observation import LabelledPixels
+from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.trace import DetectionRecord, Ending
 from hypernav.core.world import GoalTruth, Instance, SceneTruth
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeStep
@@ -20,11 +22,15 @@ from hypernav.evaluation.failures.classification import (
     TargetKind,
 )
 from hypernav.houses.near_misses import near_misses
-from hypernav.planning.planner import Planner
+from hypernav.planning.planner import PlannedPath, Planner
 
 _SPACING_M = 0.05
 _BESIDE_M = 1.5
 """Distance within which a robot without a trace that stops is assumed to mean an object, metres."""
+_LACKING_SHARE = 0.01
+"""Share of the pixels below the horizon that hit nothing in an image that lacks data."""
+_OUT_OF_BOUNDS_M = 0.3
+"""Distance from where a robot can stand beyond which a path leads where nobody can, metres."""
 
 
 class FailureEvidence:
@@ -40,11 +46,15 @@ class FailureEvidence:
         """
         self._truth = truth
         self._goal = goal.goal
+        self._distance_of = goal.distance
         self._goal_ids = np.array([i.id for i in goal.instances], dtype=np.int64)
         self._config = config
         self._last: EpisodeStep | None = None
         self._votes: Counter[int] = Counter()
         self._explains = False
+        self._lacks_data = False
+        self._believed_for = 0
+        self._believed_at_m = 0.0
         self.goal_sightings = 0
 
     def watch(self, step: EpisodeStep) -> None:
@@ -52,9 +62,16 @@ class FailureEvidence:
         self._last = step
         self._explains = self._explains or step.grid is not None
         self.goal_sightings += step.goal_in_view
+        if step.trace.goal_area:
+            if self._believed_for == 0:
+                self._believed_at_m = self._distance_of(*self._truth.position)
+            self._believed_for += 1
+        else:
+            self._believed_for = 0
         truth = step.observation.truth
         if truth is None:
             return
+        self._lacks_data = self._lacks_data or _lacks_data(step.observation, truth)
         if not step.trace.goal_area:
             self._votes.clear()
         for detection in step.trace.detections:
@@ -96,12 +113,17 @@ class FailureEvidence:
         if instance is None:
             return BelievedTarget(TargetKind.OTHER, "building")
         middle = (area.min(axis=0) + area.max(axis=0)) / 2.0
+        path, stop_m = self._path_on_map(last), self._config.stop_reach_m
+        leads_there = path is not None and path.gap_m <= stop_m
+        step_m = self._config.embodiment.motion.forward_m
         return BelievedTarget(
             kind=self._kind_of(instance),
             name=_name(instance),
             offset_m=_gap(instance, middle),
             is_surrounded=self._is_surrounded(area),
-            map_leads_there=self._map_leads_there(last),
+            map_leads_there=None if last.grid is None else leads_there,
+            lacks_data=self._lacks_data and path is not None and self._leaves_the_floor(path),
+            short_m=0.0 if stopped else self._believed_at_m - step_m * self._believed_for,
         )
 
     def _in_scene(self, points: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "n 2"]:
@@ -159,27 +181,46 @@ class FailureEvidence:
         gaps = positions[near][:, None, :] - area[None, :, :]
         return bool((gaps**2).sum(axis=2).min() > stop_m**2)
 
-    def _map_leads_there(self, last: EpisodeStep) -> bool | None:
-        """Whether the agent's own planner finds a path to its goal area."""
+    def _path_on_map(self, last: EpisodeStep) -> PlannedPath | None:
+        """The path of the agent's own planner to its goal area; None without one, or a map."""
         grid: OccupancyGrid | None = last.grid
         if grid is None:
             return None
         area = _outline_points(last.trace.goal_area)
-        path = Planner(self._config.planning, self._config.embodiment.body).plan(
-            grid, last.observation.robot.xy, area
-        )
-        return path is not None and path.gap_m <= self._config.stop_reach_m
+        planner = Planner(self._config.planning, self._config.embodiment.body)
+        return planner.plan(grid, last.observation.robot.xy, area)
+
+    def _leaves_the_floor(self, path: PlannedPath) -> bool:
+        """Whether a path leads where in truth nobody can stand."""
+        z = self._truth.position[2]
+        for x, y in self._in_scene(_along(path.waypoints)).tolist():
+            stand = self._truth.walkable.nearest_standable(x, y, z)
+            if math.hypot(stand[0] - x, stand[1] - y) > _OUT_OF_BOUNDS_M:
+                return True
+        return False
 
 
 def _outline_points(polygons: list[list[tuple[float, float]]]) -> Float64[np.ndarray, "n 2"]:
     """Points along the outlines, at most `_SPACING_M` apart."""
-    points = []
-    for polygon in polygons:
-        corners = np.array(polygon, dtype=np.float64)
-        for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-            count = max(math.ceil(float(np.linalg.norm(b - a)) / _SPACING_M), 1)
-            points.append(a + (b - a) * (np.arange(count) / count)[:, None])
+    return np.concatenate([_along([*polygon, polygon[0]]) for polygon in polygons])
+
+
+def _along(corners: Sequence[tuple[float, float]]) -> Float64[np.ndarray, "n 2"]:
+    """Points along a line from corner to corner, at most `_SPACING_M` apart, without its end."""
+    line = np.array(corners, dtype=np.float64)
+    points = [line[:1]]
+    for a, b in pairwise(line):
+        count = max(math.ceil(float(np.linalg.norm(b - a)) / _SPACING_M), 1)
+        points.append(a + (b - a) * (np.arange(count) / count)[:, None])
     return np.concatenate(points)
+
+
+def _lacks_data(observation: Observation, truth: LabelledPixels) -> bool:
+    """Whether an image shows nothing where in a whole building there is a wall or a floor."""
+    _, slopes = observation.camera.ray_slopes()
+    rotation = observation.camera_to_map.rotation
+    below = truth.ids[rotation[2, 1] * slopes + rotation[2, 2] < 0.0]
+    return below.size > 0 and float((below < 0).mean()) >= _LACKING_SHARE
 
 
 def _instance_under(detection: DetectionRecord, truth: LabelledPixels) -> int:

@@ -43,6 +43,8 @@ class AreaRecord:
         goal: Text of the goal.
         box: Source of the boxes.
         mask: What was done with them.
+        first_off: Share of the first goal area's cells, before dilation, that are off the
+            footprint; None without an area.
         position: Position that the first goal area sends the robot to; None without an area.
         frames: Number of frames that had such a box.
         empty: Number of frames in which too little was left for a goal area.
@@ -55,6 +57,7 @@ class AreaRecord:
     goal: str
     box: BoxSource
     mask: MaskSource
+    first_off: float | None
     position: GoalPosition | None = None
     frames: int = 0
     empty: int = 0
@@ -64,7 +67,7 @@ class AreaRecord:
     @staticmethod
     def begun(episode: Episode, box: BoxSource, mask: MaskSource) -> "AreaRecord":
         """A record without frames."""
-        return AreaRecord(episode.scene_id, episode.episode_id, episode.goal.text, box, mask)
+        return AreaRecord(episode.scene_id, episode.episode_id, episode.goal.text, box, mask, None)
 
     def after(self, cells: OffTarget | None) -> "AreaRecord":
         """The record with one more frame; None stands for a frame without a goal area."""
@@ -72,6 +75,7 @@ class AreaRecord:
             return replace(self, frames=self.frames + 1, empty=self.empty + 1)
         return replace(
             self,
+            first_off=cells.share_off if self.first_off is None else self.first_off,
             frames=self.frames + 1,
             seen=self.seen + cells.seen,
             seen_off=self.seen_off + cells.seen_off,

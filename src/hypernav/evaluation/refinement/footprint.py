@@ -96,6 +96,11 @@ class OffTarget:
     seen: int
     seen_off: int
 
+    @property
+    def share_off(self) -> float:
+        """Share of the seen cells that lie off the footprint."""
+        return self.seen_off / self.seen
+
     @staticmethod
     def of(area: GoalArea, footprint: Footprint) -> "OffTarget":
         """Count the cells of an area, which lies on the footprint's grid."""

@@ -24,8 +24,10 @@ class GoalPosition:
     Attributes:
         in_obstacle: The area's cell that the robot goes to is no position to stand at: an obstacle
             is nearer than the robot's radius.
-        unreachable: No path leads to within the stop distance of that cell.
-        occluded: From where the robot ends, something hides the goal.
+        unreachable: No path leads to within the stop distance of that cell. So it is with a goal
+            area that obstacles enclose, where the paper's A* fails.
+        occluded: From where the robot ends, something hides the goal. It is no measure of the
+            paper, whose occlusion is one of the image that gives the area.
         fails: A STOP there is no success.
     """
 
@@ -52,7 +54,8 @@ def judge_position(
     shortest true path. If there is none, the area is unreachable, and the robot ends at the free
     position nearest to the cell (paper: a destination inside an obstacle moves there). The goal is
     occluded if a camera above the end, turned and tilted towards the middle of the area, shows less
-    of it than counts as seen. The paper does not say how it counts; these rules are ours.
+    of it than counts as seen. The paper says what the two problems are and not by which rule its
+    figures count them; these rules are ours.
 
     Args:
         area: Goal area.

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from hypernav.core.errors import OutputError
 from hypernav.core.text.counted import number_of
+from hypernav.datasets.paper_results import REFINEMENT_DROPS_PERCENT
 from hypernav.evaluation.ablation.ablation_page import PAGE
 from hypernav.evaluation.ablation.figures import write_figure
 from hypernav.evaluation.refinement.area_record import AreaRecord
@@ -48,6 +49,7 @@ def write_refinement(folder: Path, records: Sequence[AreaRecord], *, lead: str) 
             figure_title="What becomes of a box",
             jitter=JITTER_SHARE,
             iou=MATCHING_IOU,
+            paper=REFINEMENT_DROPS_PERCENT,
         )
         (folder / PAGE).write_text(text, encoding="utf-8")
         _write_csv(folder / CSV, records)

@@ -7,9 +7,10 @@ from hypernav.evaluation.refinement.area_record import AreaRecord, BoxSource, Ma
 from hypernav.evaluation.statistics import Estimate, drawn, mean_with_interval, ratio_with_interval
 
 
-def off_target_share(record: AreaRecord) -> float:
-    """Share of the seen cells that lie off the goal."""
-    return record.seen_off / record.seen
+def _lies_beside(record: AreaRecord) -> float:
+    """1 if most cells of the first goal area lie off the goal, else 0."""
+    assert record.first_off is not None, "only records with an area are measured"
+    return float(record.first_off > 0.5)
 
 
 def _of_position(name: str) -> Callable[[AreaRecord], float]:
@@ -18,13 +19,19 @@ def _of_position(name: str) -> Callable[[AreaRecord], float]:
 
 
 MEASURES: dict[str, Callable[[AreaRecord], float]] = {
-    "cells off the goal": off_target_share,
+    "goal area off the goal": _lies_beside,
+    "cells off the goal": lambda record: record.seen_off / record.seen,
     "goal in an obstacle": _of_position("in_obstacle"),
-    "vision occluded": _of_position("occluded"),
-    "unreachable": _of_position("unreachable"),
+    "no path to the goal area": _of_position("unreachable"),
+    "goal out of sight at the end": _of_position("occluded"),
     "a STOP there fails": _of_position("fails"),
 }
-"""The measures of a record with an area, as shares; lower is better."""
+"""The measures of a record with an area, as shares; lower is better.
+
+The paper's vision occlusion is a hidden part of the object that makes the projected goal area
+wrong, so "goal area off the goal" counts it; its goal in an obstacle is an area that obstacles
+enclose, so that A* fails: "goal in an obstacle" counts where, "no path to the goal area" whether.
+"""
 
 
 @dataclass(frozen=True)

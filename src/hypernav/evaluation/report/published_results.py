@@ -7,6 +7,9 @@ another publication's table say so, and so do rows whose publication leaves some
 
 from dataclasses import dataclass
 
+from hypernav.datasets import paper_results
+from hypernav.datasets.paper_results import PaperRuns, RobotRow
+
 _UNSTATED = "unstated"
 
 
@@ -45,59 +48,56 @@ _QUOTED = "as quoted by the HyPerNav paper, which did not run it again"
 _VLMNAV_URL = "https://github.com/Jirl-upenn/VLMnav"
 _VLMNAV_REACHED = "within 0.3 m of a view point, also when steps run out there"
 _MACRO = "up to 1.7 m, and any turn"
-_HYPERNAV = (
-    "real scans in scenes of its choice, whose names are not known here; 961 episodes, of one of "
-    "its two data sets or of both, which is not known here either; camera and success distance are "
-    "not stated; a vision-language model answers both questions"
-)
-_ROBOT = (
-    "a real building, with the same detector and segmenter for both methods; the searches' number, "
-    "and which of its two rows belongs to the bed and which to the umbrella, are not known here"
-)
+
+
+def _quoted(method: str) -> tuple[float, float]:
+    """SR and SPL of another method on HM3D, as the paper quotes them."""
+    score = paper_results.OTHERS_ON_HM3D[method]
+    return score.success_percent, score.spl_percent
+
+
+def _in_simulation(runs: PaperRuns, version: str, step_seconds: float | None = None) -> Published:
+    mean = runs.plain_mean
+    return Published(
+        "HyPerNav",
+        f"{runs.title} {runs.split}{version}; {len(runs.scenes)} scenes are listed, with "
+        f"{runs.episodes:,} episodes",
+        runs.total.success_percent,
+        runs.total.spl_percent,
+        f"real scans; {paper_results.MODEL} is the main model, {paper_results.DETECTOR} gives the "
+        f"boxes, {paper_results.SEGMENTER} the masks; run on "
+        f"{paper_results.MACHINE}; camera and success distance are unstated. Plain means of the "
+        f"scenes that it lists ({', '.join(runs.scenes)}) are {mean.success_percent:.1f} and "
+        f"{mean.spl_percent:.1f}; whether its average is of these alone, it doesn't say",
+        f"HyPerNav, tables “Average Performance in HM3D, OVON” and “{runs.table}”",
+        step="0.5 m",
+        step_seconds=step_seconds,
+    )
+
+
+def _with_robot(row: RobotRow) -> Published:
+    return Published(
+        "HyPerNav" if row.method == "HyPerNav" else "Nearest frontier",
+        f"a real robot, {row.goal}, {row.found} of {row.searches} found",
+        row.score.success_percent,
+        row.score.spl_percent,
+        paper_results.ROBOT_SETTING,
+        f"HyPerNav, table “{paper_results.ROBOT_TABLE}”",
+    )
+
 
 PUBLISHED: tuple[Published, ...] = (
-    Published(
-        "HyPerNav",
-        "HM3D val, 10 scenes of it, version unstated",
-        53.4,
-        35.8,
-        f"{_HYPERNAV}. The plain means of the paper's scenes are 52.4 and 34.8, so its total "
-        "weighs them otherwise",
-        "HyPerNav, experiment results",
-        step="0.5 m",
-        step_seconds=1.2,
+    _in_simulation(
+        paper_results.HM3D,
+        ", v1 by its “around 100 episodes per scene”",
+        paper_results.STEP_SECONDS["HyPerNav"],
     ),
-    Published(
-        "HyPerNav",
-        "HM3D-OVON val unseen, 12 scenes of it",
-        65.4,
-        43.7,
-        f"{_HYPERNAV}. The plain means of the paper's scenes are 66.4 and 44.4, so its total "
-        "weighs them otherwise",
-        "HyPerNav, experiment results",
-        step="0.5 m",
-    ),
-    Published(
-        "HyPerNav",
-        "a real robot, bed or umbrella",
-        80.0,
-        50.0,
-        _ROBOT,
-        "HyPerNav, experiments with a robot",
-    ),
-    Published(
-        "HyPerNav",
-        "a real robot, umbrella or bed",
-        60.0,
-        42.0,
-        _ROBOT,
-        "HyPerNav, experiments with a robot",
-    ),
+    _in_simulation(paper_results.OVON, ""),
+    *map(_with_robot, paper_results.ROBOT),
     Published(
         "VLFM",
         "HM3D-v1 val",
-        52.5,
-        30.4,
+        *_quoted("VLFM"),
         "real scans, GroundingDINO, YOLOv7 and BLIP-2 see; habitat-lab's own objectnav_hm3d task "
         "with turns of 30°, half our step; a learned policy drives",
         "Yokoyama et al., VLFM, ICRA 2024",
@@ -127,21 +127,19 @@ PUBLISHED: tuple[Published, ...] = (
     Published(
         "NavVLM",
         "HM3D val, version unstated",
-        48.0,
-        33.5,
+        *_quoted("NavVLM"),
         "its released code is a demonstration of one scene without measures, and reproduces "
         "nothing of this: a camera of 90° at 1.1 m, 400 steps, sliding; the time of a step is "
         "the HyPerNav paper's own measurement",
         _QUOTED,
         "https://github.com/Yonggie/NavVLM",
         step="0.3 m",
-        step_seconds=3.3,
+        step_seconds=paper_results.STEP_SECONDS["NavVLM"],
     ),
     Published(
         "VLMnav",
         "HM3D-v2 val, 1,000 episodes",
-        50.4,
-        21.0,
+        *_quoted("VLMNav"),
         "real scans; camera of 131° at 1.5 m, 40 moves, sliding, Gemini 1.5 Flash; episodes that "
         "raise an error are not reported",
         _QUOTED,
@@ -152,8 +150,7 @@ PUBLISHED: tuple[Published, ...] = (
     Published(
         "PIVOT",
         "HM3D-v2 val, 1,000 episodes",
-        24.6,
-        10.6,
+        *_quoted("PIVOT"),
         "VLMnav's own run of it, by VLMnav's protocol; ten questions a move",
         _QUOTED,
         _VLMNAV_URL,
@@ -163,8 +160,7 @@ PUBLISHED: tuple[Published, ...] = (
     Published(
         "DyNaVLM",
         "HM3D val, version unstated",
-        45.0,
-        23.2,
+        *_quoted("DyNaVLM"),
         "no code was published",
         _QUOTED,
         "https://arxiv.org/abs/2506.15096",
@@ -172,8 +168,7 @@ PUBLISHED: tuple[Published, ...] = (
     Published(
         "PIRLNav, imitation only",
         "HM3D-v1 val",
-        64.1,
-        27.1,
+        *_quoted("PIRLNav"),
         "real scans; trained on human demonstrations of exactly these six classes",
         "Ramrakhya et al., PIRLNav, in its repository",
         "https://github.com/Ram81/pirlnav",
@@ -195,8 +190,7 @@ PUBLISHED: tuple[Published, ...] = (
     Published(
         "ZSON",
         "HM3D-v1 val",
-        25.5,
-        12.6,
+        *_quoted("ZSON"),
         "real scans; a policy trained to go to images, asked with words",
         _QUOTED,
         "https://github.com/gunagg/zson",
@@ -231,22 +225,6 @@ PUBLISHED: tuple[Published, ...] = (
         "real scans; InstructNav without its GPT-4, detector and saliency map; 2,000 episodes",
         "Aghaei et al., When Engineering Outruns Intelligence, 2025",
         "https://arxiv.org/abs/2507.20021",
-    ),
-    Published(
-        "Nearest frontier",
-        "a real robot, bed",
-        60.0,
-        24.0,
-        "a real building; the same detector and segmenter as HyPerNav's",
-        "HyPerNav, experiments with a robot",
-    ),
-    Published(
-        "Nearest frontier",
-        "a real robot, umbrella",
-        80.0,
-        35.0,
-        "a real building; the same detector and segmenter as HyPerNav's",
-        "HyPerNav, experiments with a robot",
     ),
 )
 """In the order in which they are shown; it is not a ranking."""

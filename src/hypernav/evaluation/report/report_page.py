@@ -14,6 +14,7 @@ from hypernav.evaluation.failures.classification import RULES, Failure
 from hypernav.evaluation.protocol import PROTOCOLS, StopRule
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.report import goat_rules, lives, report_text, tables
+from hypernav.evaluation.report.beside_paper import beside_paper
 from hypernav.evaluation.report.costs import call_axis, costs
 from hypernav.evaluation.report.published_results import PUBLISHED
 from hypernav.evaluation.report.run_data import RunData
@@ -26,13 +27,16 @@ REPORT_FILES = ("report.html", "report.csv", "report.tex", "lives.json")
 _SHOWN_FAILURES = 200
 
 
-def write_report(folder: Path, runs: Sequence[RunData], *, compare: bool = False) -> Path:
+def write_report(
+    folder: Path, runs: Sequence[RunData], *, compare: bool = False, published: bool = False
+) -> Path:
     """Write ``report.html``, ``report.csv``, ``report.tex``, and ``lives.json`` if there are lives.
 
     Args:
         folder: Folder of the report; created if missing.
         runs: Runs to report, at least one.
         compare: Whether to compare every run with the first one, episode by episode.
+        published: Whether to set every run beside the HyPerNav paper's rows.
 
     Returns:
         Path of the page; it needs no network, but links to the pages of saved episodes.
@@ -47,7 +51,8 @@ def write_report(folder: Path, runs: Sequence[RunData], *, compare: bool = False
             "the same data set can be compared"
         )
     page = page_environment("hypernav.evaluation").get_template("report.html.j2")
-    text = page.render(**_content(folder, runs, pairs))
+    beside = [(run, beside_paper(run)) for run in runs] if published else []
+    text = page.render(beside=beside, **_content(folder, runs, pairs))
     try:
         folder.mkdir(parents=True, exist_ok=True)
         (folder / "report.html").write_text(text, encoding="utf-8")
@@ -153,7 +158,8 @@ def _calls(run: RunData) -> dict[str, float]:
 
 
 def _rule_words(failure: Failure) -> str:
-    return report_text.RULES_IN_WORDS[failure]
+    rule, in_paper = report_text.RULES_IN_WORDS[failure], failure.in_paper
+    return f"{rule} Class of the HyPerNav paper: {in_paper}." if in_paper else rule
 
 
 def _yaml(configuration: object) -> str:

@@ -23,7 +23,7 @@ RULES_IN_WORDS: dict[Failure, str] = {
     Failure.UNREACHABLE: "The scene holds the goal, but no path leads there from the start.",
     Failure.LANGUAGE: "What the robot took for the goal only has a similar name.",
     Failure.FALSE_DETECTION: "What it took for the goal is neither the goal nor similar by name.",
-    Failure.MAP_QUALITY: (
+    Failure.WRONG_MAP: (
         f"It took the right object for the goal, but the area lay more than {MISPLACED_M:g} m off, "
         "or its map blocked a way that is really open."
     ),
@@ -33,6 +33,14 @@ RULES_IN_WORDS: dict[Failure, str] = {
     ),
     Failure.STOPPED_TOO_FAR: (
         "It took the right object for the goal and stopped, but beyond the success distance."
+    ),
+    Failure.MISSING_DATA: (
+        "It took the right object for the goal and its map has a path there, which leads where "
+        "nobody can stand; its images lacked what is there, as at a hole in a scan."
+    ),
+    Failure.SEEN_TOO_LATE: (
+        "It took the right object for the goal when the shortest path was longer than its last "
+        "steps could be."
     ),
     Failure.PATH_PLANNING: (
         "It took the right object for the goal and its map has a path there, but it didn't arrive."
@@ -199,6 +207,7 @@ def protocol_lines(run: RunData) -> list[tuple[str, str]]:
         ("Agent", f"{who['agent']}, preset {who['preset']}"),
         ("Sees with", captions.component_caption(str(who["detector"]))),
         ("Segments with", str(who.get("segmenter", "–"))),
+        ("Model", str(who.get("model", "–"))),
         ("Decides with", captions.component_caption(str(who["reasoner"]))),
         ("Seed", str(told["seed"])),
         ("Software", f"hypernav {run.configuration['hypernav']}"),

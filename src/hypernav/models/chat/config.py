@@ -26,6 +26,8 @@ class ChatConfig(RoomConfig):
     """Settings that all chat models share.
 
     Attributes:
+        published_model: Vision-language model of the published method (paper: QwenVL-7B). Results
+            and reports name it beside the model in use, unless this has its name.
         timeout_s: Longest wait for one attempt, during which a robot stands still.
         patience_s: Time after which an unanswered question is given up. Failed attempts are
             repeated until then; 0 asks once.
@@ -47,6 +49,7 @@ class ChatConfig(RoomConfig):
         dtype: Number format of a model in this process: "auto" is bfloat16 where supported.
     """
 
+    published_model: str = ""
     timeout_s: float = Field(default=60.0, gt=0.0, le=86_400.0)
     patience_s: float = Field(default=120.0, ge=0.0, le=86_400.0)
     first_wait_s: float = Field(default=0.5, ge=0.0, le=3600.0)

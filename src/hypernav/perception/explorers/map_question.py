@@ -197,7 +197,7 @@ def _text(
     answerable = [block.number for block in offered] if is_reasoned else sorted(shown)
     numbers = ", ".join(map(str, answerable))
     return config.words.format(
-        goal=goal.thing if is_reasoned else goal.text.strip(),
+        goal=goal.thing,
         legend=overview.legend,
         facts=_facts(offered, overview) if config.facts else numbers,
         numbers=numbers,

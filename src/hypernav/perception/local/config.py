@@ -31,7 +31,8 @@ class LocalConfig(RoomConfig):
         pixels: Pixels of a detection that count: those of its "mask" (paper), or all of its "box",
             which are not eroded.
         erosion_px: Side of the kernel that erodes the mask, pixels, so that its edge does not spill
-            onto the background (paper: "the mask is eroded", its size is ours); 1 does not erode.
+            onto the background (paper: "erode the segmentation area"; the size is ours); 1 does not
+            erode.
         keep_thin_masks: Whether a mask of which erosion would leave less than a quarter stays as it
             is.
         min_points: Number of points with depth that a goal area needs.

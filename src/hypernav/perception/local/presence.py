@@ -1,4 +1,4 @@
-"""The presence check at the goal, before the robot declares success (paper: Stop)."""
+"""The presence check at the goal, before the robot declares success (paper: Termination)."""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -20,9 +20,8 @@ class PresenceConfig(RoomConfig):
 
     Attributes:
         enabled: Whether to ask, where there is a chat model.
-        prompt: Text of the question; ``{goal}`` is filled in.
-        right_articles: Whether the goal's own article is dropped and ``a {goal}`` gets the right
-            one; else the goal's text is filled in as it is.
+        prompt: Text of the question; ``{goal}`` is filled in without its own article, and
+            ``a {goal}`` with the right one.
         unsure: What an answer that is neither yes nor no counts as. "yes" trusts the detector.
         min_probability: Least probability of a "yes", where the model gives probabilities.
         calibration: Told and true probabilities of "yes", in rising order, as measured by an exam;
@@ -31,7 +30,6 @@ class PresenceConfig(RoomConfig):
 
     enabled: bool = True
     prompt: str = _PROMPT
-    right_articles: bool = True
     unsure: Literal["yes", "no"] = "no"
     min_probability: float = Field(default=0.5, gt=0.0, le=1.0)
     calibration: Curve = ()
@@ -39,9 +37,7 @@ class PresenceConfig(RoomConfig):
 
 def presence_question(config: PresenceConfig, image: Image, goal: Goal) -> Question:
     """Question to a model whether an image (RGB) shows the goal."""
-    as_said = config.prompt.replace("{goal}", goal.text.strip())
-    text = goal.named_in(config.prompt) if config.right_articles else as_said
-    return yes_no_question("verify", text, image)
+    return yes_no_question("verify", goal.named_in(config.prompt), image)
 
 
 @dataclass(eq=False)

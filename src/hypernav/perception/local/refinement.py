@@ -18,7 +18,7 @@ _STRAY_SHARE = 0.05
 def eroded(
     mask: Bool[np.ndarray, "height width"], config: LocalConfig
 ) -> Bool[np.ndarray, "height width"]:
-    """A mask without its edge (paper: "the mask is eroded").
+    """A mask without its edge (paper: "erode the segmentation area").
 
     Args:
         mask: Mask of the goal's pixels.

@@ -1,4 +1,4 @@
-"""Detection by a vision-language model that is asked for boxes (paper: VLM grounding)."""
+"""Detection by a vision-language model that is asked for boxes (paper: by Qwen-VL)."""
 
 from collections import Counter
 from dataclasses import replace
@@ -47,10 +47,9 @@ class VlmDetectorConfig(RoomConfig):
     Attributes:
         family: Family of models whose coordinates the model answers in; "auto" reads it off the
             model's name.
-        prompt: Text of the question. ``{goal}``, ``{key}`` (of a box) and ``{example}`` are filled
-            in. A family that does not answer in JSON is asked in its makers' words instead, unless
-            this is set.
-        right_articles: Whether the goal is named without its own article.
+        prompt: Text of the question. ``{goal}`` (without its own article), ``{key}`` (of a box) and
+            ``{example}`` are filled in. A family that does not answer in JSON is asked in its
+            makers' words instead, unless this is set.
         score_crops: Number of boxes of an image, the largest first, whose crops are asked about
             once more: the probability of "yes" is the box's score. 0 takes boxes as they are.
         min_score: Score below which a box is dropped.
@@ -61,7 +60,6 @@ class VlmDetectorConfig(RoomConfig):
 
     family: Literal["auto", FamilyName] = "auto"
     prompt: str = _PROMPT
-    right_articles: bool = True
     score_crops: int = Field(default=2, ge=0, le=1000)
     min_score: float = Field(default=0.3, ge=0.0, le=1.0)
     constrained: bool = False
@@ -93,11 +91,10 @@ def grounding_question(
 ) -> Question:
     """Question to a model of a family about one image."""
     example = "[y1, x1, y2, x2]" if family.rows_first else "[x1, y1, x2, y2]"
-    name = goal.thing if config.right_articles else goal.text.strip()
     words = family.asks if family.asks and config.prompt == _PROMPT else config.prompt
     return Question(
         kind="ground",
-        text=words.format(goal=name, key=family.box_key, example=example),
+        text=words.format(goal=goal.thing, key=family.box_key, example=example),
         images=(family.prepared(image),),
         form=_Things if config.constrained else None,
         max_tokens=config.max_tokens,
