@@ -31,7 +31,7 @@ lint: $(VENV)/.installed-dev $(VENV)/.installed-docs  ## style, types, and who m
 	$(BIN)/lint-imports
 
 docs: $(VENV)/.installed-docs  ## run what the pages say, and build the site
-	$(BIN)/python scripts/run_pages.py docs/start.md docs/tutorials/*.md docs/commands/*.md
+	$(BIN)/python scripts/run_pages.py README.md CONTRIBUTING.md docs/*.md docs/*/*.md
 	$(BIN)/mkdocs build --strict
 
 wheel: $(BIN)/python  ## build wheel and sdist, and search with the wheel alone, on every Python and with the lowest dependencies
