@@ -9,7 +9,7 @@ PYTHONS := $(foreach version,3.12 3.13,$(shell python$(version) -c 'print("pytho
 # Where an image forbids bytecode, every process of every test would compile all modules again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow test-vlm lint docs wheel format clean
+.PHONY: demo test slow freeze mutants test-vlm lint docs wheel format clean
 
 demo: $(VENV)/.installed  ## search for a bed in the built-in house
 	$(BIN)/hypernav find bed --seed 2 --out runs/demo
@@ -19,6 +19,13 @@ test: $(VENV)/.installed-dev  ## the tests, in a few minutes
 
 slow: $(VENV)/.installed-dev  ## the longer checks
 	$(BIN)/pytest -n auto -m slow --timeout 600
+
+freeze: $(VENV)/.installed-dev  ## every building and episode of the frozen splits; half an hour of one core
+	HYPERNAV_CACHE=$$(mktemp -d) $(BIN)/pytest -n auto -m freeze --timeout 3600
+
+mutants: $(VENV)/.installed-dev  ## half an hour of small faults in what the robot runs: which do the tests miss?
+	$(BIN)/python -m pip install --quiet --group mutants
+	$(BIN)/python scripts/mutants.py
 
 test-vlm: $(VLM)/.installed  ## the tests with real, tiny networks, and of the GPU renderer; installs the CPU build of torch
 	$(VLM)/bin/pytest tests/local_vlm tests/worlds/drawing/test_warp_renderer.py --timeout 600
