@@ -11,7 +11,7 @@ from typing import Any
 import hypernav
 from hypernav.build.data.sources import DATA_SOURCES
 from hypernav.build.presets import preset
-from hypernav.cli.command_line import read_options
+from hypernav.cli.command_line import COMMANDS, read_options
 from hypernav.cli.options.agent import AgentOptions
 from hypernav.core.config import layered
 from hypernav.core.errors import HyPerNavError
@@ -19,6 +19,9 @@ from hypernav.core.errors import HyPerNavError
 _ROOT = Path(__file__).parents[1]
 _FIRST_WORDS = r"hypernav|python3?|pip|make|for|source|eval|export|ollama|vllm|llama-server|ros2|hf"
 _COMMAND = re.compile(rf"^(?:\$ )?(?:{_FIRST_WORDS}|\.ci/run)\b(?!:)", re.MULTILINE)
+_INLINE = re.compile(r"`((?:hypernav|python3?|make) [^`]+)`")
+_RENAMED = re.compile(r"Unrecognized options|unknown command|there is no such|: it has no ")
+_MISSING = re.compile("missing from hypernav|Missing value for argument '[a-z]")
 _COMMENT = re.compile(r"(?:^|\s+)#\s.*$")
 _BEFORE = ("do", "then", "$")
 _UNFINISHED = "unfinished:"
@@ -50,6 +53,24 @@ def command_faults(body: str) -> Iterator[str]:
             fault = "a quotation has no end" if words[0] == _UNFINISHED else ""
         if fault:
             yield f"{said}: {fault}"
+
+
+def inline_faults(text: str) -> Iterator[tuple[int, str]]:
+    """What was renamed of commands within sentences, which may leave out what is of no matter.
+
+    Args:
+        text: A page without its fenced blocks.
+
+    Yields:
+        The position of a command, and what is wrong with it.
+    """
+    for found in _INLINE.finditer(text):
+        said = " ".join(found[1].split())
+        command, dashes, options = said.partition(" --")
+        faults = list(command_faults(said))
+        if any(map(_MISSING.search, faults)):  # then nothing is said of the others
+            faults = list(command_faults(f"{command} x{dashes}{options}"))
+        yield from [(found.start(), fault) for fault in faults if _RENAMED.search(fault)]
 
 
 def commands_of(body: str) -> Iterator[list[str]]:
@@ -97,8 +118,9 @@ def python_faults(body: str) -> Iterator[str]:
 
 def _fault_of_command(arguments: list[str]) -> str:
     """What the program says against the arguments of ``hypernav``; empty if nothing."""
-    if arguments[:1] == ["--completion"]:
-        return ""
+    if arguments[:1] in (["--completion"], ["--version"]) or arguments[-1:] == ["--help"]:
+        known = (*COMMANDS, arguments[-1], "--completion", "COMMAND")
+        return "" if arguments[0] in known else f"unknown command '{arguments[0]}'"
     try:
         options = read_options(arguments)
         who = getattr(options, "who", None)

@@ -10,9 +10,10 @@ Each page is followed from its top to its end in an empty folder of its own:
 
 What can't be run says why: ``<!-- not run: it needs a robot -->`` in the line above the block, or
 ``<!-- commands are not run: they take hours -->`` once on a page, for its blocks of commands.
-Of these the command lines are read by the program's own parser (`page_commands`), and of Python the
-syntax is checked, and that what it takes from hypernav is there. Blocks of other languages, and
-those without a language that hold no command, are only shown. As many pages are followed side by
+Of these, and of commands within sentences, the program's own parser reads the options
+(`page_commands`), and of Python the syntax is checked, and that what it takes from hypernav is
+there. Blocks of other languages, and those without a language that hold no command, are only shown.
+As many pages are followed side by
 side as the machine has cores.
 
 Run: python scripts/run_pages.py [--write] PAGE…
@@ -33,7 +34,7 @@ from functools import partial
 from itertools import chain
 from pathlib import Path
 
-from page_commands import command_faults, has_commands, python_faults
+from page_commands import command_faults, has_commands, inline_faults, python_faults
 
 _MOST_S = 600.0
 """Time limit of a block, so that one that waits for ever is an error."""
@@ -90,11 +91,9 @@ def main() -> int:
     parser.add_argument("--check", action="store_true", help="run nothing; check the other blocks")
     arguments = parser.parse_args()
     faults = [
-        f"{page}:{block.line}: {fault}"
+        f"{page}:{fault}"
         for page in arguments.pages
-        for block in blocks_of(page.read_text("utf-8"))
-        if not block.is_run
-        for fault in block.check()
+        for fault in faults_of_unrun(page.read_text("utf-8"))
     ]
     if not arguments.check:
         with ThreadPoolExecutor(os.cpu_count()) as pool:
@@ -114,6 +113,16 @@ def blocks_of(text: str) -> Iterator[Block]:
         line = text.count("\n", 0, found.start("kind")) + 1
         body = textwrap.dedent(found["body"])
         yield Block(kind, body, line, kind in _RUN and not is_marked, is_marked)
+
+
+def faults_of_unrun(text: str) -> Iterator[str]:
+    """What is wrong with what a page says and nothing runs, each after its line."""
+    for block in blocks_of(text):
+        if not block.is_run:
+            yield from (f"{block.line}: {fault}" for fault in block.check())
+    sentences = _BLOCK.sub(lambda block: "\n" * block[0].count("\n"), text)
+    for at, fault in inline_faults(sentences):
+        yield f"{sentences.count(chr(10), 0, at) + 1}: {fault}"
 
 
 def _faults(page: Path, *, write: bool) -> list[str]:

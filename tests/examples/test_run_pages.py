@@ -16,9 +16,7 @@ def check(monkeypatch):
     run_pages = importlib.import_module("run_pages")
 
     def faults(*blocks: str) -> list[str]:
-        page = "# A page\n\n" + "\n\n".join(blocks) + "\n"
-        unrun = [block for block in run_pages.blocks_of(page) if not block.is_run]
-        return [f"{block.line}: {fault}" for block in unrun for fault in block.check()]
+        return list(run_pages.faults_of_unrun("# A page\n\n" + "\n\n".join(blocks) + "\n"))
 
     return faults
 
@@ -79,3 +77,13 @@ def test_python_that_is_not_run_is_read(check):
         "hypernav has no fnd",
     ]
     assert "no Python" in faults[2]
+
+
+def test_what_was_renamed_is_a_fault_in_a_sentence_that_may_leave_out_the_rest(check):
+    assert not check(
+        "Look at `hypernav eval --plan`, `hypernav doctor --vlm`, `hypernav COMMAND --help`,",
+        "`python benchmarks/houses.py --first …` or `make demo`.",
+    )
+    renamed = "hypernav eval --plam", "hypernav evil", "python scripts/a.py", "make dmo"
+    faults = check("Some words first.", *(f"Look at `{one}`." for one in renamed))
+    assert [fault.partition(": ")[0] for fault in faults] == ["5", "7", "9", "11"]
