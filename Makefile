@@ -9,7 +9,7 @@ PYTHONS := $(foreach version,3.12 3.13,$(shell python$(version) -c 'print("pytho
 # Where an image forbids bytecode, every process of every test would compile all modules again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow test-vlm lint docs wheel format clean
+.PHONY: demo test slow freeze mutants test-vlm lint docs wheel format clean
 
 demo: $(VENV)/.installed  ## search for a bed in the built-in house
 	$(BIN)/hypernav find bed --seed 2 --out runs/demo
@@ -19,6 +19,15 @@ test: $(VENV)/.installed-dev  ## the tests, in a few minutes
 
 slow: $(VENV)/.installed-dev  ## the longer checks
 	$(BIN)/pytest -n auto -m slow --timeout 600
+
+freeze: $(VENV)/.installed-dev  ## every building and episode of the frozen splits, made anew; 40 minutes of one core
+	rm -rf build/freeze
+	HYPERNAV_CACHE=$(abspath build/freeze) $(BIN)/pytest -n auto -m freeze --timeout 3600
+	rm -rf build/freeze
+
+mutants: $(VENV)/.installed-dev  ## half an hour of small faults in what the robot runs: which do the tests miss?
+	$(BIN)/python -m pip install --quiet --group mutants
+	$(BIN)/python scripts/mutants.py
 
 test-vlm: $(VLM)/.installed  ## the tests with real, tiny networks, and of the GPU renderer; installs the CPU build of torch
 	$(VLM)/bin/pytest tests/local_vlm tests/worlds/drawing/test_warp_renderer.py --timeout 600
@@ -31,7 +40,7 @@ lint: $(VENV)/.installed-dev $(VENV)/.installed-docs  ## style, types, and who m
 	$(BIN)/lint-imports
 
 docs: $(VENV)/.installed-docs  ## run what the pages say, and build the site
-	$(BIN)/python scripts/run_pages.py docs/start.md docs/tutorials/*.md docs/commands/*.md
+	$(BIN)/python scripts/run_pages.py README.md CONTRIBUTING.md docs/*.md docs/*/*.md
 	$(BIN)/mkdocs build --strict
 
 wheel: $(BIN)/python  ## build wheel and sdist, and search with the wheel alone, on every Python and with the lowest dependencies

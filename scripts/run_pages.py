@@ -8,7 +8,13 @@ Each page is followed from its top to its end in an empty folder of its own:
 - a ``console`` block holds commands after ``$`` and what they print, with ``… s`` for times. A line
   with ``…`` alone stands for any number of lines. ``--write`` puts in what they print now.
 
-All other blocks are only shown. As many pages are followed side by side as the machine has cores.
+What can't be run says why: ``<!-- not run: it needs a robot -->`` in the line above the block, or
+``<!-- commands are not run: they take hours -->`` once on a page, for its blocks of commands.
+Of these, and of commands within sentences, the program's own parser reads the options
+(`page_commands`), and of Python the syntax is checked, and that what it takes from hypernav is
+there. Blocks of other languages, and those without a language that hold no command, are only shown.
+As many pages are followed side by
+side as the machine has cores.
 
 Run: python scripts/run_pages.py [--write] PAGE…
 """
@@ -20,17 +26,57 @@ import re
 import subprocess
 import sys
 import tempfile
+import textwrap
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from pathlib import Path
 
+from page_commands import command_faults, has_commands, inline_faults, python_faults
+
 _MOST_S = 600.0
 """Time limit of a block, so that one that waits for ever is an error."""
-_BLOCK = re.compile(r"^```(python|sh|console)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+_BLOCK = re.compile(
+    r"^(?: *<!-- not run: (?P<why>[^\n]+) -->\n)?(?P<indent> *)```(?P<kind>\w*)\n(?P<body>.*?)"
+    r"^(?P=indent)```$",
+    re.DOTALL | re.MULTILINE,
+)
+_PAGE_WHY = re.compile(r"^<!-- commands are not run: .+ -->$", re.MULTILINE)
+_RUN = ("python", "sh", "console")
+_SHELL = ("sh", "bash", "")
 _FILE = re.compile(r"# ([\w.-]+\.\w+)\n")
 _SECONDS = re.compile(r"\b\d+(?:\.\d+)? (ms|s|min)\b")
 _FIRST_RUN = re.compile(r"^(?:first run: compiling.*|…)\n", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block of a page.
+
+    Attributes:
+        kind: Its language; empty if it names none.
+        body: What it holds, without the indentation of the fence.
+        line: Number of the line of its fence.
+        is_run: Whether it is run, not only shown or checked.
+        is_marked: Whether it, or its page, says why it isn't run.
+    """
+
+    kind: str
+    body: str
+    line: int
+    is_run: bool
+    is_marked: bool
+
+    def check(self) -> Iterator[str]:
+        """What is wrong with a block that isn't run."""
+        is_shell = self.kind in _SHELL and has_commands(self.body)
+        if not is_shell and self.kind not in _RUN:
+            return
+        if not self.is_marked:
+            yield "neither run nor marked: say why above it, <!-- not run: REASON -->"
+        yield from python_faults(self.body) if self.kind == "python" else command_faults(self.body)
 
 
 def main() -> int:
@@ -42,35 +88,65 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Run what pages tell their readers to type.")
     parser.add_argument("pages", nargs="+", type=Path)
     parser.add_argument("--write", action="store_true", help="write what the commands print")
+    parser.add_argument("--check", action="store_true", help="run nothing; check the other blocks")
     arguments = parser.parse_args()
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        faults = list(pool.map(partial(_faults, write=arguments.write), arguments.pages))
-    for fault in chain.from_iterable(faults):
+    faults = [
+        f"{page}:{fault}"
+        for page in arguments.pages
+        for fault in faults_of_unrun(page.read_text("utf-8"))
+    ]
+    if not arguments.check:
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            found = pool.map(partial(_faults, write=arguments.write), arguments.pages)
+            faults += chain.from_iterable(found)
+    for fault in faults:
         print(fault)
-    return 1 if any(faults) else 0
+    return 1 if faults else 0
+
+
+def blocks_of(text: str) -> Iterator[Block]:
+    """The fenced blocks of a page."""
+    page_is_marked = _PAGE_WHY.search(text) is not None
+    for found in _BLOCK.finditer(text):
+        kind = found["kind"]
+        is_marked = found["why"] is not None or (page_is_marked and kind in _SHELL)
+        line = text.count("\n", 0, found.start("kind")) + 1
+        body = textwrap.dedent(found["body"])
+        yield Block(kind, body, line, kind in _RUN and not is_marked, is_marked)
+
+
+def faults_of_unrun(text: str) -> Iterator[str]:
+    """What is wrong with what a page says and nothing runs, each after its line."""
+    for block in blocks_of(text):
+        if not block.is_run:
+            yield from (f"{block.line}: {fault}" for fault in block.check())
+    sentences = _BLOCK.sub(lambda block: "\n" * block[0].count("\n"), text)
+    for at, fault in inline_faults(sentences):
+        yield f"{sentences.count(chr(10), 0, at) + 1}: {fault}"
 
 
 def _faults(page: Path, *, write: bool) -> list[str]:
-    """What is wrong with a page."""
-    text, faults = page.read_text("utf-8"), list[str]()
+    """What is wrong with what a page runs."""
+    faults = list[str]()
     with tempfile.TemporaryDirectory() as folder:
-        for block in _BLOCK.finditer(text):
-            kind, body = block.groups()
-            if kind == "console":
-                printed = _console(body, folder)
+        for block in blocks_of(page.read_text("utf-8")):
+            if not block.is_run:
+                continue
+            if block.kind == "console":
+                printed = _console(block.body, folder)
                 if write:
-                    page.write_text(page.read_text("utf-8").replace(body, printed), "utf-8")
-                elif not _agree(body, printed):
-                    diff = difflib.unified_diff(body.splitlines(), printed.splitlines(), str(page))
-                    faults.append("\n".join(diff))
-            elif name := _FILE.match(body):
-                (Path(folder) / name[1]).write_text(body, "utf-8")
+                    page.write_text(page.read_text("utf-8").replace(block.body, printed), "utf-8")
+                elif not _agree(block.body, printed):
+                    lines = (block.body.splitlines(), printed.splitlines())
+                    faults.append("\n".join(difflib.unified_diff(*lines, str(page))))
+            elif name := _FILE.match(block.body):
+                (Path(folder) / name[1]).write_text(block.body, "utf-8")
             else:
-                command = [sys.executable, "-c"] if kind == "python" else ["bash", "-euc"]
-                done = _call([*command, body], folder)
+                command = [sys.executable, "-c"] if block.kind == "python" else ["bash", "-euc"]
+                done = _call([*command, block.body], folder)
                 if done.returncode:
-                    said = f"{page}: a block fails with {done.returncode}"
-                    faults.append(f"{said}\n{body}\n{done.stdout}")
+                    said = f"{page}:{block.line}: a block fails with {done.returncode}"
+                    faults.append(f"{said}\n{block.body}\n{done.stdout}")
     return faults
 
 

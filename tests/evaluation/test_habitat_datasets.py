@@ -107,6 +107,8 @@ def test_a_split_in_a_folder_is_habitats_layout(split, tmp_path):
 
 
 def test_a_goal_whose_file_brings_no_view_points_is_measured_by_the_scene(file):
+    count = len(load_episodes(f"habitat:{file}"))
+    assert count > 0
 
     def drop_all(content):
         for goals in content["goals_by_category"].values():
@@ -114,7 +116,7 @@ def test_a_goal_whose_file_brings_no_view_points_is_measured_by_the_scene(file):
                 goal["view_points"] = []
 
     edit(file, drop_all)
-    assert all(e.view_points is None for e in load_episodes(f"habitat:{file}"))
+    assert [e.view_points for e in load_episodes(f"habitat:{file}")] == [None] * count
 
 
 @pytest.fixture

@@ -81,7 +81,9 @@ def test_categories_and_phrases_are_asked_for(drawn):
 def test_the_same_building_has_the_same_lives():
     building = Building("houses", 2)
     scene = cached_building(building)
-    assert house_episodes(scene, building, "lives") == house_episodes(scene, building, "lives")
+    drawn = house_episodes(scene, building, "lives")
+    assert len({(e.info or {})["life"] for e in drawn.episodes}) == LIVES_PER_BUILDING
+    assert house_episodes(scene, building, "lives") == drawn
 
 
 @pytest.mark.slow

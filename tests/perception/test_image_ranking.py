@@ -72,12 +72,14 @@ def test_an_image_that_fits_any_words_is_not_taken_for_the_goal():
     bare = [max(v[3] / np.linalg.norm(v) for v in model.image_vectors(one.rgb)) for one in images]
     assert int(np.argmax(bare)) == 10
     assert model.text_vectors([words])[0].tolist() == [0.0, 0.0, 0.0, 1.0]
-    assert all(one.above == 0.0 for one in ranking().ranked(images, Goal("gizmo")))
+    assert [one.above for one in ranking().ranked(images, Goal("gizmo"))] == [0.0] * 11
 
 
 @pytest.mark.parametrize("goal", ["red ball", "gizmo"])
 def test_nothing_stands_out_of_images_that_look_alike(goal):
-    assert all(one.above < 3.0 for one in ranking().ranked(greys(30), Goal(goal)))
+    ranked = ranking().ranked(greys(30), Goal(goal))
+    assert {one.number for one in ranked} == set(range(30))
+    assert all(one.above < 3.0 for one in ranked)
 
 
 def test_too_few_images_are_ranked_but_none_stands_out():

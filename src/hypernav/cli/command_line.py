@@ -79,10 +79,7 @@ def run_command(arguments: Sequence[str]) -> int:
         return 0
     if name == "--completion":
         _completion(rest)
-    if name not in COMMANDS:
-        raise ConfigError(_unknown(name))
-    _refuse_empty(rest)
-    options = _parse(name, _with_one_set(rest))
+    options = read_options(arguments)
     check_address_space()
     run = _imported(f"hypernav.cli.{name}")
     try:
@@ -92,6 +89,23 @@ def run_command(arguments: Sequence[str]) -> int:
             f"a component ended the program (SystemExit: {end}), outside a call of this program",
             traceback.format_exc(),
         ) from end
+
+
+def read_options(arguments: Sequence[str]) -> Any:
+    """The options of a command line, of the class ``Options`` of its command; nothing is run.
+
+    Args:
+        arguments: The arguments after the name of the program.
+
+    Raises:
+        ConfigError: The command line cannot be understood.
+        SystemExit: The command line asks for help, which has been printed.
+    """
+    name, *rest = list(arguments) or [""]
+    if name not in COMMANDS:
+        raise ConfigError(_unknown(name))
+    _refuse_empty(rest)
+    return _parse(name, _with_one_set(rest))
 
 
 def _imported(module: str) -> Callable[[Any], int]:

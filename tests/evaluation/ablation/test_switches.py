@@ -1,6 +1,7 @@
 """The variants of the study of switches, against the presets and the components in use."""
 
 import math
+from functools import reduce
 from pathlib import Path
 
 import pytest
@@ -136,9 +137,18 @@ def test_the_docs_have_a_row_for_every_ablation_of_the_paper():
         assert row.endswith(f"| `{one.changes}` |")
 
 
-def test_every_field_has_words():
-    for field in values_by_field(preset("default")):
-        assert len(words_of(field)) > 10, field
+def test_the_words_of_every_field_are_its_own_sentence_of_the_docs():
+    config = preset("default")
+    words = {field: words_of(field) for field in values_by_field(config)}
+    for field, said in words.items():
+        *sections, key = field.split(".")
+        documented = " ".join((type(reduce(getattr, sections, config)).__doc__ or "").split())
+        assert f" {key}: {said}" in documented, field
+        assert said.endswith("."), field
+        assert len(said.split()) >= 3, field
+    assert words["presence.enabled"] != words["local.erosion_px"]
+    own = [(field.rpartition(".")[0], said) for field, said in words.items()]
+    assert len(set(own)) == len(own)
 
 
 def traced(method: Method) -> list[dict]:

@@ -161,6 +161,7 @@ def test_depth_that_is_no_measurement_says_nothing(value):
     before = map_of([FLOOR, TABLE], [HERE])
     after = map_of([FLOOR, TABLE], [HERE])
     after.integrate(frame(np.full((CAMERA.height, CAMERA.width), value, np.float32), HERE))
+    assert set(known(before).values()) == {Cell.FREE, Cell.OCCUPIED}
     assert known(after) == known(before)
 
 
@@ -170,6 +171,7 @@ def test_a_code_says_nothing_to_a_camera_of_long_range_either():
     for world_map in (before, after):
         world_map.integrate(view_of([FLOOR, TABLE], HERE))
     after.integrate(frame(np.full((CAMERA.height, CAMERA.width), 65.535, np.float32), HERE))
+    assert set(known(before).values()) == {Cell.FREE, Cell.OCCUPIED}
     assert known(after) == known(before)
 
 

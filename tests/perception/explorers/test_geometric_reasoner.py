@@ -188,7 +188,8 @@ def test_a_tour_does_not_change_when_the_robot_turns_on_the_spot(values):
         ).number
         for yaw in (0.0, 1.5, 3.0, -1.5)
     }
-    assert len(chosen) == 1
+    (number,) = chosen
+    assert number in {one.number for one in blocks}
 
 
 def test_stairs_are_weighed_against_all_blocks_however_many_there_are():

@@ -450,7 +450,7 @@ def test_another_name_for_the_same_pixels_speaks_against_it():
     ],
 )
 def test_what_is_elsewhere_is_no_rival(other):
-    assert odds_beside(other) == odds_beside()
+    assert odds_beside(other) == odds_beside() > odds_beside(rival(0.95))
 
 
 def test_nothing_is_doubted_in_the_paper_s_way():

@@ -96,7 +96,7 @@ def chance_in_view(
             "none; choose a real model, for example --reasoner similarity:PATH_OR_ID"
         )
     ids = truth.ids[::_STRIDE, columns][:, ::_STRIDE]
-    pixels = np.bincount(ids[ids >= 0], minlength=1)
+    pixels = np.bincount(ids[ids >= 0])
     shown = {
         truth.labels[number]: int(pixels[number])
         for number in np.flatnonzero(pixels >= _LEAST_PIXELS).tolist()
