@@ -19,6 +19,7 @@ from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
 from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.surface.storeys import Storeys
 from hypernav.worlds.surface.view_points import view_points
 from hypernav.worlds.surface.walkable import WalkableGrid
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
@@ -132,7 +133,7 @@ def check_building(building: Building) -> None:
         # Over stairs all storeys are one floor for a robot that climbs.
         navmesh = robot_navmesh(scene, CLIMBING_BODY, "auto")
         assert navmesh is not None
-        surface = NavmeshSurface(navmesh, scene.storeys)
+        surface = NavmeshSurface(navmesh, Storeys.of(scene, CLIMBING_BODY))
         for plan in plans:
             check_walkable(plan, surface)
         # Recast keeps up to 10 cm farther away, so a thing in a nook may be out of its reach.

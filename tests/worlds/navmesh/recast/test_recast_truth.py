@@ -23,7 +23,7 @@ ROBOTS = ("r18_h088", "r17_h141", "r10_h150", "r18_h100")
 @pytest.fixture(scope="module")
 def scene(small_house: Path) -> Scene:
     """habitat-sim took this file for z up, as it takes every GLB without a configuration."""
-    parts, materials = read_gltf(small_house, z_up=True)
+    parts, materials = read_gltf(small_house, up="z")
     whole = SceneObject("house", frozenset(part.node for part in parts), None)
     scene = assemble("small_house", parts, [whole], materials, smooth=False)
     return replace(scene, stored_z_up=True)
