@@ -40,11 +40,11 @@ ROOM = drawn(
     scale=10,
 )
 CONTEXT = (
-    "A robot searches an unknown building for: the chair in the office. The picture is the map "
+    "A robot searches an unknown building for: chair in the office. The picture is the map "
     "that it has drawn so far, seen from above: white is free floor, dark is walls and furniture, "
     "grey is not yet explored. The orange arrow is the robot and where it looks, the blue line is "
     "where it has been. The explored area is divided into numbered blocks: {numbers}.\n\n"
-    "Which numbered block should the robot go to next to find the the chair in the office? Think "
+    "Which numbered block should the robot go to next to find the chair in the office? Think "
     "about what kind of room each part may be and where unexplored space begins. Answer with the "
     "number of one block and a short reason."
 )
@@ -53,9 +53,9 @@ CONTEXT = (
 def test_the_question_for_boxes():
     question = grounding_question(PAPER.grounding, family_named("qwen2.5-vl"), VIEW, GOAL)
     assert question.text == (
-        "Locate every the chair in the office in the picture and report the bounding boxes in JSON "
-        'format, for example [{"bbox_2d": [x1, y1, x2, y2], "label": "the chair in the office"}]. '
-        "If there is no the chair in the office in the picture, answer []."
+        "Locate every chair in the office in the picture and report the bounding boxes in JSON "
+        'format, for example [{"bbox_2d": [x1, y1, x2, y2], "label": "chair in the office"}]. '
+        "If there is no chair in the office in the picture, answer []."
     )
     assert (question.allowed, question.form, question.max_tokens) == ((), None, 300)
     assert question.images[0].tobytes() == VIEW.tobytes()
@@ -63,7 +63,7 @@ def test_the_question_for_boxes():
 
 def test_the_question_at_the_goal():
     question = presence_question(PAPER.presence, VIEW, GOAL)
-    text = "Is there a the chair in the office in this picture? Answer yes or no."
+    text = "Is there a chair in the office in this picture? Answer yes or no."
     assert question.text == text
     assert (question.allowed, question.max_tokens) == (("yes", "no"), 8)
 

@@ -27,7 +27,7 @@ NAY = [*PERFECT[:3], checked("there", "no"), checked("not there", "no"), chose(1
 
 @pytest.fixture(autouse=True)
 def two_rooms_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(searches, "load_scene", lambda _: None)
+    monkeypatch.setattr(searches, "load_scene", lambda *_: None)
     monkeypatch.setattr(
         searches,
         "open_world",

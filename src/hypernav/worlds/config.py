@@ -5,7 +5,6 @@ from typing import Literal
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
-from hypernav.worlds.scenes.axes import Axis
 
 NavmeshChoice = Literal["auto", "file", "robot"]
 """Navigation mesh that a robot walks on: "auto", the file's if it was made for such a robot, else
@@ -20,6 +19,9 @@ polygons on the way, as in its tag v0.3.4, which often holds a robot at a wall t
 RendererName = Literal["cpu", "warp"]
 """What draws a scene: "cpu", a rasterizer on all cores; or "warp", rays on an NVIDIA GPU (extra
 ``gpu``)."""
+
+Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
+"""An axis of a scene's file, in its positive or negative direction."""
 
 CELL_M = 0.05
 """Default side of the walkable surface's cells, metres, as in Habitat's navigation meshes."""

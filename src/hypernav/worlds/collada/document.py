@@ -14,7 +14,8 @@ from hypernav.core.files.xml_text import parse_xml
 from hypernav.worlds.collada.paints import PLAIN, FindImage, read_paints
 from hypernav.worlds.collada.transforms import local_matrix
 from hypernav.worlds.collada.triangles import Triangles, triangles_of
-from hypernav.worlds.scenes.axes import TO_Z_UP, Axis
+from hypernav.worlds.config import Axis
+from hypernav.worlds.scenes.axes import TO_Z_UP
 from hypernav.worlds.scenes.node_names import is_meaningful, unique_name
 from hypernav.worlds.scenes.paints import Paint
 from hypernav.worlds.scenes.scene_assembly import MeshPart, placed

@@ -6,7 +6,7 @@ from hypernav.core.errors import SceneError
 from hypernav.core.files.allowance import Allowance
 from hypernav.core.files.reading import path_below
 from hypernav.worlds.collada.document import read_collada
-from hypernav.worlds.scenes.axes import Axis
+from hypernav.worlds.config import Axis
 from hypernav.worlds.scenes.paints import materials_of
 from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart

@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from hypernav.core.errors import SceneError
+from hypernav.worlds.config import Axis
 from hypernav.worlds.scans.annotated import annotated
 from hypernav.worlds.scans.layout import HOUSE_SUFFIX, ScanFiles
 from hypernav.worlds.scans.matterport_house import read_house
@@ -11,7 +12,6 @@ from hypernav.worlds.scans.matterport_mesh import objects_of_triangles
 from hypernav.worlds.scans.scan_cache import cached_scan
 from hypernav.worlds.scans.semantic_mesh import colors_of_triangles
 from hypernav.worlds.scans.semantic_text import read_annotations
-from hypernav.worlds.scenes.axes import Axis
 from hypernav.worlds.scenes.gltf import read_gltf
 from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene

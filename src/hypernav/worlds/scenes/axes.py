@@ -2,13 +2,11 @@
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float64
 
-Axis = Literal["x", "y", "z", "-x", "-y", "-z"]
-"""An axis of a file, in its positive or negative direction."""
+from hypernav.worlds.config import Axis
 
 _ROWS: dict[Axis, list[list[float]]] = {
     "x": [[0, -1, 0], [0, 0, -1], [1, 0, 0]],

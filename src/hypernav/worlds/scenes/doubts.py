@@ -13,7 +13,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.kind_shapes import KindShape, kind_shape
-from hypernav.worlds.scenes.axes import TO_Z_UP, Axis, axis_along
+from hypernav.worlds.config import Axis
+from hypernav.worlds.scenes.axes import TO_Z_UP, axis_along
 from hypernav.worlds.scenes.node_names import is_structural, words_of
 from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject
 

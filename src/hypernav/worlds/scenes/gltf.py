@@ -11,8 +11,9 @@ from jaxtyping import Float, Float32, Float64, Int32, UInt8
 from pydantic import ValidationError
 
 from hypernav.core.errors import SceneError
+from hypernav.worlds.config import Axis
 from hypernav.worlds.drawing.textures import linear_to_srgb
-from hypernav.worlds.scenes.axes import TO_Z_UP, Axis
+from hypernav.worlds.scenes.axes import TO_Z_UP
 from hypernav.worlds.scenes.gltf_file import GltfFile
 from hypernav.worlds.scenes.gltf_format import (
     Instancing,

@@ -12,7 +12,7 @@ import numpy as np
 from hypernav.core.errors import SceneError
 from hypernav.core.files.reading import back_slashes, check_file
 from hypernav.core.labels import ObjectLabel
-from hypernav.worlds.scenes.axes import Axis
+from hypernav.worlds.config import Axis
 from hypernav.worlds.scenes.doubts import doubts_of
 from hypernav.worlds.scenes.gltf import read_gltf
 from hypernav.worlds.scenes.node_names import category_of

@@ -21,7 +21,8 @@ from trimesh.visual.material import PBRMaterial
 from hypernav.core.errors import SceneError
 from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
 from hypernav.core.files.reading import path_below, read_file
-from hypernav.worlds.scenes.axes import TO_Z_UP, Axis
+from hypernav.worlds.config import Axis
+from hypernav.worlds.scenes.axes import TO_Z_UP
 from hypernav.worlds.scenes.obj_text import ObjText
 from hypernav.worlds.scenes.scene import Material
 from hypernav.worlds.scenes.scene_assembly import MeshPart
