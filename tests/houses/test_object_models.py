@@ -19,6 +19,7 @@ def make(name: str, seed: int) -> Model:
     return MAKERS[name](rng, sample_palette(rng.fork("taste")))
 
 
+@pytest.mark.slow
 def test_the_page_counts_models_and_kinds_rightly():
     kinds = {make(name, seed).category for name in MAKERS for seed in range(5)}
     page = Path(__file__).parents[2] / "docs/houses.md"
