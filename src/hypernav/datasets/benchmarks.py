@@ -231,8 +231,8 @@ BENCHMARKS = {
             _HM3D,
             paper_results.HM3D,
             "val",
-            "The paper says that a scene has around 100 episodes, so its episodes are those of v1, "
-            "with 2,000 in 20 scenes (v2: 1,000 in 36).",
+            "The paper names no version. It says that a scene has around 100 episodes, which fits "
+            "v1 (2,000 in 20 scenes) and not v2 (1,000 in 36).",
         ),
         _as_in_the_paper(
             _OVON,

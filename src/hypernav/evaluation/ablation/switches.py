@@ -56,7 +56,7 @@ ABLATIONS = (
         ("planning.replan_every_steps=null", "planning.replan_when_moved=false"),
     ),
 )
-"""Ablations of the parts that the paper describes; they are ours, the paper prints none."""
+"""Ablations of the parts that the paper describes; they are ours, it prints none in simulation."""
 
 
 def switches(method: Method) -> Study:

@@ -76,10 +76,12 @@ def beside_paper(run: RunData) -> BesidePaper:
 
 
 def _scene_rows(run: RunData, printed: PaperRuns) -> Iterator[BesideRow]:
-    """The average over the scenes that the paper lists, and each of them."""
+    """The average, over all episodes of the run; that of the listed scenes; and each of these."""
     listed = [r for r in run.counted if scene_number(r.scene_id) in printed.scenes]
     average = "Average Performance in HM3D, OVON"
-    yield _row(run, average, f"{printed.title}, average", printed.total, listed)
+    yield _row(run, average, f"{printed.title}, average", printed.total, run.counted)
+    mean = f"{printed.title}, mean of its scenes"
+    yield _row(run, printed.table, mean, printed.plain_mean, listed)
     for scene, score in printed.scenes.items():
         own = [record for record in listed if scene_number(record.scene_id) == scene]
         yield _row(run, printed.table, f"{printed.title}, scene {scene}", score, own)
@@ -121,7 +123,7 @@ def _of_scenes(run: RunData, printed: PaperRuns) -> Iterator[str]:
     version, _, name = split.rpartition("/")
     if printed is paper_results.HM3D and version != "v1":
         own = f"are of {version}" if version else "may be of any version"
-        yield f"Other episodes: the run's {own}, the paper's are of v1, by its 100 a scene."
+        yield f"Other episodes: the run's {own}, the paper's seem to be of v1, by its 100 a scene."
     if printed is paper_results.OVON and name and name != "val_unseen":
         yield f"Other episodes: the run's are of {name}, the paper's of {printed.split}."
     found = dict.fromkeys(scene_number(record.scene_id) for record in run.counted)
@@ -130,13 +132,13 @@ def _of_scenes(run: RunData, printed: PaperRuns) -> Iterator[str]:
     if others := [
         scene or "one without a number" for scene in found if scene not in printed.scenes
     ]:
-        yield f"Scenes of the run that the paper doesn't list, left out here: {', '.join(others)}."
+        yield f"Scenes of the run that the paper doesn't list: {', '.join(others)}."
     count = sum(scene_number(record.scene_id) in printed.scenes for record in run.counted)
     if count != printed.episodes:
         yield f"The run has {count:,} episodes in them, the paper's table {printed.episodes:,}."
     yield (
-        "The paper's tables by scene are clips; whether its average is of these scenes alone, it "
-        "doesn't say."
+        "The paper's tables by scene are clips, “due to length”, so its average is probably of "
+        "more scenes; the run's is of all its episodes."
     )
 
 
@@ -162,7 +164,7 @@ def _of_method(run: RunData, printed: PaperRuns | None) -> Iterator[str]:
     if not NoiseConfig.model_validate(config["world"]["noise"]).is_off:
         yield "The run's odometry or camera is noisy; the paper names no noise in simulation."
     yield (
-        "The paper states neither success distance nor camera; the run's are "
+        "The paper states neither success distance nor camera of its simulations; the run's are "
         f"{protocol['success_distance_m']:g} m from a view point, and "
         f"{camera['width']}×{camera['height']}, {camera['hfov_deg']:g}° wide."
     )

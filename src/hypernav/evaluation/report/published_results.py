@@ -27,8 +27,8 @@ class Published:
         url: Address of that publication or of the method's code; empty if there is none to give.
         reached: What counts as reached, and the stop rule.
         step: Length of a step.
-        step_seconds: Time of a step as the HyPerNav paper measured it, seconds; None where it
-            didn't.
+        step_seconds: Time of a step as the HyPerNav paper gives it, seconds; None where it
+            doesn't.
     """
 
     method: str
@@ -68,7 +68,7 @@ def _in_simulation(runs: PaperRuns, version: str, step_seconds: float | None = N
         f"boxes, {paper_results.SEGMENTER} the masks; run on "
         f"{paper_results.MACHINE}; camera and success distance are unstated. Plain means of the "
         f"scenes that it lists ({', '.join(runs.scenes)}) are {mean.success_percent:.1f} and "
-        f"{mean.spl_percent:.1f}; whether its average is of these alone, it doesn't say",
+        f"{mean.spl_percent:.1f}; the table is a clip, so its average is probably of more scenes",
         f"HyPerNav, tables “Average Performance in HM3D, OVON” and “{runs.table}”",
         step="0.5 m",
         step_seconds=step_seconds,
@@ -89,7 +89,7 @@ def _with_robot(row: RobotRow) -> Published:
 PUBLISHED: tuple[Published, ...] = (
     _in_simulation(
         paper_results.HM3D,
-        ", v1 by its “around 100 episodes per scene”",
+        ", v1 to judge by its “around 100 episodes” a scene",
         paper_results.STEP_SECONDS["HyPerNav"],
     ),
     _in_simulation(paper_results.OVON, ""),
@@ -130,7 +130,7 @@ PUBLISHED: tuple[Published, ...] = (
         *_quoted("NavVLM"),
         "its released code is a demonstration of one scene without measures, and reproduces "
         "nothing of this: a camera of 90° at 1.1 m, 400 steps, sliding; the time of a step is "
-        "the HyPerNav paper's own measurement",
+        "as the HyPerNav paper gives it, which doesn't say who measured it, and where",
         _QUOTED,
         "https://github.com/Yonggie/NavVLM",
         step="0.3 m",
