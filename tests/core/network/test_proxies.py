@@ -66,5 +66,14 @@ def test_a_proxy_of_another_kind_is_refused(monkeypatch: pytest.MonkeyPatch):
         environment_proxy("http://lab:8000/v1")
 
 
+@pytest.mark.parametrize("proxy", ["http://proxy.example:abc", "http://[::1"])
+def test_a_malformed_proxy_is_named_as_the_environments(
+    proxy: str, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setenv("http_proxy", proxy)
+    with pytest.raises(ValueError, match="environment names a proxy whose URL is malformed"):
+        environment_proxy("http://lab:8000/v1")
+
+
 def test_a_password_does_not_show():
     assert without_password("http://me:secret@proxy:3128") == PROXY.replace(".example", "")

@@ -116,6 +116,9 @@ def test_reads_the_family_off_the_name(model: str, family: str):
         *("meta-llama/Llama-3.2-11B-Vision", "mistralai/Pixtral-12B-2409", "CohereLabs/aya-vision"),
         *("microsoft/Phi-4-multimodal-instruct", "HuggingFaceTB/SmolVLM-Instruct", "MolmoAct-7B"),
         *("IffYuan/Embodied-R1.5", "openbmb/MiniCPM-OCR", "allenai/MolmoPoint-8B"),
+        # Names that hold another line's: what a model was made of, or its size.
+        *("google/medgemma-4b-it", "translategemma-4b-it", "llava-qwen3-8b", "qwen-3b-vl"),
+        *("Kwai-Keye/Keye-VL-1.5-Qwen3-8B", "gemma-3-12b-claude-distill"),
     ],
 )
 def test_never_guesses_a_family(model: str):

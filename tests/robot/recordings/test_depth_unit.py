@@ -42,6 +42,28 @@ def test_the_field_s_recording_is_doubted_and_its_twin_is_not(test_data):
     assert notes(field / "tum", 1000.0) == notes(field / "right") == ""
 
 
+def test_poses_in_millimetres_are_named(tmp_path):
+    write_matched_frames(tmp_path)
+    for path in tmp_path.glob("*.pose.txt"):
+        pose = np.loadtxt(path)
+        pose[:3, 3] *= 1000.0
+        np.savetxt(path, pose)
+    assert "or the poses are in millimetres" in notes(tmp_path)
+
+
+TO_OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
+
+
+@pytest.mark.parametrize(
+    "misread", [lambda pose: pose @ TO_OPENGL, np.linalg.inv], ids=["OpenGL", "world to camera"]
+)
+def test_poses_of_another_convention_contradict_the_depth(misread, tmp_path):
+    write_matched_frames(tmp_path)
+    for path in tmp_path.glob("*.pose.txt"):
+        np.savetxt(path, misread(np.loadtxt(path)))
+    assert "contradict each other by" in notes(tmp_path)
+
+
 @pytest.mark.parametrize("per_metre", [200.0, 5000.0])
 def test_a_real_camera_is_doubted_in_wrong_units_only(per_metre, test_data):
     lounge = test_data / "rgbd" / "lounge"

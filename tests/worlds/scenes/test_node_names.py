@@ -102,6 +102,9 @@ def test_a_single_word_is_never_taken_away() -> None:
         ("IfcFurniture_Sofa_01", "sofa"),
         ("room:Bed_01", "room bed"),
         ("M_Chair-Task:Chair-Task:138999 #5000", "task chair"),
+        ("Chair_Office_Swivel:Std:44", "office chair"),
+        ("Furniture_Sofa_Corbu:3 seat:331", "corbu sofa"),
+        ("Lamp, Floor:Floor lamp:43", "floor lamp"),
     ],
 )
 def test_names_of_building_models_become_words(name: str, category: str) -> None:
@@ -131,6 +134,8 @@ def test_names_of_building_models_become_words(name: str, category: str) -> None
         "Slab - 012",
         "Basic Wall:Interior - Partition (92mm Stud):138584 #4131",
         "Opening1",
+        "IFCWALL_#123",
+        "Wall_Ext [99]",
     ],
 )
 def test_a_building_model_says_what_is_the_building(name: str) -> None:

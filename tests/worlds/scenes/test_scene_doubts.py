@@ -129,6 +129,32 @@ def test_odd_buildings_are_not_doubted(parts: Parts) -> None:
     assert doubts_of(parts, objects_of(parts, bed_01="bed"), "z") == []
 
 
+def furniture(*names: str) -> Parts:
+    """Things of different heights that stand in a room of 6 by 4 m."""
+    return [
+        box(name, (x, y, 0.0), (x + 0.5, y + 0.6, 0.4 + 0.2 * k))
+        for k, name in enumerate(names)
+        for x, y in [(0.3 + 0.8 * k, 0.4 + 0.37 * k)]
+    ]
+
+
+def test_names_in_any_language_will_do_where_things_stand_on_one_level() -> None:
+    names = {"墙_南": "墙", "床_01": "床", "椅": "椅", "桌": "桌", "灯": "灯", "柜": "柜"}
+    structure = [box("床面", (-3, -3, -0.1), (9, 8, 0.0)), box("墙_南", (0, -0.1, 0), (6, 0, 2.5))]
+    parts = [*structure, *furniture(*list(names)[1:])]
+    assert doubts_of(parts, objects_of(parts, **names), "z") == []
+    (doubt,) = doubts_of(turned(parts, "y"), objects_of(parts, **names), "z")
+    assert "lie on its side" in doubt
+
+
+def test_many_things_of_one_kind_say_one_thing() -> None:
+    """A warehouse: sixty pallets that are called boxes."""
+    pallets = [box(f"box_{k}", (k, 0, 0), (k + 0.8, 1.5, 1.0)) for k in range(60)]
+    parts = [*room(width=70.0), *pallets]
+    labels = {"bed_01": "bed"} | {part.node: "box" for part in pallets}
+    assert doubts_of(parts, objects_of(parts, **labels), "z") == []
+
+
 def test_a_few_things_of_odd_size_say_nothing_of_the_unit() -> None:
     parts = [*room(), box("doll_bed", (3, 1, 0), (3.02, 1.04, 0.01))]
     assert doubts_of(parts, objects_of(parts, bed_01="bed", doll_bed="bed"), "z") == []

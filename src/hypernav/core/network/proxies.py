@@ -3,7 +3,7 @@
 import importlib.util
 import ipaddress
 import urllib.request
-from urllib.parse import urlsplit
+from urllib.parse import SplitResult, urlsplit
 
 _SCHEMES = {"http", "https", "socks5", "socks5h"}
 
@@ -33,7 +33,7 @@ def environment_proxy(url: str) -> str | None:
     if urllib.request.proxy_bypass(parts.netloc):
         return None
     proxy = proxy if "://" in proxy else f"http://{proxy}"
-    found = urlsplit(proxy)
+    found = _parts(proxy)
     if found.scheme not in _SCHEMES or not found.hostname:
         raise ValueError(
             f"the environment names a proxy of an unknown kind ({found.scheme}://); expected "
@@ -45,6 +45,23 @@ def environment_proxy(url: str) -> str | None:
             f"package: pip install 'httpx[socks]', or set no_proxy={host} to ask the server itself"
         )
     return proxy
+
+
+def _parts(proxy: str) -> SplitResult:
+    """The parts of a proxy's URL.
+
+    Raises:
+        ValueError: It is malformed, or its port is.
+    """
+    try:
+        parts = urlsplit(proxy)
+        _ = parts.port
+    except ValueError as error:
+        raise ValueError(
+            f"the environment names a proxy whose URL is malformed ({error}); expected something "
+            "like http://proxy:3128"
+        ) from None
+    return parts
 
 
 def without_password(proxy: str) -> str:

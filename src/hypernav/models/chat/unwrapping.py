@@ -27,6 +27,8 @@ from dataclasses import dataclass
 from itertools import islice
 
 _QUOTES = "\"'`“”‘’«»"
+_BEFORE_QUOTES = _QUOTES + " \t\n([{:,=/-—"
+"""What stands before a quote that opens; after a word it closes."""
 _MOST_LAYERS = 24
 _MOST_CHARACTERS = 32_768
 _MOST_BOXED, _LONGEST_BOXED = 64, 4_000
@@ -39,15 +41,22 @@ CUT_IN_THINKING = (
 SEVERAL_ANSWERS = "the reply holds several different answers"
 """What to tell about a reply with contradicting containers."""
 
-_NAMED = r"think(?:ing)?|thoughts?|reasoning|analysis|reflection|seed:think|mm:think"
+_NAMED = (
+    r"think(?:ing)?|thoughts?|reasoning|analysis|reflection|rationale|scratchpad|cot|seed:think"
+    r"|mm:think|redacted_reasoning|[a-z]{1,16}_think(?:ing)?"
+)
 _THINK = re.compile(rf"<(?:{_NAMED}|think:[\w-]{{1,32}})(?:\s[^<>]{{0,80}})?>", re.IGNORECASE)
-_THINK_END = re.compile(rf"</(?:{_NAMED}|think:[\w-]{{1,32}})\s*>", re.IGNORECASE)
+_THINK_END = re.compile(rf"</(?:{_NAMED}|think:[\w-]{{1,32}})\s*(?:>|\Z)", re.IGNORECASE)
 _CHANNEL = r"<\|channel\|>\s*{}\b[^<]{{0,80}}(?:<\|constrain\|>[^<]{{0,40}})?<\|message\|>"
 
 _BEGINS: tuple[tuple[str, re.Pattern[str]], ...] = (
     ("<think>", _THINK),
     ("[THINK]", re.compile(r"\[THINK\]")),
     ("◁think▷", re.compile("◁think▷")),
+    ("<|think|>", re.compile(r"<\|think(?:ing)?\|>")),
+    ("<unused94>", re.compile(r"<unused94>\s*thought\b")),
+    ("<details>", re.compile(r"<details\s[^<>]{0,80}reasoning[^<>]{0,80}>")),
+    ("prose", re.compile(r"\AHere (?:is my thought process|are my reasoning steps):")),
     ("<|START_THINKING|>", re.compile(r"<\|START_THINKING\|>|<\|begin_of_thought\|>")),
     ("<|inner_prefix|>", re.compile(r"<\|inner_prefix\|>|<ifm\|think\w{0,8}>")),
     ("channels", re.compile(_CHANNEL.format("(?:analysis|commentary)"))),
@@ -59,6 +68,10 @@ _ENDS: tuple[tuple[str, re.Pattern[str]], ...] = (
     ("<think>", _THINK_END),
     ("[THINK]", re.compile(r"\[/THINK\]")),
     ("◁think▷", re.compile("◁/think▷")),
+    ("<|think|>", re.compile(r"<\|/think(?:ing)?\|>")),
+    ("<unused94>", re.compile("<unused95>")),
+    ("<details>", re.compile("</details>")),
+    ("prose", re.compile(r"\[BEGIN FINAL RESPONSE\]|^Here is my response:", re.MULTILINE)),
     ("<|START_THINKING|>", re.compile(r"<\|END_THINKING\|>|<\|end_of_thought\|>")),
     ("<|inner_prefix|>", re.compile(r"<\|inner_suffix\|>|</ifm\|think\w{0,8}>")),
     ("channels", re.compile(_CHANNEL.format("final"))),
@@ -86,7 +99,7 @@ _TURN_ENDS = re.compile(
     r"|END_OF_TURN_TOKEN|end_of_msg|endofassistant|im_user|eou|end_of_sentence)\|>"
     r"|<\|end\|>(?!\s*<\|(?:start|channel)\|>)"
     r"|</s>|<eos>|<end_of_turn>|<turn\|>|<seed:eos>|<end_of_utterance>|\[EOS\]|<eod>"
-    r"|\[\|endofturn\|\]|<｜end▁of▁sentence｜>"
+    r"|\[\|endofturn\|\]|<｜end▁of▁sentence｜>|\[END FINAL RESPONSE\]"
 )
 _TURN_BEGINS = re.compile(
     r"\A\s*(?:(?:</s>\s*)?<s>|<bos>|<\|begin_of_text\|>|\[/INST\]"
@@ -167,8 +180,9 @@ def _outermost(text: str) -> Unwrapped | None:
 def _marks(pattern: re.Pattern[str], text: str) -> Iterator[re.Match[str]]:
     """Where a mark is; between quotes it is only mentioned."""
     for match in pattern.finditer(text):
-        around = text[match.start() - 1 : match.start()], text[match.end() : match.end() + 1]
-        if not all(char and char in _QUOTES for char in around):
+        before, after = text[: match.start()][-2:], text[match.end() : match.end() + 1]
+        is_opened = before[-1:] in _QUOTES and before[:1] in _BEFORE_QUOTES
+        if not (before and is_opened and after and after in _QUOTES):
             yield match
 
 

@@ -380,7 +380,8 @@ def family_of(model: str) -> VlmFamily:
         ConfigError: The name shows no family; guessing would put every box in a wrong position.
     """
     for line in MODEL_LINES:
-        if re.search(line.spelling, model, re.IGNORECASE):
+        # Behind a hyphen it is what another model was made of, and of 4b the 4 is a size.
+        if re.search(rf"(?<![a-z0-9-])(?:{line.spelling})(?![.\d]*b\b)", model, re.IGNORECASE):
             return FAMILIES[line.family]
     raise ConfigError(
         f"it is not known in which coordinates '{model}' answers; name its family: "

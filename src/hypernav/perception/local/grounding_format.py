@@ -43,7 +43,10 @@ _CORNER_KEYS = (
     ("x_min", "y_min", "x_max", "y_max"),
     ("xmin", "ymin", "xmax", "ymax"),
     ("left", "top", "right", "bottom"),
+    ("x", "y", "x2", "y2"),
 )
+_OPPOSITE_KEYS = ("top_left", "bottom_right")
+_OUTLINE_KEYS = ("polygon", "outline", "vertices", "normalizedvertices", "normalized_vertices")
 _SIZE_KEYS = {"w", "h", "width", "height"}
 _NUMBER = r"[-+]?(?:\d{1,20}(?:\.\d{0,20})?|\.\d{1,20})(?:[eE][-+]?\d{1,4})?"
 _PAIR = rf"\(\s*({_NUMBER})\s*,\s*({_NUMBER})\s*\)"
@@ -226,7 +229,7 @@ def _number(value: Any) -> float:
 
 def _items(text: str, family: VlmFamily) -> list[_Item]:
     """Everything in a text that looks like a box or a point, in order."""
-    marked = [*_areas(text), *_pointed(text), *_located(text)]
+    marked = [*_areas(text), *_pointed(text, family), *_located(text)]
     if marked:
         return marked[:_MOST_ITEMS]
     items: list[_Item] = []
@@ -249,14 +252,14 @@ def _areas(text: str) -> Iterator[_Item]:
             yield _Item(numbers, label, is_point=is_point)
 
 
-def _pointed(text: str) -> Iterator[_Item]:
-    """The points of Molmo and Molmo2."""
+def _pointed(text: str, family: VlmFamily) -> Iterator[_Item]:
+    """The points of Molmo and Molmo2, and those of other families in tags of the same form."""
     for match in _POINTS.finditer(text):
         attributes = match["attributes"]
         alt, coords = _ALT.search(attributes), _COORDS.search(attributes)
         label = _one_line(alt[1] if alt else match["inside"] or "")
         if coords is None:
-            side = SIDES["percent"]
+            side = SIDES["percent"] if family.name in {"molmo", "molmo2"} else None
             found = [list(one[1:]) for one in _XY.findall(attributes)]
         else:
             side, found = SIDES["thousandths"], list[list[str]]()
@@ -365,6 +368,9 @@ def _items_of(value: dict[Any, Any]) -> list[_Item]:
     for corners in _CORNER_KEYS:
         if all(key in by_key for key in corners):
             return [_Item([by_key[key] for key in corners], label, score, rows_first=False)]
+    for outline in (*(by_key.get(key) for key in _OUTLINE_KEYS), _opposite(by_key)):
+        if (corners := _enclosing(outline)) is not None:
+            return [_Item(corners, label, score, rows_first=False)]
     for key in _POINT_KEYS:
         if isinstance(by_key.get(key), list | str):
             inner = by_key[key]
@@ -376,6 +382,28 @@ def _items_of(value: dict[Any, Any]) -> list[_Item]:
         numbers = [by_key["x"], by_key["y"]]
         return [_Item(numbers, label, score, rows_first=False, is_point=True)]
     return []
+
+
+def _opposite(by_key: dict[str, Any]) -> list[Any]:
+    """Two corners, if an object has both."""
+    corners = [by_key.get(key) for key in _OPPOSITE_KEYS]
+    return corners if all(map(_is_container, corners)) else []
+
+
+def _enclosing(outline: Any) -> list[float] | None:
+    """The box around the corners of an outline: pairs, or objects with x and y; None if it is none.
+
+    All coordinates are x first, as their keys say; a bare pair is taken alike.
+    """
+    if not isinstance(outline, list) or len(outline) < 2:
+        return None
+    pairs = [[one.get("x"), one.get("y")] if isinstance(one, dict) else one for one in outline]
+    if not all(isinstance(pair, list) and len(pair) == 2 for pair in pairs):
+        return None
+    xs, ys = ([_number(pair[k]) for pair in pairs] for k in (0, 1))
+    if not all(map(math.isfinite, [*xs, *ys])):
+        return None
+    return [min(xs), min(ys), max(xs), max(ys)]
 
 
 def _is_container(value: Any) -> bool:

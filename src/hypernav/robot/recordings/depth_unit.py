@@ -12,12 +12,16 @@ from hypernav.robot.recordings.recording import RecordedFrame, Recording
 
 _MOST_FRAMES = 5
 _COLUMNS = 80
-_USUAL = (1000.0, 5000.0, 1.0)
+_USUAL = (1000.0, 5000.0, 1.0, 10000.0, 4000.0, 100.0)
 _MOVED_M = 0.15
 """Way after which a second look at the same things tells their distance."""
 _LEAST_POINTS = 50
 _CLEAR = 0.02
 """Relative difference of depth that no noise of a camera makes."""
+_WRONG = 0.04
+"""One that poses of another convention make; noisy odometry and calibration make less."""
+_POSES_IN_MM = 50.0
+"""Factor by which depth would have to be in a smaller unit, that rather the poses are."""
 _NEAR_M, _FAR_M = (1.0, 0.4), (4.0, 8.0)
 """A robot in a room sees a tenth of things beyond the first, and half of them beyond the second; it
 also sees a tenth of them before the third, and half of them before the fourth."""
@@ -55,13 +59,20 @@ def unit_doubt(recording: Recording) -> list[str]:
     depths, looks = _looks(recording)
     units = dict.fromkeys((per_metre, *_USUAL))
     apart = {unit: _difference(recording.camera, looks, per_metre / unit) for unit in units}
-    best, second = sorted(apart, key=lambda unit: apart[unit])[:2]
-    if 2.0 * apart[best] < apart[second] and apart[second] > _CLEAR:
-        if best == per_metre:
-            return []
+    best = min(apart, key=lambda unit: apart[unit])
+    if best == per_metre and apart[best] < _WRONG:
+        return []
+    if apart[best] < _WRONG and apart[per_metre] > max(_CLEAR, 2.0 * apart[best]):
+        or_poses = " (or the poses are in millimetres)" if _POSES_IN_MM * best <= per_metre else ""
         return [
             f"depth and poses contradict each other if the value {per_metre:g} is one metre, "
-            f"and agree with --depth-per-metre {best:g}"
+            f"and agree with --depth-per-metre {best:g}{or_poses}"
+        ]
+    if _WRONG < apart[best] < math.inf and math.isfinite(apart[per_metre]):
+        return [
+            f"depth and poses contradict each other by {apart[per_metre]:.0%} in every usual unit; "
+            "are the poses from camera to world, in metres, with the camera's x to the right, y "
+            "down and z forward, and quaternions in the order x y z w?"
         ]
     returns = np.concatenate([depth[depth > 0.0] for depth in depths])
     if returns.size == 0 or (side := _misfit(returns)) is None:

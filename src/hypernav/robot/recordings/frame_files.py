@@ -141,12 +141,18 @@ def camera_of(numbers: tuple[float, float, float, float], path: Path, first: Pat
         raise RecordingError(f"{path}: {error}") from error
 
 
-def pose_of(matrix: np.ndarray, path: Path) -> Transform | None:
-    """A pose from a file; None where the camera was lost: no finite numbers, or no rotation.
+def read_pose(path: Path) -> Transform | None:
+    """The pose in a file of 16 numbers.
+
+    Returns:
+        None where the camera was lost: an empty file, no finite numbers, or no rotation.
 
     Raises:
-        RecordingError: The matrix is no rigid transform.
+        RecordingError: The file cannot be read, or its matrix is no rigid transform.
     """
+    if not read_lines(path):
+        return None
+    matrix = np.array(read_numbers(path, 16)).reshape(4, 4)
     rotation = matrix[:3, :3]
     if not np.isfinite(matrix).all() or not rotation.any():
         return None

@@ -6,15 +6,13 @@
 
 from pathlib import Path
 
-import numpy as np
-
 from hypernav.core.errors import RecordingError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.robot.recordings.frame_files import (
     FrameFiles,
     camera_of,
-    pose_of,
     read_numbers,
+    read_pose,
     recording_of_files,
 )
 from hypernav.robot.recordings.recording import Recording, left_out
@@ -37,7 +35,7 @@ def read_matched_frames(folder: Path) -> Recording:
     frames: list[FrameFiles] = []
     paths = sorted(folder.glob(_POSES))
     for path in paths:
-        pose = pose_of(np.array(read_numbers(path, 16)).reshape(4, 4), path)
+        pose = read_pose(path)
         if pose is None:
             continue
         stem = path.name.removesuffix(".pose.txt")

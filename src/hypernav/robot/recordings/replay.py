@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from hypernav.agents.step import SearchComponents
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.errors import RecordingError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
@@ -49,14 +50,25 @@ class UprightRecording:
         self.to_map = world_to_map(recording)
 
     def robot(self, like: Embodiment) -> Embodiment:
-        """A robot with the recording's camera, and all other values of a given robot."""
+        """A robot with the recording's camera, and all other values of a given robot.
+
+        Raises:
+            RecordingError: The camera is below the floor.
+        """
         camera = self.recording.camera
+        height_m = float(self._camera_to_map(self.recording.frames[0]).translation[2])
+        if height_m <= 0.0:
+            raise RecordingError(
+                f"{self.recording.name}: the camera lies {-height_m:.2f} m below what seems to be "
+                "the floor; are its poses and its camera's parameters right, and do these belong "
+                "to images of this size?"
+            )
         values = like.model_dump()
         values["camera"] |= {
             "width": camera.width,
             "height": camera.height,
             "hfov_deg": math.degrees(camera.hfov),
-            "height_m": float(self._camera_to_map(self.recording.frames[0]).translation[2]),
+            "height_m": height_m,
         }
         return Embodiment.model_validate(values)
 

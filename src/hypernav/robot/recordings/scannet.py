@@ -8,14 +8,12 @@ Source: https://github.com/ScanNet/ScanNet/tree/master/SensReader/python
 
 from pathlib import Path
 
-import numpy as np
-
 from hypernav.core.errors import RecordingError
 from hypernav.robot.recordings.frame_files import (
     FrameFiles,
     camera_of,
-    pose_of,
     read_numbers,
+    read_pose,
     recording_of_files,
 )
 from hypernav.robot.recordings.recording import Recording, left_out
@@ -37,7 +35,7 @@ def read_scannet(folder: Path) -> Recording:
     poses = [path for path in (folder / "pose").glob("*.txt") if path.stem.isdecimal()]
     frames: list[FrameFiles] = []
     for path in sorted(poses, key=lambda path: int(path.stem)):
-        pose = pose_of(np.array(read_numbers(path, 16)).reshape(4, 4), path)
+        pose = read_pose(path)
         if pose is None:
             continue
         colour = next((folder / "color").glob(f"{path.stem}.*"), None)

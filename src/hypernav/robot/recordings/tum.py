@@ -38,7 +38,7 @@ _NEEDED = {
     "groundtruth.txt": "the poses, one line 'time x y z qx qy qz qw' each, as SLAM programs write "
     "them (ORB-SLAM: CameraTrajectory.txt)",
 }
-_NOMINAL = (525.0, 525.0, 319.5, 239.5)
+_NOMINAL, _NOMINAL_SIZE = (525.0, 525.0, 319.5, 239.5), (640, 480)
 
 
 def is_tum(folder: Path) -> bool:
@@ -118,4 +118,10 @@ def _seconds(stamp: str) -> float:
 def _camera(folder: Path, first: Path) -> PinholeCamera:
     path = folder / "camera.txt"
     fx, fy, cx, cy = read_numbers(path, 4) if path.is_file() else _NOMINAL
-    return camera_of((fx, fy, cx, cy), path, first)
+    camera = camera_of((fx, fy, cx, cy), path, first)
+    if not path.is_file() and (camera.width, camera.height) != _NOMINAL_SIZE:
+        raise RecordingError(
+            f"{folder}: the benchmark's camera has images of 640 × 480 pixels, these have "
+            f"{camera.width} × {camera.height}; write fx fy cx cy of yours into camera.txt"
+        )
+    return camera

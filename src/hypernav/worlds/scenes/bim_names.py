@@ -7,11 +7,13 @@ whose noun comes first. Sources: IFC 4.3 (ISO 16739-1), and the families of Revi
 
 import re
 
-_CLASS = re.compile(r"^Ifc([A-Z][A-Za-z0-9]*)(?:[/:_\s-]+(.*))?$", re.DOTALL)
+_CLASS = re.compile(r"^(?:Ifc|IFC)([A-Z][A-Za-z0-9]*)(?:[/:_\s#-]+(.*))?$", re.DOTALL)
 _ELEMENT_ID = re.compile(r"\s*\[\d+\]\s*$|:\s*-?\d+(?:[:\s_#.].*)?$")
 _SIZE = re.compile(r"\b\d[\d.,'\"]*\s*(?:x\s*\d[\d.,'\"]*\s*)*(?:mm|cm|m|in|ft)?\b", re.IGNORECASE)
 _REST = re.compile(r"\b(?:w|with|and)\b.*$", re.IGNORECASE)
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z][a-z]+")
+_PARTS = re.compile(r"[-_,]")
+_ANY_THING = frozenset({"furniture", "furnishing", "casework", "fixture", "equipment"})
 _GLOBAL_ID = re.compile(r"(?<![\w$])[0-3](?=[\w$]*[A-Z])(?=[\w$]*[a-z])[0-9A-Za-z_$]{21}(?![\w$])")
 
 _CLASSES_OF_THE_BUILDING = frozenset(
@@ -23,14 +25,14 @@ _CLASSES_OF_THE_BUILDING = frozenset(
     ReinforcingBar ReinforcingMesh Roof ShadingDevice Site Slab SlabElementedCase SlabStandardCase
     Space Stair StairFlight VirtualElement Wall WallElementedCase WallStandardCase Window
     WindowStandardCase
-    """.split()  # noqa: SIM905
+    """.lower().split()
 )
 _CLASSES_THAT_SAY_LITTLE = frozenset(
     """
     BuildingElementProxy CivilElement DiscreteAccessory DistributionElement ElementAssembly
     EnergyConversionDevice FlowController FlowTerminal FurnishingElement Furniture
     SystemFurnitureElement TransportElement
-    """.split()  # noqa: SIM905
+    """.lower().split()
 )
 _FAMILIES_OF_THE_BUILDING = re.compile(
     r"""
@@ -61,13 +63,13 @@ def plain_name(name: str) -> str:
     rest = _of_family(rest) or rest
     if re.search(r"[^\W\d_]", rest):
         return rest
-    return "" if kind in _CLASSES_THAT_SAY_LITTLE else " ".join(_WORDS.findall(kind))
+    return "" if kind.lower() in _CLASSES_THAT_SAY_LITTLE else " ".join(_WORDS.findall(kind))
 
 
 def is_of_the_building(name: str) -> bool:
     """Whether a name of a model means the building itself: walls, slabs, stairs, doors, windows."""
     if (found := _CLASS.match(name)) is not None:
-        return found[1] in _CLASSES_OF_THE_BUILDING
+        return found[1].lower() in _CLASSES_OF_THE_BUILDING
     family = _family_in(name)
     return family is not None and _FAMILIES_OF_THE_BUILDING.fullmatch(family) is not None
 
@@ -89,6 +91,8 @@ def _of_family(name: str) -> str | None:
     family = _family_in(name)
     if family is None:
         return None
-    noun, _, kind = _SIZE.sub(" ", _REST.sub("", family)).partition("-")
-    first = kind.strip().split("-")[0].split()[:1]
-    return " ".join((*first, noun.strip())) if noun.strip() else kind
+    noun, *kinds = (part.strip() for part in _PARTS.split(_SIZE.sub(" ", _REST.sub("", family))))
+    if noun.casefold() in _ANY_THING and kinds:
+        noun, *kinds = kinds
+    first = " ".join(kinds).split()[:1]
+    return " ".join((*first, noun)) if noun else " ".join(kinds)

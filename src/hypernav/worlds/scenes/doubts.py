@@ -32,7 +32,7 @@ _UNITS = {
 }
 _SLACK = 1.15
 """Factor on the limits of a kind's sizes."""
-_FEWEST_THINGS = 5
+_FEWEST_THINGS, _FEWEST_KINDS = 5, 4
 _LARGEST_M, _SMALLEST_M = 150.0, 1.0
 """Beyond these extents of a building, few things suffice to doubt its unit."""
 _MOST_FACES = 500_000
@@ -56,36 +56,55 @@ class _Vote:
 
 @dataclass(frozen=True, eq=False)
 class _Things:
-    """Boxes of the objects whose kind is known, scene frame."""
+    """Boxes of the objects that have a label, scene frame; the shape of a kind, where known."""
 
     low: Float64[np.ndarray, "things 3"]
     high: Float64[np.ndarray, "things 3"]
-    kinds: tuple[KindShape, ...]
+    names: tuple[str, ...]
+    kinds: tuple[KindShape | None, ...]
 
     @staticmethod
     def of(parts: Sequence[MeshPart], objects: Sequence[SceneObject]) -> "_Things":
-        """The objects of a file that have a label of a known kind."""
-        kinds = [(item, item.label and kind_shape(item.label.category)) for item in objects]
-        number = {node: k for k, (item, kind) in enumerate(kinds) if kind for node in item.nodes}
-        low, high = np.full((len(kinds), 3), np.inf), np.full((len(kinds), 3), -np.inf)
+        """The labelled objects of a file."""
+        labelled = [(item.nodes, item.label.category) for item in objects if item.label]
+        number = {node: k for k, (nodes, _) in enumerate(labelled) for node in nodes}
+        low, high = np.full((len(labelled), 3), np.inf), np.full((len(labelled), 3), -np.inf)
         for part in parts:
             corners = part.vertices[part.faces].reshape(-1, 3)
             if part.node in number and len(corners) and np.isfinite(corners).all():
                 k = number[part.node]
                 low[k] = np.minimum(low[k], corners.min(axis=0))
                 high[k] = np.maximum(high[k], corners.max(axis=0))
-        there = [k for k, (_, kind) in enumerate(kinds) if kind and np.isfinite(low[k]).all()]
-        known = tuple(kind for k in there if (kind := kinds[k][1]))
-        return _Things(low[there], high[there], known)
+        there = [k for k in range(len(labelled)) if np.isfinite(low[k]).all()]
+        names = tuple(labelled[k][1] for k in there)
+        return _Things(low[there], high[there], names, tuple(map(kind_shape, names)))
+
+    @property
+    def kind_count(self) -> int:
+        """The number of known kinds: many things of one kind, as pallets, say one thing."""
+        pairs = zip(self.names, self.kinds, strict=True)
+        return len({name for name, kind in pairs if kind is not None})
 
     def fitting(self, axis: int, scale: float = 1.0) -> int:
-        """The number of things that have the size of their kind, were this axis up."""
+        """The number of known kinds most of whose things have its size, were this axis up."""
+        by_kind: dict[str, list[bool]] = {}
         sizes = (self.high - self.low) * scale
-        heights, lengths = sizes[:, axis], np.delete(sizes, axis, axis=1).max(axis=1, initial=0.0)
-        limits = np.array([(*kind.height_m, *kind.long_m) for kind in self.kinds]).reshape(-1, 4)
-        low, high = limits[:, ::2] / _SLACK, limits[:, 1::2] * _SLACK
-        measured = np.stack([heights, lengths], axis=1)
-        return int(((measured >= low) & (measured <= high)).all(axis=1).sum())
+        for name, kind, size in zip(self.names, self.kinds, sizes, strict=True):
+            if kind is not None:
+                height, length = float(size[axis]), float(np.delete(size, axis).max())
+                fits = _within(height, kind.height_m) and _within(length, kind.long_m)
+                by_kind.setdefault(name, []).append(fits)
+        return sum(2 * sum(fits) > len(fits) for fits in by_kind.values())
+
+    def standing(self) -> list[int]:
+        """The things that stand on a floor; all, if few of their kinds are known."""
+        known = [k for k, kind in enumerate(self.kinds) if kind and kind.support == "floor"]
+        return known if len(known) >= _FEWEST_THINGS else list(range(len(self.kinds)))
+
+
+def _within(size: float, limits: tuple[float, float]) -> bool:
+    low, high = limits
+    return low / _SLACK <= size <= high * _SLACK
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,7 +184,7 @@ def doubts_of(
         scale, fitting, fitting_now = unit
         doubts.append(
             f"this building seems to be in {_UNITS[scale]}, not in metres: {fitting} of its "
-            f"{len(things.kinds)} things of known kinds have the usual size then, {fitting_now} "
+            f"{things.kind_count} known kinds of things have the usual size then, {fitting_now} "
             f"now; --set world.file_scale={scale:g} converts it, --set world.file_scale=1 takes "
             "it as it is"
         )
@@ -215,10 +234,11 @@ def _votes(
     if planes.max() >= 1.3 * np.sort(planes)[1] and planes.max() > 0.0:
         found.append(_Vote(int(planes.argmax()), 0, "the largest flat surface is level"))
     fits = np.array([max(things.fitting(k, s) for s in (1.0, *_UNITS)) for k in range(3)])
-    best, count = int(fits.argmax()), len(things.kinds)
+    best, count = int(fits.argmax()), things.kind_count
     others = float(np.sort(fits)[1])
-    if count >= _FEWEST_THINGS and fits[best] >= max(0.7 * count, others + 0.12 * count):
-        found.append(_Vote(best, 0, f"{fits[best]} of {count} things have their usual height"))
+    if count >= _FEWEST_KINDS and fits[best] >= max(0.7 * count, others + 0.12 * count):
+        words = f"{fits[best]} of {count} kinds of things have their usual height"
+        found.append(_Vote(best, 0, words))
     return found
 
 
@@ -233,7 +253,7 @@ def _structural_word(part: MeshPart, names: dict[str, str]) -> str:
 
 def _feet(things: _Things) -> tuple[int, int, float]:
     """Axis and sense in which most furniture stands on one level, and its share; 0 if unclear."""
-    standing = [k for k, kind in enumerate(things.kinds) if kind.support == "floor"]
+    standing = things.standing()
     if len(standing) < _FEWEST_THINGS:
         return 2, 1, 0.0
     low, high = things.low[standing], things.high[standing]
@@ -270,11 +290,11 @@ def _better_scale(
     """A unit in which most things have the size of their kind; None if few lack it in metres.
 
     Returns:
-        Its length in metres, and the numbers of things with a usual size then and now.
+        Its length in metres, and the numbers of kinds with their usual size then and now.
     """
-    count, now = len(things.kinds), things.fitting(axis)
+    count, now = things.kind_count, things.fitting(axis)
     is_odd = not _SMALLEST_M <= float(extents.max()) <= _LARGEST_M
-    if count < (1 if is_odd else _FEWEST_THINGS) or now > 0.4 * count:
+    if count < (1 if is_odd else _FEWEST_KINDS) or now > 0.4 * count:
         return None
     fits = {scale: things.fitting(axis, scale) for scale in _UNITS}
     best = max(fits, key=lambda scale: fits[scale])

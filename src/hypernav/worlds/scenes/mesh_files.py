@@ -20,7 +20,7 @@ from trimesh.visual.material import PBRMaterial
 
 from hypernav.core.errors import SceneError
 from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
-from hypernav.core.files.reading import path_below, read_file
+from hypernav.core.files.reading import path_below, read_file, text_of
 from hypernav.worlds.config import Axis
 from hypernav.worlds.scenes.axes import TO_Z_UP
 from hypernav.worlds.scenes.obj_text import ObjText
@@ -86,12 +86,11 @@ def read_mesh(path: Path, *, up: Axis) -> tuple[list[MeshPart], list[Material]]:
         OSError: The file cannot be read, or is too large.
     """
     suffix = path.suffix.lower()
-    # trimesh would drop the first line of a text with a byte order mark, silently.
-    content = read_file(path, most=_MOST_BYTES).removeprefix(codecs.BOM_UTF8)
+    content = read_file(path, most=_MOST_BYTES)
     name_of = str
     options: dict[str, Any] = {"maintain_order": True}
     if suffix == ".obj":
-        text = ObjText.of(content)
+        text = ObjText.of(_in_utf8(content))
         content, name_of = text.content, text.name_of
         # Order kept, every object would hold the vertices of all.
         options = {"split_objects": True} if text.names else options
@@ -120,6 +119,17 @@ def read_mesh(path: Path, *, up: Axis) -> tuple[list[MeshPart], list[Material]]:
             parts += _objects_of_faces(part, mesh) if scanned else [part]
             materials.append(_material(node, placed, scanned=scanned))
     return parts, materials
+
+
+def _in_utf8(content: bytes) -> bytes:
+    """A text in UTF-8 without a byte order mark, whose first line trimesh would drop, silently.
+
+    What is neither UTF-8 nor UTF-16 is of an older Windows program.
+    """
+    try:
+        return text_of(content).encode()
+    except UnicodeDecodeError:
+        return content.decode("cp1252", errors="replace").encode()
 
 
 def _meshes(loaded: trimesh.Scene) -> Iterator[tuple[str, trimesh.Trimesh]]:

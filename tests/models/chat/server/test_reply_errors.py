@@ -111,6 +111,31 @@ def test_a_passing_error_in_a_good_reply_is_asked_again(error: Any):
     assert asked(act) == (None, 3)
 
 
+def test_an_error_beside_an_empty_choice_is_an_error():
+    """OpenRouter answers so where the model's server fails in the middle."""
+    choice = {"message": {"role": "assistant", "content": ""}, "finish_reason": "error"}
+    body = {"error": {"code": 502, "message": "Upstream CUDA OOM"}, "choices": [choice]}
+    caught, times = asked(lambda talk: talk.reply(body))
+    assert isinstance(caught, ModelUnavailableError)
+    assert "Upstream CUDA OOM" in str(caught)
+    assert times > 1
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        {"code": 20012, "message": "Model does not exist", "data": None},
+        {"errors": [{"message": "Model does not exist"}]},
+        {"error": {"message": "Model does not exist", "retryable": False}},
+    ],
+)
+def test_an_error_in_another_form_is_said_at_once(body: Any):
+    caught, times = asked(lambda talk: talk.reply(body))
+    assert "Model does not exist" in str(caught)
+    assert not isinstance(caught, ModelUnavailableError) or isinstance(caught, ModelRejectedError)
+    assert times <= 8  # each optional field is left out once
+
+
 def test_an_account_that_is_used_up_is_not_waited_for():
     error = {"message": "You exceeded your current quota", "code": "insufficient_quota"}
     caught, questions = asked(lambda talk: talk.reply({"error": error}, 429))

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from chat_models import image
-from hypernav.core.chat import Question
+from hypernav.core.chat import Fault, Question
 from hypernav.core.errors import ModelUnavailableError
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.server.openai_chat import OpenAiChat
@@ -213,6 +213,31 @@ def test_a_talker_that_does_not_think_is_asked_at_length_only_once():
         assert chat.ask(BOXES).text == texts[0]
         assert chat.ask(BOXES).text == texts[0]
     assert asked == [300, 1324, 300]
+
+
+def test_what_is_cut_at_any_length_is_no_answer():
+    """A template that opens the thoughts, and thoughts that are longer than every probe."""
+
+    def think_on(talk: Talk) -> None:
+        message = {"role": "assistant", "content": "Okay. The sofa: [100, 200, 600, 700]"}
+        talk.reply({"choices": [{"message": message, "finish_reason": "length"}]})
+
+    with FaultyServer(think_on) as server:
+        assert asking(think_on, server).ask(BOXES).fault is Fault.CUT
+
+
+@pytest.mark.parametrize("kind", ["reasoning_text", "thought", "summary_text", "reasoning"])
+def test_only_parts_that_are_text_are_an_answer(kind: str):
+    def answer(talk: Talk) -> None:
+        parts = [
+            {"type": kind, "text": "perhaps [100, 200, 600, 700]"},
+            {"type": "text", "text": "or [1, 2, 3, 4]", "thought": True},
+            {"type": "output_text", "text": "[]"},
+        ]
+        talk.reply({"choices": [{"message": {"role": "assistant", "content": parts}}]})
+
+    with FaultyServer(answer) as server:
+        assert asking(answer, server).ask(BOXES).text == "[]"
 
 
 @pytest.mark.parametrize("field", ["reasoning", "reasoning_content"])

@@ -91,8 +91,11 @@ def error_in_body(reply: Reply, body: dict[str, Any], where: str) -> ChatError |
     choices = body.get("choices")
     choice = choices[0] if isinstance(choices, list) and choices else None
     told = choice.get("error") if isinstance(choice, dict) else None
-    if not told and choice is None:
-        told = body if body.get("object") == "error" else body.get("error")
+    if not told and _is_without_answer(choice):
+        is_error = body.get("object") == "error" or {"code", "message"} <= body.keys()
+        told = (
+            body if is_error else body.get("error") or body.get("errors") or body.get("error_msg")
+        )
     if not told:
         return None
     said = _message(told) or shortened(json.dumps(told), LONGEST_MESSAGE)
@@ -100,9 +103,21 @@ def error_in_body(reply: Reply, body: dict[str, Any], where: str) -> ChatError |
     if re.fullmatch(r"[45][0-9]{2}", code):
         status = int(code)
     else:
-        words = f"{said} {json.dumps(told)}"
+        kinds = (
+            [str(told.get(key, "")) for key in ("type", "code")] if isinstance(told, dict) else []
+        )
+        words = " ".join([said, *kinds])
         status = 503 if _PASSING.search(words) else 404 if _WRONG_ADDRESS.search(words) else 400
     return _error(status, said, f"{where} answered {reply.status} with an error", reply, told)
+
+
+def _is_without_answer(choice: object) -> bool:
+    """Whether a choice is missing, or empty as those are that proxies add to an error."""
+    if not isinstance(choice, dict):
+        return True
+    message = choice.get("message")
+    is_empty = not (isinstance(message, dict) and message.get("content"))
+    return is_empty or choice.get("finish_reason") == "error"
 
 
 def _error(status: int, said: str, what: str, reply: Reply, body: object) -> ChatError:
@@ -144,7 +159,7 @@ def _message(body: object, layers: int = _MOST_LAYERS) -> str:
                 f"{'.'.join(map(str, one.get('loc', ())))}: {one['msg']}" for one in told
             )
         case dict():
-            found = (body.get(key) for key in ("error", "message", "detail", "msg"))
+            found = (body.get(key) for key in ("error", "errors", "message", "detail", "msg"))
             said = next(
                 (words for one in found if one and (words := _message(one, layers - 1))), ""
             )

@@ -72,4 +72,5 @@ def thinking_tokens(usage: object) -> int:
 
 
 def _thinks(part: dict[str, Any]) -> bool:
-    return str(part.get("type")) in {"thinking", "reasoning", "redacted_thinking"}
+    """Whether a part of a message is no part of the answer: only texts are."""
+    return bool(part.get("thought")) or str(part.get("type", "text")) not in {"text", "output_text"}

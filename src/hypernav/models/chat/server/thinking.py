@@ -40,7 +40,8 @@ ENDLESS = (
     "the model's thinking took all of {room:,} tokens without an answer; try --set "
     "chat.thinking=off or low, a larger context, or a model that does not think"
 )
-_CUT = {"length", "max_tokens", "model_length"}  # the last two: Anthropic's and Mistral's words
+# The last three are Anthropic's, Mistral's and those of OpenAI's newer interface.
+_CUT = {"length", "max_tokens", "model_length", "max_output_tokens"}
 _MOST_KEPT = 2000
 _EMPTY = re.compile(r"<think(?:ing)?>\s*</think(?:ing)?>")
 _MARKS = re.compile(r"[<>\[\]{}|\\◁▷]")
