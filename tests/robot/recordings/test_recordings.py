@@ -123,6 +123,19 @@ def test_frames_without_a_pose_are_left_out_and_counted(lost, tmp_path, capsys):
     assert json.loads((tmp_path / "out" / "result.json").read_text())["notes"] == [note]
 
 
+def test_an_empty_pose_is_a_lost_one(tmp_path):
+    write_matched_frames(tmp_path)
+    (tmp_path / "frame-000001.pose.txt").write_text("\n")
+    assert len(open_recording(tmp_path).frames) == len(POSES) - 1
+
+
+def test_the_benchmarks_camera_is_not_assumed_for_images_of_another_size(tmp_path):
+    write_tum(tmp_path)
+    (tmp_path / "camera.txt").unlink()
+    with pytest.raises(RecordingError, match=r"write fx fy cx cy of yours into camera\.txt"):
+        open_recording(tmp_path)
+
+
 @pytest.mark.parametrize(
     "lost", ["0 0 0 0 0 0 0", "nan nan nan nan nan nan nan", "1 2 3 0 0 -inf 1"]
 )

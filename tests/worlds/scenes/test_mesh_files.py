@@ -85,3 +85,10 @@ def test_faces_with_numbers_of_objects_are_objects(tmp_path: Path, corners: int)
     found = boxes(read_scene(path))
     np.testing.assert_allclose(found["object 7"], [0, 0, 0, 1, 1, 0])
     np.testing.assert_allclose(found["object 11"], [5, 0, 0, 6, 1, 0])
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_names_may_be_in_any_encoding_of_windows(tmp_path: Path, encoding: str) -> None:
+    text = SQUARE + "o Küche_01\nf 1 2 3\no Bett\nf 1 3 4\n"
+    (tmp_path / "a.obj").write_bytes(text.encode(encoding))
+    assert set(kinds(read_scene(tmp_path / "a.obj")).values()) == {"küche", "bett"}

@@ -152,7 +152,7 @@ def _smaller(name: str, value: Any, said: str) -> Any:
     if name not in {TOKEN_LIMIT, "top_logprobs"}:
         return None
     least = _LEAST_TOKENS if name == TOKEN_LIMIT else 1
-    return value // 2 if _is_of_size(said) and value > least else None
+    return max(value // 2, least) if _is_of_size(said) and value > least else None
 
 
 def _is_of_size(said: str) -> bool:
