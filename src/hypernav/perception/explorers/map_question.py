@@ -254,9 +254,9 @@ def chosen_number(question: Question, answer: Answer, numbers: list[int]) -> int
         answer: Answer of the model.
         numbers: Numbers of the blocks that may be answered.
     """
-    if question.allowed:
-        return None if answer.fault is not None else int(answer.value)
-    return summarised(answer.text, numbers)
+    if answer.fault is not None:
+        return None
+    return int(answer.value) if question.allowed else summarised(answer.text, numbers)
 
 
 def summarised(text: str, numbers: list[int]) -> int | None:
