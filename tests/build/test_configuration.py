@@ -110,6 +110,6 @@ def test_values_that_together_take_too_much_memory_are_refused(assignments, word
         layered(preset("default"), environment={}, assignments=named)
 
 
-def test_there_are_at_most_202_values():
+def test_there_are_at_most_200_values():
     """Each needs a reason that a user could give; what nobody sets is a constant."""
-    assert len(values_by_field(HyPerNavConfig())) <= 202
+    assert len(values_by_field(HyPerNavConfig())) <= 200

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int64, UInt8
 from pydantic import Field
 
-from hypernav.core.config import MOST_THREADS, RoomConfig
+from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
@@ -22,6 +22,7 @@ from hypernav.core.observation import Observation
 from hypernav.models.vision.coco import COCO_CLASSES, class_for
 from hypernav.models.vision.onnx_session import open_session
 
+_THREADS = 2
 _PADDING = 114
 _NMS_IOU = 0.45
 """Overlap of two boxes of one class above which only the better one is kept (YOLOX's demo)."""
@@ -47,13 +48,11 @@ class YoloxConfig(RoomConfig):
         look_closer_below: Score of the goal below which the network looks once more, at the part of
             the image around the box, enlarged; the score is then the mean of both, and may be below
             `score_threshold`. 0 never looks closer.
-        threads: Threads of onnxruntime.
         classes: Names in the order of the network's outputs.
     """
 
     score_threshold: float = Field(default=0.1, ge=0.0, le=1.0)
     look_closer_below: float = Field(default=0.6, ge=0.0, le=1.0)
-    threads: int = Field(default=2, ge=1, le=MOST_THREADS)
     classes: tuple[str, ...] = COCO_CLASSES
 
 
@@ -73,7 +72,7 @@ class YoloxDetector:
         """
         self.config = config or YoloxConfig()
         self.path = Path(path)
-        self._session = open_session(self.path, threads=self.config.threads)
+        self._session = open_session(self.path, threads=_THREADS)
         self._input_name, self._height, self._width = self._read_input()
         self._grid, self._strides = self._anchors()
         self._check_output()
