@@ -8,6 +8,9 @@ from rich.table import Table
 from hypernav.evaluation.report.beside_paper import BesidePaper
 from hypernav.evaluation.statistics import Estimate
 
+_FEWEST = 5
+"""Number of episodes below which an interval says nothing."""
+
 
 def show_beside_paper(name: str, beside: BesidePaper, console: Console) -> None:
     """Print the table, and below it what differs.
@@ -26,9 +29,10 @@ def show_beside_paper(name: str, beside: BesidePaper, console: Console) -> None:
 
 
 def _table(name: str, beside: BesidePaper) -> Table:
-    table = Table(box=SIMPLE, pad_edge=False, collapse_padding=True)
+    title = f"{escape(name)} beside the HyPerNav paper; shares in percent, intervals of 95 %"
+    table = Table(box=SIMPLE, pad_edge=False, collapse_padding=True, title=title)
     table.add_column("row of the paper", no_wrap=True)
-    for title in ("SR %", "SPL %", f"{escape(name)}: SR %", "SPL %", "episodes"):
+    for title in ("SR", "SPL", "run: SR", "run: SPL", "of"):
         table.add_column(title, justify="right", no_wrap=True)
     for row in beside.rows:
         table.add_row(
@@ -43,8 +47,8 @@ def _table(name: str, beside: BesidePaper) -> Table:
 
 
 def _said(estimate: Estimate | None) -> str:
-    """A share in percent with its interval."""
+    """A share in percent with its interval, which a few episodes don't have."""
     if estimate is None:
         return "–"
     mean, low, high = (100.0 * value for value in (estimate.mean, estimate.low, estimate.high))
-    return f"{mean:.1f} ({low:.0f}–{high:.0f})"
+    return f"{mean:.1f}" + (f" ({low:.0f}–{high:.0f})" if estimate.count >= _FEWEST else "")
