@@ -117,7 +117,7 @@ CASES = {
     (
         "--detector",
         "mine:Nan",
-    ): "--detector mine:Nan: detect returned a Detection with the sc",
+    ): "--detector mine:Nan: detect returned a list with a Detection with the sc",
     (
         "--detector",
         "mine:Boxes",
