@@ -147,7 +147,7 @@ def main(
         scenes: Names of scenes, or files.
         images: Number of images of each.
     """
-    detector = YoloxDetector(model, YoloxConfig(score_threshold=LEAST_SCORE, threads=1))
+    detector = YoloxDetector(model, YoloxConfig(score_threshold=LEAST_SCORE))
     for number, name in enumerate(scenes):
         keep_scene(name, out / f"{number:02d}", detector, images, number)
         print(f"{name}: {images} views", flush=True)
