@@ -107,6 +107,8 @@ def test_another_label_is_visible_and_counted(view: Observation):
         ("window", "The couch is located near the window.", False),
         ("chair", "the chair beside the desk", True),
         ("desk", "the chair beside the desk", False),
+        ("not a bed", "bed", False),
+        ("no smoking sign", "no smoking sign", True),
     ],
 )
 def test_labels(label: str, goal: str, agree: bool):
@@ -214,6 +216,31 @@ def test_goals_are_asked_for_without_their_article(view: Observation, name: Pres
     VlmDetector(model, ExchangeLog(), config).detect(view, Goal("the chair in the office"))
     assert "Locate every chair in the office in the picture" in model.asked[0].text
     assert "no chair in the office in" in model.asked[0].text
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"image_size": [0, 0, 640, 480], "objects": []}',
+        '[{"bbox_2d": [100, 100, 300, 300], "label": "not a bed"}]',
+        '[{"bbox_2d": [100, 100, 300, 300], "label": "bed", "visible": false}]',
+        '{"bed": [], "rejected": [{"bbox_2d": [100, 100, 300, 300]}]}',
+    ],
+)
+def test_numbers_that_are_no_box_of_the_goal_are_told_and_no_detection(
+    view: Observation, text: str
+):
+    log = ExchangeLog()
+    assert VlmDetector(Parrot(text), log).detect(view, BED) == []
+    (exchange,) = log.drain()
+    assert exchange.remarks
+
+
+def test_a_key_that_names_the_goal_holds_its_box(view: Observation):
+    (one,) = VlmDetector(Parrot('{"couch": [100, 100, 300, 300]}'), ExchangeLog()).detect(
+        view, Goal("sofa")
+    )
+    assert one.label == "couch"
 
 
 def test_boxes_that_were_only_thought_about_are_none(view: Observation):

@@ -24,6 +24,12 @@ _REFUSAL = re.compile(
 _LEAD = re.compile(
     r"^\W*(?:(?:the|my|final|answer|choice|block|number|is)\b[\s:#*]*)+", re.IGNORECASE
 )
+_NO_IDIOM = re.compile(r"no (?:doubt|question|problem|wonder|idea|clue|way to)\b")
+_DENIAL = re.compile(
+    r"(?<![a-z])(?:not?|non|absent|missing|hidden|without|invisible|rejected|excluded|discarded"
+    r"|ignored|un(?:seen|likely|sure|certain))(?![a-z])",
+    re.IGNORECASE,
+)
 _FIRST_SENTENCE = re.compile(r"[^\W\d_][^.!:\n\[{]*")
 _AT_LIMIT = (
     "the reply reached its limit of tokens: if the model thinks, switch thinking off "
@@ -99,6 +105,11 @@ def shortened(text: str, length: int = _SHORT) -> str:
     return line if len(line) <= length else line[: length - 1] + "…"
 
 
+def denies(name: str) -> bool:
+    """Whether a label or a key tells what is not there, as "not_visible" and "no bed" do."""
+    return _DENIAL.search(name[:LONGEST_ANSWER]) is not None
+
+
 def _thinks_aloud(said: str) -> bool:
     """Whether a text begins with prose, as thinking does whose begin is in the prompt."""
     sentence = _FIRST_SENTENCE.match(said)
@@ -116,6 +127,8 @@ def _parse_allowed(answer: Answer, said: str, allowed: tuple[str, ...]) -> Answe
         return replace(answer, value=by_key[_key(bare)])
     words = [_key(word) for word in _LEAD.sub("", bare, count=1).split()]
     mentioned = {by_key[word] for word in words if word in by_key}
+    if _NO_IDIOM.match(" ".join(words)):
+        mentioned.clear()
     if words and words[0] in by_key and len(mentioned) == 1:
         return replace(answer, value=by_key[words[0]])
     if _REFUSAL.match(said):
@@ -136,7 +149,9 @@ def _single(said: str) -> str:
     """The text without the JSON object around a single answer."""
     value = _json_in(said)
     if isinstance(value, dict) and len(value) == 1:
-        value = next(iter(value.values()))
+        ((key, value),) = value.items()
+        if denies(key):
+            return said
     if isinstance(value, str | int) and not isinstance(value, bool):
         return str(value)
     return said

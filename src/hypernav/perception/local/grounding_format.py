@@ -5,12 +5,16 @@ Of the final answer (`hypernav.models.chat.unwrapping`) it reads, in this order:
 - tags with areas, with the label before them where there is one: ``<ref>…</ref><box>[[…]]</box>``
   (InternVL), ``<box>x1 y1 x2 y2</box>`` (MiniCPM-V), ``<box>(x1,y1),(x2,y2)</box>`` (Qwen-VL),
   ``<|object_ref_start|>…<|box_start|>`` (Qwen2-VL), ``<|ref|>…<|det|>[[…]]`` (DeepSeek-VL2),
-  ``<bbox>`` and ``<point>x y</point>`` (Seed), ``<point>[[x, y]]</point>`` (Embodied-R1);
+  ``<bbox>`` and ``<point>x y</point>`` (Seed), ``<point>[[x, y]]</point>`` (Embodied-R1),
+  ``<quad>`` and ``<poly>`` (Qwen-VL), whose corners a box encloses;
 - ``<point x= y= alt=>``, ``<points x1= y1= …>`` (Molmo, percent) and ``<points coords=>`` (Molmo2,
   thousandths, in triples of number, x and y behind the number of the image);
 - ``<loc0123>`` (PaliGemma, rows first, 1024 bins) and ``<loc_123>`` (Florence-2, 1000 bins);
 - JSON, bare, fenced or amid prose: lists, single objects and objects around lists, also if cut off
-  or with single quotes and trailing commas; lists of numbers without keys;
+  or with single quotes and trailing commas; lists of numbers without keys. The order of a box's
+  numbers is the family's unless a key or a sibling says it (``bbox_xywh``, ``"format": "xywh"``).
+  Numbers under a key that is neither a box's nor the name of what was asked for are no box, and
+  neither is what is said to be absent (``"visible": false``, ``"label": "not a bed"``);
 - ``(x1,y1),(x2,y2)``, and an answer that is nothing but ``(x1,y1,x2,y2)``; of a family that is
   asked for points, ``(x,y)``.
 """
@@ -19,13 +23,13 @@ import json
 import math
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
 
 from hypernav.core.geometry.boxes import Box, Detection
-from hypernav.models.chat.answer_parsing import writable
+from hypernav.models.chat.answer_parsing import denies, writable
 from hypernav.models.chat.unwrapping import final_answer
 from hypernav.models.chat.vlm_families import SIDES, VlmFamily
 
@@ -35,6 +39,19 @@ _MOST_ITEMS = 200
 _OVERSHOOT = 0.03  # share of the image by which a box may reach beyond it; it is clipped
 
 _BOX_KEYS = ("bbox_2d", "box_2d", "bbox", "box", "bounding_box", "boundingbox", "bounding box")
+_AREA_KEY = re.compile(
+    r"box|coord|rect|locat|position|point|object|item|instance|detect|predict|result|answer|found"
+)
+"""What is in the key of a list of boxes or points without keys of their own."""
+_FORM_KEYS = ("format", "bbox_format", "box_format")
+_FORMS = {
+    **dict.fromkeys(("xyxy", "x1y1x2y2", "xminyminxmaxymax", "ltrb", "pascalvoc"), "xyxy"),
+    **dict.fromkeys(("yxyx", "y1x1y2x2", "yminxminymaxxmax", "tlbr"), "yxyx"),
+    **dict.fromkeys(("xywh", "ltwh", "coco", "xywidthheight"), "xywh"),
+    **dict.fromkeys(("cxcywh", "xcycwh", "yolo"), "cxcywh"),
+}
+"""Orders of a box's numbers, by their spellings."""
+_STATE_KEYS = ("visible", "is_visible", "present", "is_present", "exists", "found", "detected")
 _POINT_KEYS = ("point_2d", "point", "points")
 _LABEL_KEYS = ("label", "name", "object", "category", "class", "description")
 _SCORE_KEYS = ("score", "confidence", "probability")
@@ -45,6 +62,7 @@ _CORNER_KEYS = (
     ("left", "top", "right", "bottom"),
     ("x", "y", "x2", "y2"),
 )
+_SIZED_KEYS = ("left", "top", "width", "height")
 _OPPOSITE_KEYS = ("top_left", "bottom_right")
 _OUTLINE_KEYS = ("polygon", "outline", "vertices", "normalizedvertices", "normalized_vertices")
 _SIZE_KEYS = {"w", "h", "width", "height"}
@@ -57,7 +75,7 @@ _ONLY_FOURS = re.compile(rf"\s*(?:{_FOUR}[\s,;]*){{1,64}}")
 _AREA = re.compile(
     r"(?:(?:<ref>|<\|object_ref_start\|>|<\|ref\|>)(?P<label>[^<]{0,200})"
     r"(?:</ref>|<\|object_ref_end\|>|<\|/ref\|>)\s*)?"
-    r"(?P<tag><b?box>|<\|box_start\|>|<\|det\|>|<point>|<\|point_start\|>)"
+    r"(?P<tag><b?box>|<\|box_start\|>|<\|det\|>|<point>|<\|point_start\|>|<quad>|<poly>)"
     r"(?P<inside>[\s\[(]{0,20}[-+.\d][^<]{0,2000})"
 )
 _BETWEEN_AREAS = re.compile(r"(?:</?[\w|/]{1,20}>|[\s,;])*")
@@ -69,6 +87,8 @@ _COORDS = re.compile(r"\bcoords\s*=\s*\"([^\"]{0,4000})\"")
 _ALT = re.compile(r"\balt\s*=\s*\"([^\"]{0,200})\"")
 _BINS = re.compile(r"(?P<bins>(?:<loc\d{4}>)+)(?:<seg\d{3}>)*\s*(?P<label>[^<;]{0,80})")
 _THOUSANDTHS = re.compile(r"(?P<label>[^<>]{0,80})(?P<bins>(?:<loc_\d{1,4}>)+)")
+NEGATED = re.compile(r"not?\s", re.IGNORECASE)
+"""How a label begins that tells what is not there."""
 _OPENING = re.compile(r"[\[{]")
 _FLAT_OBJECT = re.compile(r"\{[^{}]{0,2000}\}")
 
@@ -84,6 +104,9 @@ class Rejection(StrEnum):
     TOO_SMALL = "too small"
     DUPLICATE = "duplicate"
     TOO_MANY = "too many"
+    UNKNOWN_FORM = "in an order of numbers that it doesn't say"
+    UNKNOWN_KEY = "under a key that is no box's"
+    DENIED = "said to be absent"
 
 
 @dataclass(frozen=True)
@@ -119,7 +142,10 @@ class _Item:
         numbers: They are four of a box, two of a point.
         label: Label; empty if there is none.
         score: Score; 1 if there is none.
-        rows_first: Order of the numbers; None for the family's.
+        rows_first: Whether rows come first; None for the family's order.
+        form: Order of a box's numbers, one of `_FORMS`; empty if nothing says it.
+        key: The key above, where none tells of a box or a point.
+        is_denied: Whether it is said to be absent.
         side: The image's sides in the unit of the numbers; None for the family's.
         is_point: Whether it is a point.
     """
@@ -128,6 +154,9 @@ class _Item:
     label: str = ""
     score: float = 1.0
     rows_first: bool | None = None
+    form: str = ""
+    key: str = ""
+    is_denied: bool = False
     side: float | None = None
     is_point: bool = False
 
@@ -138,6 +167,7 @@ def read_grounding(
     width: int,
     height: int,
     *,
+    names_goal: Callable[[str], bool] = lambda key: True,
     max_boxes: int = 10,
     min_side_px: float = 3.0,
 ) -> Grounding:
@@ -148,6 +178,8 @@ def read_grounding(
         family: Family of the model, which tells its coordinates.
         width: Width of the image that the boxes are wanted in, pixels.
         height: Height of the same image, pixels.
+        names_goal: Whether a name means what was asked for: a key as in
+            ``{"bed": [10, 20, 110, 220]}``, or a label that begins with "no" or "not".
         max_boxes: Largest number of boxes and points; further ones are rejected.
         min_side_px: Shortest side of a box, in the image's pixels; smaller boxes are rejected.
     """
@@ -155,6 +187,10 @@ def read_grounding(
     points: list[PointedAt] = []
     rejected: Counter[Rejection] = Counter()
     for item in _items(final_answer(text)[:_MOST_CHARACTERS], family):
+        if item.key and names_goal(item.key):
+            item = replace(item, label=item.key, key="")
+        if NEGATED.match(item.label) and not names_goal(item.label):
+            item = replace(item, is_denied=True)
         found = _checked(item, family, width, height, min_side_px)
         if isinstance(found, Rejection):
             rejected[found] += 1
@@ -180,10 +216,20 @@ def _is_known(
 def _checked(
     item: _Item, family: VlmFamily, width: int, height: int, min_side_px: float
 ) -> Detection | PointedAt | Rejection:
+    if item.key or item.is_denied:
+        return Rejection.DENIED if item.is_denied else Rejection.UNKNOWN_KEY
     values = _numbers(item.numbers, 2 if item.is_point else 4)
     if isinstance(values, Rejection):
         return values
-    if family.rows_first if item.rows_first is None else item.rows_first:
+    if item.form == "unknown":
+        return Rejection.UNKNOWN_FORM
+    if item.form in {"xywh", "cxcywh"}:
+        x, y, w, h = values
+        x, y = (x - w / 2.0, y - h / 2.0) if item.form == "cxcywh" else (x, y)
+        values = [x, y, x + w, y + h]
+    elif item.form == "yxyx" or (
+        not item.form and (family.rows_first if item.rows_first is None else item.rows_first)
+    ):
         values = [values[k ^ 1] for k in range(len(values))]
     extent = family.extent(width, height) if item.side is None else (item.side, item.side)
     near = _OVERSHOOT * extent[0], _OVERSHOOT * extent[1]
@@ -248,8 +294,12 @@ def _areas(text: str) -> Iterator[_Item]:
             label = _one_line(match["label"] or "")
         end = match.end()
         is_point = "point" in match["tag"]
-        for numbers in _in_groups(re.findall(_NUMBER, match["inside"]), 2 if is_point else 4):
-            yield _Item(numbers, label, is_point=is_point)
+        numbers = re.findall(_NUMBER, match["inside"])
+        if match["tag"] in {"<quad>", "<poly>"}:
+            yield _Item(_enclosing(_in_groups(numbers, 2)), label)
+            continue
+        for group in _in_groups(numbers, 2 if is_point else 4):
+            yield _Item(group, label, is_point=is_point)
 
 
 def _pointed(text: str, family: VlmFamily) -> Iterator[_Item]:
@@ -336,19 +386,46 @@ def _mended(text: str, begin: int) -> tuple[Any, int]:
 def _items_in(value: Any, *, points: bool) -> list[_Item]:
     """The boxes and points in a JSON value, however deep, in order."""
     items: list[_Item] = []
-    waiting = [value]
+    waiting = [(value, "", "", False)]  # with the key above, the order of numbers, and denial
     while waiting and len(items) < _MOST_ITEMS:
-        one = waiting.pop()
+        one, key, form, is_denied = waiting.pop()
         if isinstance(one, dict):
-            found = _items_of(one)
+            form = _form_told(one) or form
+            is_denied = is_denied or _is_absent(one)
+            found = [
+                replace(item, form=item.form or form, is_denied=item.is_denied or is_denied)
+                for item in _items_of(one)
+            ]
             items += found
             if not found:
-                waiting += [child for child in reversed(one.values()) if _is_container(child)]
+                waiting += [
+                    (child, str(name), form, is_denied or denies(str(name)))
+                    for name, child in reversed(one.items())
+                    if _is_container(child)
+                ]
         elif isinstance(one, list) and _looks_like_numbers(one, least=2 if points else 3):
-            items.append(_Item(one, is_point=points and len(one) == 2))
+            unknown = "" if not key or _AREA_KEY.search(key.lower()) else _one_line(key)
+            is_point = points and len(one) == 2
+            items.append(
+                _Item(one, "", form=form, key=unknown, is_denied=is_denied, is_point=is_point)
+            )
         elif isinstance(one, list):
-            waiting += [child for child in reversed(one) if _is_container(child)]
+            waiting += [
+                (child, key, form, is_denied) for child in reversed(one) if _is_container(child)
+            ]
     return items
+
+
+def _form_told(value: dict[Any, Any]) -> str:
+    """The order of numbers that an object tells of its boxes; empty if it tells none."""
+    told = next((value[key] for key in _FORM_KEYS if isinstance(value.get(key), str)), "")
+    return _FORMS.get(re.sub(r"[\W_]", "", told[:80].lower()), "")
+
+
+def _is_absent(value: dict[Any, Any]) -> bool:
+    """Whether an object says of a thing that it is not in the image."""
+    by_key = {str(key).strip().lower(): one for key, one in value.items()}
+    return any(by_key.get(key) is False for key in _STATE_KEYS)
 
 
 def _items_of(value: dict[Any, Any]) -> list[_Item]:
@@ -358,19 +435,19 @@ def _items_of(value: dict[Any, Any]) -> list[_Item]:
     score = next((_number(by_key[key]) for key in _SCORE_KEYS if key in by_key), 1.0)
     score = score if 0.0 <= score <= 1.0 else 1.0
     label = _one_line(label)
-    for key in _BOX_KEYS:
-        if key not in by_key:
-            continue
+    for key, form in _box_keys(by_key):
         inner = by_key[key]
         if isinstance(inner, dict):
             return [replace(one, label=label, score=score) for one in _items_of(inner)]
-        return [_Item(inner, label, score)]
+        return [_Item(inner, label, score, form=form)]
     for corners in _CORNER_KEYS:
         if all(key in by_key for key in corners):
-            return [_Item([by_key[key] for key in corners], label, score, rows_first=False)]
+            return [_Item([by_key[key] for key in corners], label, score, form="xyxy")]
+    if all(key in by_key for key in _SIZED_KEYS):
+        return [_Item([by_key[key] for key in _SIZED_KEYS], label, score, form="xywh")]
     for outline in (*(by_key.get(key) for key in _OUTLINE_KEYS), _opposite(by_key)):
         if (corners := _enclosing(outline)) is not None:
-            return [_Item(corners, label, score, rows_first=False)]
+            return [_Item(corners, label, score, form="xyxy")]
     for key in _POINT_KEYS:
         if isinstance(by_key.get(key), list | str):
             inner = by_key[key]
@@ -378,10 +455,30 @@ def _items_of(value: dict[Any, Any]) -> list[_Item]:
             if key == "points" and any(isinstance(one, dict) for one in inner):
                 break
             return [_Item(one, label, score, is_point=True) for one in pairs]
-    if {"x", "y"} <= by_key.keys() and not by_key.keys() & _SIZE_KEYS:
+    if {"x", "y"} <= by_key.keys():
+        if sized := by_key.keys() & _SIZE_KEYS:  # some count from the middle, some from a corner
+            numbers = [by_key[key] for key in ("x", "y", *sorted(sized, reverse=True))]
+            return [_Item(numbers, label, score, form="unknown")]
         numbers = [by_key["x"], by_key["y"]]
         return [_Item(numbers, label, score, rows_first=False, is_point=True)]
     return []
+
+
+def _box_keys(by_key: dict[str, Any]) -> Iterator[tuple[str, str]]:
+    """The keys of an object's box, the plain ones first, with the order of numbers that they tell.
+
+    An addition that is no order, as in "bbox_conf" beside "bbox", tells nothing of a box unless it
+    stands with numbers alone.
+    """
+    for key in _BOX_KEYS:
+        if key in by_key:
+            yield key, ""
+    for key, value in by_key.items():
+        form = _FORMS.get(re.sub(r"b(?:ounding)?_?box|box|[\W_]", "", key))
+        if form is not None:
+            yield key, form
+        elif key.startswith(("bbox", "box_")) and key not in _BOX_KEYS and _is_container(value):
+            yield key, "unknown"
 
 
 def _opposite(by_key: dict[str, Any]) -> list[Any]:

@@ -20,7 +20,7 @@ from hypernav.models.chat.vlm_families import FamilyName, VlmFamily, family_name
 from hypernav.perception.exchanges import YesNoAsker, exchange_of
 from hypernav.perception.local.crop_check import crop_of, crop_question
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
-from hypernav.perception.local.grounding_format import Grounding, PointedAt, read_grounding
+from hypernav.perception.local.grounding_format import NEGATED, Grounding, PointedAt, read_grounding
 from hypernav.perception.prompt_text import check_placeholders
 
 _PROMPT = (
@@ -163,6 +163,7 @@ class VlmDetector:
             self.family,
             width,
             height,
+            names_goal=lambda key: labels_agree(key, goal),
             max_boxes=_MAX_BOXES,
             min_side_px=_MIN_SIDE_PX,
         )
@@ -225,6 +226,8 @@ def labels_agree(label: str, goal: Goal) -> bool:
     "sofa" agrees with the goal "L-shaped sofa", "corner sofa" with the goal "sofa"; a "window
     curtain" is no "shower curtain". Of a description its name alone counts.
     """
+    if NEGATED.match(label) and not NEGATED.match(goal.text):
+        return False
     wanted = ObjectLabel(asked_place(goal).before)
     return ObjectLabel(label).satisfies(goal) or wanted.is_named(label)
 
