@@ -182,3 +182,4 @@ def test_page_and_terminal_have_the_table_if_asked(tmp_path, two_scenes, capsys)
         assert text in shown
         assert text in page
     assert "Beside the HyPerNav paper" in page
+    assert 'class="range"' not in page  # four episodes are too few for an interval

@@ -17,6 +17,9 @@ CONFIDENCE = 0.95
 _SEED = 20250101
 _EXACT_FLIPS = 13
 
+FEWEST_WITH_INTERVAL = 5
+"""Number of episodes below which an interval says nothing."""
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -33,6 +36,11 @@ class Estimate:
     low: float
     high: float
     count: int
+
+    @property
+    def has_interval(self) -> bool:
+        """Whether there are enough episodes for the interval to say something."""
+        return self.count >= FEWEST_WITH_INTERVAL
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,6 @@ from rich.table import Table
 from hypernav.evaluation.report.beside_paper import BesidePaper
 from hypernav.evaluation.statistics import Estimate
 
-_FEWEST = 5
-"""Number of episodes below which an interval says nothing."""
-
 
 def show_beside_paper(name: str, beside: BesidePaper, console: Console) -> None:
     """Print the table, and below it what differs.
@@ -51,4 +48,4 @@ def _said(estimate: Estimate | None) -> str:
     if estimate is None:
         return "–"
     mean, low, high = (100.0 * value for value in (estimate.mean, estimate.low, estimate.high))
-    return f"{mean:.1f}" + (f" ({low:.0f}–{high:.0f})" if estimate.count >= _FEWEST else "")
+    return f"{mean:.1f}" + (f" ({low:.0f}–{high:.0f})" if estimate.has_interval else "")
