@@ -175,8 +175,8 @@ def test_images_without_any_depth_or_colour_are_no_doubt():
     assert doubts(rgb=np.zeros_like, depth=np.zeros_like) == []
 
 
-def told(link: RobotLink, factor: float) -> tuple[list[str], list[str]]:
-    """Reasons and events of a search in whose depth one unit counts so many millimetres."""
+def told(link: RobotLink, factor: float) -> tuple[str, list[str], list[str]]:
+    """A search in whose depth one unit counts so many millimetres: path, reasons and events."""
     search, room, reasons = link.open(), BoxRoom(), list[str]()
     for sequence in range(13):
         seen = room.observe()
@@ -190,15 +190,19 @@ def told(link: RobotLink, factor: float) -> tuple[list[str], list[str]]:
             break
         room.step(Action(reply["action"]))
     trace = link.call("GET", f"{search}/trace").content.decode().splitlines()
-    return reasons, [event for line in trace for event in json.loads(line)["events"]]
+    return search, reasons, [event for line in trace for event in json.loads(line)["events"]]
 
 
 def test_robot_and_operator_read_the_doubt_once(tmp_path, caplog):
     with robot_server(tmp_path, real_plan) as link:
-        reasons, events = told(link, 4.0)
-        right, _ = told(link, 1.0)
+        search, reasons, events = told(link, 4.0)
+        right_search, right, _ = told(link, 1.0)
+        assert link.call("GET", right_search).json["doubts"] == []
     words = "4 times as far away as it is for a camera 0.88 m above it; is depth in another unit"
     assert sum(words in event for event in events) == 1
     assert sum("Check what the robot sends: the floor" in reason for reason in reasons) == 1
     assert words in caplog.text
     assert not any("Check what the robot sends" in reason for reason in right)
+    with robot_server(tmp_path, real_plan) as link:
+        (doubt,) = link.call("GET", search).json["doubts"]
+    assert words in doubt

@@ -70,6 +70,7 @@ class Decisions:
         self._camera_to_base = request.embodiment.camera.camera_to_base
         self._sensing = Sensing(request.embodiment)
         self._doubts = Doubts(self._camera, self._camera_to_base)
+        self._doubts_told: tuple[str, ...] = ()
         self._not_in_trace: list[str] = []
         self._has_labels = request.labels
         self._start: UnknownStart | None = None
@@ -140,6 +141,7 @@ class Decisions:
         for words in doubts:
             _LOG.warning("search %s: %s", self._name, words)
         self._not_in_trace += doubts
+        self._doubts_told += tuple(doubts)
         reply, trace = step.reply, step.trace
         if doubts:
             reason = ". Check what the robot sends: ".join([reply.reason, *doubts])
@@ -147,7 +149,7 @@ class Decisions:
         if trace is not None and self._not_in_trace:
             trace = trace.model_copy(update={"events": [*trace.events, *self._not_in_trace]})
             self._not_in_trace = []
-        return step.model_copy(update={"reply": reply, "trace": trace})
+        return step.model_copy(update={"reply": reply, "trace": trace, "doubts": self._doubts_told})
 
     def _begin(self, facts: ObservationFacts, seen: Observation) -> Observation:
         """Begin with the memory, if there is one and the robot's place there is sure.

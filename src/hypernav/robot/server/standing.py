@@ -58,6 +58,7 @@ class Standing:
         is_resuming: Whether the agent is given again what came before a restart.
         end: End of the search; None as long as it goes on.
         start: Where the robot is in the server's memory; None if it knew, or still turns.
+        doubts: What the robot sends that may be misread, as told so far.
         pose: Last pose of the robot ``(x, y, yaw)``, ``map`` frame; None before the first decision.
         floor: Number of the floor that it is on.
         extent: Where the map of that floor lies; None before the first decision.
@@ -73,6 +74,7 @@ class Standing:
     is_resuming: bool = False
     end: EndRecord | None = None
     start: StartInMemory | None = None
+    doubts: tuple[str, ...] = ()
     pose: tuple[float, float, float] | None = None
     floor: int = 1
     extent: MapExtent | None = None
@@ -184,7 +186,7 @@ class Standing:
         """With start, pose and maps after a decision; what there is none of leaves the old."""
         now = replace(self, maps={**self.maps, **maps})
         if step is not None:
-            now = replace(now, start=step.start or now.start)
+            now = replace(now, start=step.start or now.start, doubts=step.doubts)
         if step is not None and step.trace is not None:
             now = replace(now, pose=step.trace.pose, floor=floor_of(step.trace))
         return now if now.grid is None else replace(now, extent=MapExtent.of(now.grid))
@@ -211,6 +213,7 @@ class Standing:
             last=None if self.last is None else self.last.reply,
             pose=self.pose,
             start=self.start,
+            doubts=self.doubts,
             map=self.extent,
             silent_s=round(silent_s, 3) if self.end is None else None,
             ending=None if self.end is None else self.end.ending,

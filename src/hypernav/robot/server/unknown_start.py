@@ -166,7 +166,7 @@ class UnknownStart:
         events = [self.told.words] if number == self.told.turns else []
         numbered = trace.model_copy(update={"step": number, "events": [*events, *trace.events]})
         reply = _moved(step.reply, self._robot_to_map.inverse())
-        return StepRecord(reply=reply, trace=numbered, start=self.told)
+        return step.model_copy(update={"reply": reply, "trace": numbered, "start": self.told})
 
 
 def _moved(reply: Reply, map_to_robot: Transform) -> Reply:

@@ -181,6 +181,7 @@ class Status(Message):
         last: The last answer; None before the first.
         pose: Last pose of the robot ``(x, y, yaw)``, ``map`` frame of the search.
         start: Where the robot is in the server's memory; None if it knew, or still turns.
+        doubts: What the robot sends that is plausible but may be misread, each with its evidence.
         map: Extent of the map; None before the first answer.
         silent_s: Time since the robot's last message, seconds; 0 while it waits for an answer, None
             once the search is over.
@@ -198,6 +199,7 @@ class Status(Message):
     last: Reply | None = None
     pose: tuple[float, float, float] | None = None
     start: StartInMemory | None = None
+    doubts: tuple[str, ...] = ()
     map: MapExtent | None = None
     silent_s: float | None = None
     ending: SearchEnding | None = None

@@ -92,11 +92,13 @@ class StepRecord(Message):
         trace: What the agent knew and decided; None if the search ended at the step limit, or the
             robot still turns to find out where it is in the memory.
         start: Where it is there; None if it knew, or still turns.
+        doubts: What the robot sends that may be misread, as told so far.
     """
 
     reply: Reply
     trace: StepTrace | None
     start: StartInMemory | None = None
+    doubts: tuple[str, ...] = ()
 
 
 class EndRecord(Message):

@@ -57,6 +57,8 @@ function show() {
   byId("reason").textContent = reason(status, step);
   byId("start").hidden = !status.start;
   byId("start").textContent = status.start ? startWords(status.start) : "";
+  byId("doubts").hidden = !status.doubts.length;
+  byId("doubts").textContent = status.doubts.length ? `Check what the robot sends: ${status.doubts.join(" Also: ")}` : "";
   byId("step").textContent = step ? `${step.step + 1} of ${steps.at(-1).step + 1}` : "–";
   byId("driven").textContent = step ? `${driven(steps, timeline.shown).toFixed(1)} m` : "–";
   byId("flat").hidden = !namesFloors(steps);
