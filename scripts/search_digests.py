@@ -65,7 +65,7 @@ STEPS = 80
 
 @dataclass(frozen=True)
 class Search:
-    """Commands of which each ends with ``--out FOLDER``; the trace of the last one counts."""
+    """Commands, each of which gets a folder by ``--out``; the traces of all count."""
 
     name: str
     commands: tuple[tuple[str, ...], ...]
@@ -138,23 +138,24 @@ def searches() -> Iterator[Search]:
 
 
 def _digest(search: Search, server: str) -> str:
-    """The digest of a search's trace, or how it ended without one."""
+    """The digest of a search's traces, or how it ended without one."""
+    digest = hashlib.sha256()
     with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "out"
         for number, command in enumerate(search.commands):
             words = [word.format(server=server, folder=folder) for word in command]
-            own = out / str(number)
+            out = Path(folder) / str(number)
             done = subprocess.run(
-                [sys.executable, "-m", "hypernav", *words, "--out", str(own), "--quiet"],
+                [sys.executable, "-m", "hypernav", *words, "--out", str(out), "--quiet"],
                 capture_output=True,
                 text=True,
                 check=False,
             )
-        traces = sorted(own.rglob("trace.jsonl"))
-        if not traces:
-            return f"status {done.returncode}: {done.stderr.strip()[-300:]}"
-        text = "\n".join(_timeless(json.loads(line)) for line in traces[0].read_text().splitlines())
-        return hashlib.sha256(text.encode()).hexdigest()
+            trace = next(out.rglob("trace.jsonl"), None)
+            if trace is None:
+                return f"status {done.returncode}: {done.stderr.strip()[-300:]}"
+            for line in trace.read_text("utf-8").splitlines():
+                digest.update(_timeless(json.loads(line)).encode())
+    return digest.hexdigest()
 
 
 def _timeless(value: Any) -> str:
