@@ -1,5 +1,6 @@
 import pytest
 
+from hypernav.core.labels import same_name
 from hypernav.worlds.scenes.node_names import category_of, is_structural, words_of
 
 
@@ -162,6 +163,10 @@ def test_names_of_building_models_become_words(name: str, category: str) -> None
 def test_a_building_model_says_what_is_the_building(name: str) -> None:
     assert is_structural(name)
     assert category_of(name) is None
+
+
+def test_a_door_mat_is_a_doormat() -> None:
+    assert same_name(str(category_of("SM_DoorMat_01")), "doormat")
 
 
 @pytest.mark.parametrize(

@@ -51,6 +51,7 @@ LITELLM = (
             {},
         ),
         ("`temperature` is deprecated for this model.", ["temperature"], {}),
+        ("Invalid key in body: temperature", ["temperature"], {}),
         (LITELLM, ["logprobs", "top_logprobs"], {}),
         ("Logprobs is not supported for the current model.", ["logprobs", "top_logprobs"], {}),
         (

@@ -181,6 +181,7 @@ def test_what_waiting_cannot_mend_is_said_at_once_in_any_form(body: Any, advice:
         {"error": {"message": "image preprocessing: file not found by the model runner"}},
         {"message": "Internal error", "code": 500},
         {"error": {"message": "invalid token id 32001"}},
+        {"error": "Invalid key in the cache"},
     ],
 )
 def test_words_that_only_resemble_those_are_asked_again(body: Any):

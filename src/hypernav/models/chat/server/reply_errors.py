@@ -55,8 +55,8 @@ _WRONG_KEY = re.compile(
     r"(?:invalid|incorrect|wrong|missing|expired|unknown|no|provide an?)[\s_]"
     r"(?:auth\w*[\s_])?(?:api.?key|(?:access|auth\w*|bearer|api).token|credentials)"
     r"|api.?key\b.{0,60}?\b(?:not valid|invalid|incorrect|expired|missing|required|not found)"
-    r"|\binvalid key\b|unauthori[sz]ed|unauthenticated|not authenticated"
-    r"|authentication (?:failed|required)",
+    r"|\binvalid key\b(?!\s*(?:['\"`:]|in\b|for\b|of\b))"
+    r"|unauthori[sz]ed|unauthenticated|not authenticated|authentication (?:failed|required)",
     re.I,
 )
 _WRONG_MODEL = re.compile(
