@@ -202,7 +202,8 @@ def test_high_and_wide_things_in_metres_are_not_doubted() -> None:
     corners = [k for k in range(49 * 50) if k % 50 < 49]
     faces = np.concatenate([square + k for k in corners]).astype(np.int32)
     ground = MeshPart("Hügel", "Hügel", hills.reshape(-1, 3).astype(np.float32), faces, 0)
-    for parts in ([site, *floors, *fronts], hall, [ground]):
+    sky = [*german(), box("Himmel", (-200, -200, -200), (200, 200, 200))]
+    for parts in ([site, *floors, *fronts], hall, [ground], sky):
         assert doubts_of(parts, objects_of(parts), "z") == []
 
 

@@ -38,6 +38,8 @@ _LARGEST_M, _SMALLEST_M = 150.0, 1.0
 """Beyond these extents of a building, few things suffice to doubt its unit."""
 _LOW_STOREY_M, _HIGH_STOREY_M, _HIGHEST_M = 2.0, 5.0, 20.0
 """Heights of usual storeys, and of the highest hall that is not doubted."""
+_TALLEST_PART_M = 5.0
+"""Median height of the parts of a building that is not doubted."""
 _LEVEL_SHARE, _LAYERS = 0.2, 40
 """Least area of a level, as a share of the building's outline or its second largest level, and the
 number of layers in which levels are searched."""
@@ -302,7 +304,8 @@ def _better_unit(
 ) -> tuple[float, str] | None:
     """A unit that fits a building better than metres, and the evidence; None if there is none.
 
-    Things of known kinds decide. Where few are known, a storey that is higher than any hall does.
+    Things of known kinds decide. Where few are known, a storey does that is higher than any hall,
+    if most parts are high as well: a sky around a building has such a storey, too.
     """
     count, now = things.kind_count, things.fitting(axis)
     if count and now > 0.4 * count:
@@ -314,7 +317,9 @@ def _better_unit(
         words = f"{fits[best]} of its {count} known kinds of things have the usual size then, {now}"
         if fits[best] >= 0.7 * count:
             return best, f"{words} now"
-    if count >= _FEWEST_KINDS or extents[axis] <= _HIGHEST_M:
+    if extents[axis] <= _HIGHEST_M:
+        return None
+    if np.median([_outline([part])[1][axis] for part in parts]) <= _TALLEST_PART_M:
         return None
     storey = _storey(_Faces.of(parts), axis, low, extents)
     wide = float(np.delete(extents, axis).max())
