@@ -70,7 +70,8 @@ _INNER = ("error", "errors", "message", "detail", "msg", "error_msg")
 """Names under which servers put their words, or an object that holds them."""
 _CODES = ("code", "status", "status_code", "statusCode")
 _RESULTS = ("choices", "data", "answers")
-_MOST_WORDS = 20_000
+_MOST_WORDS = 10_000
+"""Characters of an error in which its meaning is searched."""
 NEEDS_LOGIN = (
     "the proxy wants a login: write it into the proxy's URL in the environment, as in "
     "https_proxy=http://NAME:PASSWORD@HOST:PORT"
@@ -172,7 +173,7 @@ def _is_without_answer(choice: object) -> bool:
 
 
 def _error(status: int, said: str, what: str, reply: Reply, body: object) -> ChatError:
-    message = f"{what}: {shortened(said, LONGEST_MESSAGE)}"
+    message, said = f"{what}: {shortened(said, LONGEST_MESSAGE)}", said[:_MOST_WORDS]
     if _NO_VISION.search(said):  # llama.cpp answers 500, OpenRouter 404, LM Studio 200
         return ModelSetupError(message, remedy=_CHOOSE_ANOTHER)
     status = _meaning(status, body, said)
@@ -198,7 +199,7 @@ def _meaning(status: int, body: object, said: str) -> int:
     if status < 300 or status >= 500:
         status = next((int(code) for code in codes if re.fullmatch("[45][0-9]{2}", code)), status)
     kinds = [str(layer.get("type", "")) for layer in layers]
-    words = " ".join([said, *kinds, *codes])[:_MOST_WORDS]
+    words = " ".join([said[:_MOST_WORDS], *kinds, *codes])[: 2 * _MOST_WORDS]
     if status == 429:  # a limit per minute, unless it says more
         return 402 if _USED_UP.search(words) else status
     if 300 <= status < 500 and status not in {400, 422}:
