@@ -25,6 +25,7 @@ _SYNONYMS: tuple[tuple[str, ...], ...] = (
     ("trash can", "garbage can", "waste bin", "trash bin", "bin", "dustbin", "rubbish bin"),
     ("tv stand", "television stand", "tv cabinet", "media console"),
     ("rug", "carpet"),
+    ("doormat", "door mat"),
     ("cell phone", "mobile phone", "smartphone"),
     ("bicycle", "bike"),
     ("bookshelf", "bookcase", "book shelf"),

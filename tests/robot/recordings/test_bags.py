@@ -106,6 +106,17 @@ def test_messages_of_every_transport_and_encoding_are_the_same_image(frames, tmp
             assert np.allclose(told.depth(), seen.depth(), atol=1e-6)
 
 
+def test_depth_that_may_be_infrared_is_noted(frames, tmp_path):
+    def change(topic, message, _):
+        if topic == DEPTH:
+            message.encoding = "mono16"
+        return topic, message
+
+    with closing(open_recording(write_bag(tmp_path, "mcap", frames, change=change))) as bag:
+        assert f"depth is read from {DEPTH}" in bag.notes[0]
+        assert np.array_equal(bag.frames[0].depth(), frames.frames[0].depth())
+
+
 def test_compressed_topics_do_where_there_are_no_others(frames, tmp_path):
     def change(topic, message, make):
         if topic not in (COLOUR, DEPTH):

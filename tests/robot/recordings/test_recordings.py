@@ -2,6 +2,8 @@
 
 import json
 import math
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -121,6 +123,79 @@ def test_frames_without_a_pose_are_left_out_and_counted(lost, tmp_path, capsys):
     note = f"1 of {len(POSES)} frames are left out: they have no valid pose"
     assert note in capsys.readouterr().err
     assert json.loads((tmp_path / "out" / "result.json").read_text())["notes"] == [note]
+
+
+IDENTITY = " ".join(map(str, np.eye(4).ravel()))
+
+
+def write_poses(folder: Path, *poses: str) -> list[float]:
+    """The frames of a recording with these poses in the places of its own; times that are read."""
+    write_matched_frames(folder)
+    for number, pose in enumerate(poses):
+        for kind in ("color.png", "depth.png"):
+            target = folder / f"frame-{number:06d}.{kind}"
+            if not target.exists():
+                shutil.copy(folder / f"frame-000000.{kind}", target)
+        (folder / f"frame-{number:06d}.pose.txt").write_text(pose)
+    return [frame.stamp_s for frame in open_recording(folder).frames]
+
+
+def at(x: float) -> str:
+    return f"1 0 0 {x} 0 1 0 0 0 0 1 0 0 0 0 1"
+
+
+def test_the_identity_is_a_lost_pose_once_the_camera_has_moved(tmp_path):
+    poses = [IDENTITY, IDENTITY, at(0.1), IDENTITY, at(0.2), IDENTITY]
+    assert write_poses(tmp_path, *poses) == [0.0, 1.0, 2.0, 4.0]
+    assert (
+        open_recording(tmp_path)
+        .notes[0]
+        .startswith("2 of 6 frames are left out: their pose is exactly the identity")
+    )
+
+
+def test_the_identity_is_a_lost_pose_far_from_where_the_recording_goes_on(tmp_path):
+    along = [at(3.0 + 0.1 * k) for k in range(6)]
+    assert write_poses(tmp_path, IDENTITY, *along) == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+    assert "1 of 7 frames are left out" in open_recording(tmp_path).notes[0]
+
+
+@WRITERS
+def test_poses_that_are_all_the_identity_are_noted(write, tmp_path):
+    write(tmp_path)
+    assert not any("identity" in note for note in open_recording(tmp_path).notes)
+    for path in [*tmp_path.glob("*.pose.txt"), *tmp_path.glob("pose/*.txt")]:
+        path.write_text(IDENTITY)
+    if write is write_tum:
+        lines = [f"{number}.005 0 0 0 0 0 0 1" for number in range(len(POSES))]
+        (tmp_path / "groundtruth.txt").write_text("\n".join(lines))
+    recording = open_recording(tmp_path)
+    assert len(recording.frames) == len(POSES)
+    assert f"poses of all {len(POSES)} frames are exactly the id" in " ".join(recording.notes)
+
+
+@pytest.mark.parametrize(
+    ("name", "line", "expected"),
+    [
+        ("groundtruth.txt", "timestamp tx ty tz qx qy qz qw", "'time x y z qx qy qz qw'"),
+        ("groundtruth.txt", "1.0,0,0,0,0,0,0,1", "'time x y z qx qy qz qw'.*spaces for its commas"),
+        ("groundtruth.txt", "1.0 0 0 0 0 0 0", "'time x y z qx qy qz qw'"),
+        ("rgb.txt", "timestamp filename", "'time file'"),
+        ("depth.txt", "1.0,1.depth.png", "'time file'.*spaces for its commas"),
+        ("camera.txt", "fx fy cx cy", "4 numbers in all"),
+    ],
+)
+def test_a_line_that_is_no_row_of_its_file_is_named_with_what_it_should_be(
+    name, line, expected, tmp_path
+):
+    write_tum(tmp_path)
+    path = tmp_path / name
+    path.write_text(f"# a comment\n{line}\n{path.read_text()}")
+    with pytest.raises(RecordingError, match=rf"{name}, line 2: expected .*{expected}") as error:
+        open_recording(tmp_path)
+    assert f"found '{line}'" in str(error.value)
+    assert "convert" not in str(error.value)
+    assert "\n" not in str(error.value)
 
 
 def test_an_empty_pose_is_a_lost_one(tmp_path):

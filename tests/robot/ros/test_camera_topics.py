@@ -55,3 +55,19 @@ def test_grey_images_are_taken_where_there_is_no_colour():
 def test_an_encoding_that_cannot_be_read_is_named_with_those_that_can(wanted):
     with pytest.raises(TopicChoiceError, match=r"/front/film \('h264'\).*yuv422_yuy2.*JPEG"):
         choose_topics([FILM, *CAMERA[1:]], wanted, option_of=bag._option_of)
+
+
+SIXTEEN = OfferedTopic("/front/image", "depth", "optical", "mono16", grey=True)
+
+
+@pytest.mark.parametrize("wanted", [None, SIXTEEN.name])
+def test_grey_of_16_bits_is_named_as_what_it_may_be_where_colour_is_missing(wanted):
+    told = r"of colour|topic /front/image.*/front/image \('mono16', grey of 16 bits: depth or infra"
+    with pytest.raises(TopicChoiceError, match=told) as error:
+        choose_topics([SIXTEEN, CAMERA[2]], CameraTopics(wanted), option_of=bag._option_of)
+    assert "depth or infrared) cannot be colour" in str(error.value)
+
+
+def test_a_colour_topic_without_depth_is_named():
+    with pytest.raises(TopicChoiceError, match=r"/front/infra \('mono8', colour\) cannot be depth"):
+        choose_topics([INFRARED, CAMERA[2]], CameraTopics(), option_of=bag._option_of)

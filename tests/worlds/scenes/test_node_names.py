@@ -1,5 +1,6 @@
 import pytest
 
+from hypernav.core.labels import same_name
 from hypernav.worlds.scenes.node_names import category_of, is_structural, words_of
 
 
@@ -28,6 +29,12 @@ from hypernav.worlds.scenes.node_names import category_of, is_structural, words_
         ("床_01", "床"),
         ("办公室_床", "办公室 床"),
         ("ESS_Küchentisch.001", "ess küchentisch"),
+        ("Door mat", "door mat"),
+        ("SM_DoorMat_01", "door mat"),
+        ("Floor_Mat.002", "floor mat"),
+        ("Bath mat", "bath mat"),
+        ("Wall_Mirror", "wall mirror"),
+        ("Doll house", "doll house"),
     ],
 )
 def test_names_become_words(name: str, category: str) -> None:
@@ -105,6 +112,12 @@ def test_a_single_word_is_never_taken_away() -> None:
         ("Chair_Office_Swivel:Std:44", "office chair"),
         ("Furniture_Sofa_Corbu:3 seat:331", "corbu sofa"),
         ("Lamp, Floor:Floor lamp:43", "floor lamp"),
+        ("Door mat:Coir:1234", "door mat"),
+        ("IfcFurniture/Door mat", "door mat"),
+        ("Window seat:1200mm:77", "window seat"),
+        ("Column radiator:600mm:78", "column radiator"),
+        ("Refrigerator-Two-Door:900mm:79", "two refrigerator"),
+        ("M_Wardrobe-Door Double:1200mm:80", "door wardrobe"),
     ],
 )
 def test_names_of_building_models_become_words(name: str, category: str) -> None:
@@ -136,11 +149,24 @@ def test_names_of_building_models_become_words(name: str, category: str) -> None
         "Opening1",
         "IFCWALL_#123",
         "Wall_Ext [99]",
+        "Door:0915 x 2134mm:1",
+        "Door-Interior:Single:2",
+        "Doors_ExtDbl_Flush:1810x2110mm:3",
+        "Door - Single - Panel:900:4",
+        "Window Frame:900:5",
+        "Door Interior Flush:900:6",
+        "Windows 2:900:7",
+        "M_Concrete-Rectangular-Column:300 x 450mm:8",
+        "Opening Double:900:9",
     ],
 )
 def test_a_building_model_says_what_is_the_building(name: str) -> None:
     assert is_structural(name)
     assert category_of(name) is None
+
+
+def test_a_door_mat_is_a_doormat() -> None:
+    assert same_name(str(category_of("SM_DoorMat_01")), "doormat")
 
 
 @pytest.mark.parametrize(

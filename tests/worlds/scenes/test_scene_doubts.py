@@ -1,6 +1,7 @@
 """A building that lies on its side, or has another unit, is doubted; one that is right never is."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -145,6 +146,65 @@ def test_names_in_any_language_will_do_where_things_stand_on_one_level() -> None
     assert doubts_of(parts, objects_of(parts, **names), "z") == []
     (doubt,) = doubts_of(turned(parts, "y"), objects_of(parts, **names), "z")
     assert "lie on its side" in doubt
+
+
+GERMAN = {"Tisch_01": "tisch", "Stuhl_01": "stuhl", "Bett": "bett", "Lampe": "lampe"}
+
+
+def german(height: float = 2.5, *, ceiling: bool = True) -> Parts:
+    """A room of 6 by 4 m with furniture, metres."""
+    names = {"floor": "Boden", "bed_01": "Schrank"}
+    parts = [
+        replace(part, node=name, descriptive_name=name)
+        for part in room(height=height)
+        for name in [names.get(part.node, part.node.replace("wall", "Wand"))]
+    ]
+    decke = box("Decke", (-0.1, -0.1, height), (6.0, 4.1, height + 0.2))
+    return [*parts, *furniture(*GERMAN), *([decke] if ceiling else [])]
+
+
+@pytest.mark.parametrize("ceiling", [True, False])
+@pytest.mark.parametrize("unit", [0.001, 0.01, 0.0254])
+def test_the_height_of_storeys_says_the_unit_in_any_language(unit: float, ceiling: bool) -> None:
+    parts = german(ceiling=ceiling)
+    objects = objects_of(parts, **GERMAN)
+    assert doubts_of(parts, objects, "z") == []
+    (doubt,) = doubts_of(turned(parts, scale=1.0 / unit), objects, "z")
+    assert f"file_scale={unit:g} converts it" in doubt
+    assert "its highest storey has 2." in doubt
+    assert doubts_of(turned(parts, scale=1.0 / unit), objects, "z", scale_is_given=True) == []
+
+
+@pytest.mark.parametrize("unit", [0.001, 0.01, 0.0254])
+def test_several_storeys_are_no_high_one(unit: float) -> None:
+    storeys = [
+        replace(
+            part,
+            node=f"{part.node}_{k}",
+            vertices=part.vertices + np.array([0, 0, 2.7 * k], np.float32),
+        )
+        for k in range(4)
+        for part in german()
+    ]
+    assert doubts_of(storeys, objects_of(storeys), "z") == []
+    (doubt,) = doubts_of(turned(storeys, scale=1.0 / unit), objects_of(storeys), "z")
+    assert f"file_scale={unit:g} converts it" in doubt
+
+
+def test_high_and_wide_things_in_metres_are_not_doubted() -> None:
+    site = box("Gelände", (-150, -150, -1), (150, 150, 0))
+    floors = [box(f"Decke_{k}", (0, 0, 3 * k), (30, 30, 3 * k + 0.3)) for k in range(1, 40)]
+    fronts = [box("Wand", (0, 0, 0), (30, 0.3, 117)), box("Wand_2", (0, 30, 0), (30, 30.3, 117))]
+    hall = [*german(height=18.0), box("Dach", (-80, -80, 18), (80, 80, 18.5))]
+    x, y = np.meshgrid(np.arange(0.0, 1000.0, 20.0), np.arange(0.0, 1000.0, 20.0))
+    hills = np.stack([x, y, 75.0 + 75.0 * np.sin(x / 300.0) * np.cos(y / 200.0)], axis=-1)
+    square = np.array([[0, 1, 50], [1, 51, 50]])
+    corners = [k for k in range(49 * 50) if k % 50 < 49]
+    faces = np.concatenate([square + k for k in corners]).astype(np.int32)
+    ground = MeshPart("Hügel", "Hügel", hills.reshape(-1, 3).astype(np.float32), faces, 0)
+    sky = [*german(), box("Himmel", (-200, -200, -200), (200, 200, 200))]
+    for parts in ([site, *floors, *fronts], hall, [ground], sky):
+        assert doubts_of(parts, objects_of(parts), "z") == []
 
 
 def test_many_things_of_one_kind_say_one_thing() -> None:

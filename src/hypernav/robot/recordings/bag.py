@@ -72,6 +72,11 @@ def read_bag(path: Path, topics: CameraTopics) -> Recording:
             )
         offers = [offered_topic(name, bag.first(name)) for name in bag.topics(*CAMERA_TYPES)]
         chosen = choose_topics(offers, topics, option_of=_option_of)
+        if chosen.depth.grey:
+            bag.notes.append(
+                f"depth is read from {chosen.depth.name}, in millimetres; its encoding "
+                f"'{chosen.depth.encoding}' may also be that of infrared images"
+            )
         with bag.checked():
             calibration = calibration_of(
                 bag.first(chosen.camera_info.name), rectified=is_rectified(chosen.colour)

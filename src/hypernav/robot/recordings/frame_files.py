@@ -79,8 +79,8 @@ def recording_of_files(
     )
 
 
-def read_lines(path: Path) -> list[str]:
-    """The lines of a text file that are no comments.
+def read_lines(path: Path) -> list[tuple[int, str]]:
+    """The lines of a text file that are no comments, with their numbers from 1.
 
     Raises:
         RecordingError: It cannot be read.
@@ -89,7 +89,21 @@ def read_lines(path: Path) -> list[str]:
         text = text_of(read_file(path))
     except (OSError, UnicodeDecodeError) as error:
         raise RecordingError(f"{path} can't be read: {error}") from error
-    return [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    lines = enumerate(text.splitlines(), start=1)
+    return [(at, line) for at, line in lines if line.strip() and not line.startswith("#")]
+
+
+def broken_line(path: Path, at: int, line: str, expected: str) -> RecordingError:
+    """The error that names a line which is not as its format says.
+
+    Args:
+        path: The file.
+        at: Number of the line, from 1.
+        line: The line.
+        expected: What the format says.
+    """
+    commas = "; write spaces for its commas" if "," in line else ""
+    return RecordingError(f"{path}, line {at}: expected {expected}, found '{line:.60}'{commas}")
 
 
 def number_of(word: str) -> float:
@@ -107,10 +121,12 @@ def read_numbers(path: Path, count: int) -> list[float]:
     Raises:
         RecordingError: The file cannot be read, or holds a different number of values.
     """
-    try:
-        numbers = [number_of(word) for line in read_lines(path) for word in line.split()]
-    except ValueError as error:
-        raise RecordingError(f"{path}: expected {count} numbers: {error}") from error
+    numbers: list[float] = []
+    for at, line in read_lines(path):
+        try:
+            numbers += map(number_of, line.split())
+        except ValueError as error:
+            raise broken_line(path, at, line, f"{count} numbers in all") from error
     if len(numbers) != count:
         raise RecordingError(f"{path}: expected {count} numbers, found {len(numbers)}")
     return numbers

@@ -7,6 +7,7 @@ from pathlib import Path
 from hypernav.core.errors import RecordingError
 from hypernav.robot.recordings.bag import is_bag, read_bag
 from hypernav.robot.recordings.depth_unit import in_unit, unit_doubt
+from hypernav.robot.recordings.lost_poses import without_lost_poses
 from hypernav.robot.recordings.matched_frames import is_matched_frames, read_matched_frames
 from hypernav.robot.recordings.recording import Recording
 from hypernav.robot.recordings.scannet import is_scannet, read_scannet
@@ -50,7 +51,7 @@ def open_recording(
         path.stat()
     except OSError as error:
         raise RecordingError(f"{path} cannot be read ({error.strerror})") from error
-    recording = _read(path, topics or CameraTopics())
+    recording = without_lost_poses(_read(path, topics or CameraTopics()))
     with ExitStack() as opened:
         opened.callback(recording.close)
         if depth_per_metre is not None:

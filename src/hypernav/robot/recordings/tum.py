@@ -21,6 +21,7 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.robot.recordings.frame_files import (
     FrameFiles,
+    broken_line,
     camera_of,
     number_of,
     read_lines,
@@ -75,12 +76,14 @@ def read_tum(folder: Path) -> Recording:
 
 def _listed(folder: Path, name: str) -> list[tuple[float, Path]]:
     found = []
-    for line in read_lines(folder / name):
+    for at, line in read_lines(folder / name):
         try:
             stamp, file = line.split()
             found.append((_seconds(stamp), path_below(folder, file)))
-        except (ValueError, OSError) as error:
-            raise RecordingError(f"{folder / name}: '{line:.60}': {error}") from error
+        except ValueError as error:
+            raise broken_line(folder / name, at, line, "'time file'") from error
+        except OSError as error:
+            raise RecordingError(f"{folder / name}, line {at}: '{line:.60}': {error}") from error
     if not found:
         raise RecordingError(f"{folder / name} lists no image")
     return found
@@ -89,16 +92,16 @@ def _listed(folder: Path, name: str) -> list[tuple[float, Path]]:
 def _poses(path: Path) -> tuple[Float64[np.ndarray, " n"], list[Transform], list[str]]:
     """Times and poses, and the note about those that are none."""
     stamps, poses, lines = [], [], read_lines(path)
-    for line in lines:
+    for at, line in lines:
         try:
             stamp, *numbers = line.split()
-            x, y, z, *quaternion = map(number_of, numbers)
-            at_s = _seconds(stamp)
+            x, y, z, qx, qy, qz, qw = map(number_of, numbers)
+            at_s, quaternion = _seconds(stamp), (qx, qy, qz, qw)
             if not any(quaternion) or not np.isfinite([x, y, z, *quaternion]).all():
                 continue  # the camera was lost
             rotation = Rotation.from_quat(quaternion).as_matrix()
         except ValueError as error:
-            raise RecordingError(f"{path}: '{line:.60}': {error}") from error
+            raise broken_line(path, at, line, "the numbers 'time x y z qx qy qz qw'") from error
         poses.append(Transform(rotation, np.array([x, y, z])))
         stamps.append(at_s)
     if not poses:

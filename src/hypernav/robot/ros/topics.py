@@ -103,11 +103,15 @@ def choose_topics(
     """
     offers = list(offered)
     unreadable = _of_role(offers, "unreadable")
-    colours = _of_role(offers, "colour") + unreadable
+    colours, depths = (_of_role(offers, role) for role in ("colour", "depth"))
     colour = _one(
-        colours, wanted.colour, "colour", "sensor_msgs/Image of colour", option_of("colour")
+        colours + unreadable,
+        wanted.colour,
+        "colour",
+        "sensor_msgs/Image of colour",
+        option_of("colour"),
+        others=depths,
     )
-    depths = _of_role(offers, "depth")
     fitting = [topic for topic in depths if topic.frame == colour.frame]
     if depths and not fitting and wanted.depth is None:
         raise TopicChoiceError(
@@ -121,6 +125,7 @@ def choose_topics(
         "depth",
         "sensor_msgs/Image of depth",
         option_of("depth"),
+        others=colours,
     )
     if depth.frame != colour.frame:
         raise TopicChoiceError(
@@ -150,8 +155,15 @@ def _of_role(offers: Sequence[OfferedTopic], role: str) -> list[OfferedTopic]:
 
 
 def _one(
-    offers: Sequence[OfferedTopic], wanted: str | None, role: str, kind: str, option: str
+    offers: Sequence[OfferedTopic],
+    wanted: str | None,
+    role: str,
+    kind: str,
+    option: str,
+    *,
+    others: Sequence[OfferedTopic] = (),
 ) -> OfferedTopic:
+    """The topic of a role; `others` are images of another one, named where none is left."""
     unreadable = [topic for topic in offers if topic.role == "unreadable"]
     readable = [topic for topic in offers if topic not in unreadable]
     names = {topic.name for topic in readable}
@@ -171,6 +183,8 @@ def _one(
                 f"; the encoding of {_listed(unreadable)} can't be read: expected "
                 f"{readable_encodings()}; {option} names another topic"
             )
+        if others:
+            found += f"; {_listed(others, by_pixels=True)} cannot be {role}"
         raise TopicChoiceError(f"expected a topic {wanted or f'with {kind}'}; {found}")
     raise TopicChoiceError(
         f"several topics could be {role}: {_listed(fitting)}; say which one with {option}"
@@ -186,10 +200,18 @@ def _namespace(name: str) -> str:
     return name.rsplit("/", 1)[0]
 
 
-def _listed(topics: Sequence[OfferedTopic]) -> str:
+def _listed(topics: Sequence[OfferedTopic], *, by_pixels: bool = False) -> str:
     return ", ".join(
-        f"{topic.name} ('{topic.encoding:.40}')"
-        if topic.role == "unreadable"
-        else f"{topic.name} (frame '{topic.frame}')"
-        for topic in topics
+        f"{topic.name} ({_pixels_of(topic) if by_pixels else _place_of(topic)})" for topic in topics
     )
+
+
+def _place_of(topic: OfferedTopic) -> str:
+    return f"'{topic.encoding:.40}'" if topic.role == "unreadable" else f"frame '{topic.frame}'"
+
+
+def _pixels_of(topic: OfferedTopic) -> str:
+    """What the pixels of an image are, by their encoding."""
+    is_sixteen_bit = topic.grey and topic.role == "depth"
+    words = "grey of 16 bits: depth or infrared" if is_sixteen_bit else topic.role
+    return f"'{topic.encoding:.40}', {words}" if topic.encoding else words

@@ -7,6 +7,8 @@ whose noun comes first. Sources: IFC 4.3 (ISO 16739-1), and the families of Revi
 
 import re
 
+from hypernav.core.kind_shapes import kind_shape
+
 _CLASS = re.compile(r"^(?:Ifc|IFC)([A-Z][A-Za-z0-9]*)(?:[/:_\s#-]+(.*))?$", re.DOTALL)
 _ELEMENT_ID = re.compile(r"\s*\[\d+\]\s*$|:\s*-?\d+(?:[:\s_#.].*)?$")
 _SIZE = re.compile(r"\b\d[\d.,'\"]*\s*(?:x\s*\d[\d.,'\"]*\s*)*(?:mm|cm|m|in|ft)?\b", re.IGNORECASE)
@@ -41,13 +43,20 @@ _FAMILIES_OF_THE_BUILDING = re.compile(
     | (?:.*\ )?(?:railing|handrail|top\ rail|baluster|stairs?|landing|mullion|slab\ edge)
     | (?:non-)?monolithic\ run | system\ panel | ramp | gutter | fascia | roof\ soffit
     | topography | toposolid | surface | wall\ sweep | curtain\ system
-    | (?:door|window|skylight|column|beam|opening)\b.*
+    | (?:door|window|skylight|column|beam|opening)s?(?:[\s\d]*[^\w\s].*|_.*|\s*\d.*)?
+    | (?:door|window|skylight|column|beam|opening)s?\ (?:.*\ )?(?:
+        frame|casing|leaf|opening|sill|lintel|jamb|unit|casement|transom|int(?:erior)?|ext(?:erior)?
+        |flush|glazed|glass|single|double|sliding|bifold|fixed|round|square|rectangular|concrete
+        |steel|timber|wood
+    )(?:\ [\d\W].*)?
     | (?:single|double|bifold|sliding|overhead|curtain\ wall)-(?:flush|panel|glass|\d).*
     | fixed | casement.* | double\ hung | .*-(?:door|window|column|beam)\b.*
     """,
     re.VERBOSE | re.IGNORECASE,
 )
-"""Revit's system families, and the doors, windows, columns and beams of its templates."""
+"""Revit's system families, and the doors, windows, columns and beams of its templates. The last
+word of an English compound says what it is: a ``Door mat`` is no door."""
+_KINDS_OF_THE_BUILDING = frozenset({"door", "window", "column"})
 
 
 def plain_name(name: str) -> str:
@@ -71,7 +80,10 @@ def is_of_the_building(name: str) -> bool:
     if (found := _CLASS.match(name)) is not None:
         return found[1].lower() in _CLASSES_OF_THE_BUILDING
     family = _family_in(name)
-    return family is not None and _FAMILIES_OF_THE_BUILDING.fullmatch(family) is not None
+    if family is None or _FAMILIES_OF_THE_BUILDING.fullmatch(family) is None:
+        return False
+    noun = _PARTS.split(family)[0].strip().lower()  # Refrigerator-Two-Door
+    return kind_shape(noun) is None or noun.split()[-1].rstrip("s") in _KINDS_OF_THE_BUILDING
 
 
 def _family_in(name: str) -> str | None:

@@ -3,7 +3,8 @@
 A model that lies on its side, or whose numbers are inches, gives searches that look right and mean
 nothing. Five kinds of evidence say which way is up: floors and ceilings are level, walls are
 upright, furniture stands on few levels, the largest flat surface is a floor or a ceiling, and
-things have the heights and lengths of their kind. The sizes say the unit, too.
+things have the heights and lengths of their kind. The sizes say the unit, too, and where no kind is
+known, as by names of another language, the heights of storeys do.
 """
 
 from collections.abc import Sequence
@@ -35,6 +36,13 @@ _SLACK = 1.15
 _FEWEST_THINGS, _FEWEST_KINDS = 5, 4
 _LARGEST_M, _SMALLEST_M = 150.0, 1.0
 """Beyond these extents of a building, few things suffice to doubt its unit."""
+_LOW_STOREY_M, _HIGH_STOREY_M, _HIGHEST_M = 2.0, 5.0, 20.0
+"""Heights of usual storeys, and of the highest hall that is not doubted."""
+_TALLEST_PART_M = 5.0
+"""Median height of the parts of a building that is not doubted."""
+_LEVEL_SHARE, _LAYERS = 0.2, 40
+"""Least area of a level, as a share of the building's outline or its second largest level, and the
+number of layers in which levels are searched."""
 _MOST_FACES = 500_000
 """Triangles that are looked at; of more, every n-th."""
 
@@ -164,7 +172,7 @@ def doubts_of(
         scale_is_given: The same for its unit.
     """
     things = _Things.of(parts, objects)
-    extents = _extents(parts)
+    low, extents = _outline(parts)
     votes = [] if up_is_given or not extents.any() else _votes(parts, objects, things, extents)
     up = _agreed(votes)
     doubts: list[str] = []
@@ -179,26 +187,29 @@ def doubts_of(
             f"{read_up} axis, {words}; --set world.file_up={file_axis} turns it, "
             f"--set world.file_up={read_up} takes it as it is"
         )
-    unit = None if scale_is_given else _better_scale(things, 2 if up is None else up[0], extents)
+    axis = 2 if up is None else up[0]
+    unit = None if scale_is_given else _better_unit(parts, things, axis, low, extents)
     if unit is not None:
-        scale, fitting, fitting_now = unit
+        scale, words = unit
         doubts.append(
-            f"this building seems to be in {_UNITS[scale]}, not in metres: {fitting} of its "
-            f"{things.kind_count} known kinds of things have the usual size then, {fitting_now} "
-            f"now; --set world.file_scale={scale:g} converts it, --set world.file_scale=1 takes "
-            "it as it is"
+            f"this building seems to be in {_UNITS[scale]}, not in metres: {words}; "
+            f"--set world.file_scale={scale:g} converts it, --set world.file_scale=1 takes it as "
+            "it is"
         )
     return doubts
 
 
-def _extents(parts: Sequence[MeshPart]) -> Float64[np.ndarray, "3"]:
+def _outline(
+    parts: Sequence[MeshPart],
+) -> tuple[Float64[np.ndarray, "3"], Float64[np.ndarray, "3"]]:
+    """The lowest corner of a building and its extents; zeros where it has none."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
     for part in parts:
         corners = part.vertices[part.faces].reshape(-1, 3)
         corners = corners[np.isfinite(corners).all(axis=1)].astype(np.float64)
         low = np.minimum(low, corners.min(axis=0, initial=np.inf))
         high = np.maximum(high, corners.max(axis=0, initial=-np.inf))
-    return high - low if (high >= low).all() else np.zeros(3)
+    return (low, high - low) if (high >= low).all() else (np.zeros(3), np.zeros(3))
 
 
 def _votes(
@@ -284,18 +295,69 @@ def _agreed(votes: Sequence[_Vote]) -> tuple[int, int] | None:
     return up
 
 
-def _better_scale(
-    things: _Things, axis: int, extents: Float64[np.ndarray, "3"]
-) -> tuple[float, int, int] | None:
-    """A unit in which most things have the size of their kind; None if few lack it in metres.
+def _better_unit(
+    parts: Sequence[MeshPart],
+    things: _Things,
+    axis: int,
+    low: Float64[np.ndarray, "3"],
+    extents: Float64[np.ndarray, "3"],
+) -> tuple[float, str] | None:
+    """A unit that fits a building better than metres, and the evidence; None if there is none.
 
-    Returns:
-        Its length in metres, and the numbers of kinds with their usual size then and now.
+    Things of known kinds decide. Where few are known, a storey does that is higher than any hall,
+    if most parts are high as well: a sky around a building has such a storey, too.
     """
     count, now = things.kind_count, things.fitting(axis)
-    is_odd = not _SMALLEST_M <= float(extents.max()) <= _LARGEST_M
-    if count < (1 if is_odd else _FEWEST_KINDS) or now > 0.4 * count:
+    if count and now > 0.4 * count:
         return None
-    fits = {scale: things.fitting(axis, scale) for scale in _UNITS}
-    best = max(fits, key=lambda scale: fits[scale])
-    return (best, fits[best], now) if fits[best] >= 0.7 * count else None
+    is_odd = not _SMALLEST_M <= float(extents.max()) <= _LARGEST_M
+    if count >= (1 if is_odd else _FEWEST_KINDS):
+        fits = {scale: things.fitting(axis, scale) for scale in _UNITS}
+        best = max(fits, key=lambda scale: fits[scale])
+        words = f"{fits[best]} of its {count} known kinds of things have the usual size then, {now}"
+        if fits[best] >= 0.7 * count:
+            return best, f"{words} now"
+    if extents[axis] <= _HIGHEST_M:
+        return None
+    if np.median([_outline([part])[1][axis] for part in parts]) <= _TALLEST_PART_M:
+        return None
+    storey = _storey(_Faces.of(parts), axis, low, extents)
+    wide = float(np.delete(extents, axis).max())
+    for scale in _UNITS:
+        is_usual = _LOW_STOREY_M <= storey * scale <= _HIGH_STOREY_M
+        if is_usual and _LOW_STOREY_M <= wide * scale <= _LARGEST_M:
+            return scale, f"its highest storey has {storey * scale:.2g} m then, {storey:.3g} m now"
+    return None
+
+
+def _storey(
+    faces: _Faces,
+    axis: int,
+    low: Float64[np.ndarray, "3"],
+    extents: Float64[np.ndarray, "3"],
+) -> float:
+    """The height of the highest storey, where no level within it makes it a usual one; else 0.
+
+    A storey lies between two levels of a building, or between one and its end. A site around a
+    tower is so large that its floors seem no levels, but they leave no room for a high storey.
+
+    Args:
+        faces: All of its faces.
+        axis: The axis that is up; its sense doesn't matter.
+        low: Its lowest corner.
+        extents: Its extents.
+    """
+    on = faces.across[:, axis] > 0.0
+    layers = ((faces.centres[on, axis] - low[axis]) * (_LAYERS / extents[axis])).astype(np.int64)
+    area = np.bincount(layers, faces.area[on], minlength=_LAYERS + 1)
+    height = np.bincount(layers, faces.area[on] * (faces.centres[on, axis] - low[axis]))
+    outline = float(np.prod(np.delete(extents, axis)))
+
+    def highest(least_area: float) -> float:
+        levels = np.flatnonzero((area >= least_area) & (area > 0.0))
+        ends = np.array([0.0, *(height[levels] / area[levels]), extents[axis]])
+        return float(np.diff(ends).max()) if len(levels) else 0.0
+
+    if highest(_LEVEL_SHARE * float(np.sort(area)[-2])) <= _HIGHEST_M:
+        return 0.0
+    return highest(_LEVEL_SHARE * outline)

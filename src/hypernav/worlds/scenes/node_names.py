@@ -20,7 +20,7 @@ _IDENTIFIER = re.compile(r"[0-9a-f]{8}-?(?:[0-9a-f]{4}-?){3}[0-9a-f]{12}", re.IG
 _TAILS = frozenset(
     """
     mesh geo geometry lod low lowpoly high highpoly poly model prop asset copy instance inst grp
-    group mat material default primitive node obj object visual collision link clone
+    group material default primitive node obj object visual collision link clone
     """.split()  # noqa: SIM905
 )
 _MEANINGLESS = frozenset(
@@ -56,6 +56,8 @@ _STRUCTURAL_PAIRS = frozenset(
         "ground plane",
     }
 )
+_SMALL_HOUSES = frozenset({"doll", "dog", "cat", "bird", "play", "toy"})
+"""Words before "house" that make a thing of it."""
 
 
 def words_of(name: str) -> tuple[str, ...]:
@@ -97,6 +99,8 @@ def is_structural(name: str) -> bool:
     while len(words) > 1 and words[-1] in _SIDES:
         words.pop()
     if not words:
+        return False
+    if words[-1] == "house" and _SMALL_HOUSES.intersection(words[-2:-1]):
         return False
     return words[-1] in _STRUCTURAL or " ".join(words[-2:]) in _STRUCTURAL_PAIRS
 

@@ -1,5 +1,6 @@
 """What a refusal names is sent otherwise from then on; replies as real servers word them."""
 
+from contextlib import suppress
 from itertools import pairwise
 from typing import Any
 
@@ -11,7 +12,7 @@ from hypernav.core.errors import ModelRejectedError, ModelUnavailableError
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.server.openai_chat import OpenAiChat
 from hypernav.models.chat.server.refusals import Refusals
-from servers.faulty import FaultyServer, Talk, list_models
+from servers.faulty import Act, FaultyServer, Talk, list_models
 
 QUICK = ChatConfig(timeout_s=5.0, patience_s=5.0, first_wait_s=0.01, longest_wait_s=0.05)
 SEEN = Question("verify", "Is there a bed?", (image(),), ("yes", "no"), max_tokens=8)
@@ -50,6 +51,7 @@ LITELLM = (
             {},
         ),
         ("`temperature` is deprecated for this model.", ["temperature"], {}),
+        ("Invalid key in body: temperature", ["temperature"], {}),
         (LITELLM, ["logprobs", "top_logprobs"], {}),
         ("Logprobs is not supported for the current model.", ["logprobs", "top_logprobs"], {}),
         (
@@ -101,6 +103,7 @@ def test_only_what_is_named_is_sent_otherwise(said: str, gone: list[str], change
     "said",
     [
         "messages[0].content: image_url is malformed",
+        "Bad Request",
         "the request exceeds the available context size (4096 tokens), try increasing it",
         "qwen/nonsense is not a valid model ID",
     ],
@@ -109,14 +112,13 @@ def test_what_no_field_can_mend_teaches_nothing(said: str):
     assert Refusals().after(said, BODY) is None
 
 
-def test_a_refusal_that_names_nothing_costs_one_field_after_the_other():
-    known: Refusals | None = Refusals()
-    left = []
-    while known is not None:
-        left.append(known.fitted(BODY).keys())
-        known = known.after("Bad Request", BODY)
-    assert all(len(after) < len(before) for before, after in pairwise(left))
-    assert left[-1] == {"model", "messages", "max_tokens"}
+def test_after_a_refusal_that_names_nothing_ever_more_fields_are_left_out():
+    plain, same, *fewer = Refusals(dropped=("seed",)).trials(BODY)
+    assert plain.fitted(BODY).keys() == {"model", "messages", "max_tokens"}
+    assert same == Refusals(dropped=("seed",))
+    left = [len(one.fitted(BODY)) for one in (same, *fewer, plain)]
+    assert [before - after for before, after in pairwise(left)] == [1] * len(fewer) + [1]
+    assert plain.trials(BODY) == []
 
 
 def test_a_limit_that_is_too_small_grows_and_never_without_end():
@@ -172,15 +174,88 @@ def test_a_server_behind_which_gpt5_stands(status: int):
     assert set(chat.dropped) == {"temperature", "logprobs", "top_logprobs"}
 
 
-def test_what_is_refused_in_vain_is_forgotten():
-    def refuse(talk: Talk) -> None:
-        talk.reply({"error": {"message": "Bad Request"}}, 400)
+def nameless(*fields: str, times: int = 10**6) -> tuple[Act, list[dict[str, Any]]]:
+    """A server that refuses these fields, or everything if none is given, and says no reason."""
+    bodies: list[dict[str, Any]] = []
 
-    with FaultyServer(refuse) as server:
+    def act(talk: Talk) -> None:
+        bodies.append(talk.body)
+        if len(bodies) <= times and (not fields or set(fields) & talk.body.keys()):
+            talk.reply({"error": {"message": "Bad Request"}}, 400)
+        else:
+            talk.say("yes")
+
+    return act, bodies
+
+
+def test_what_is_refused_in_vain_is_forgotten():
+    act, bodies = nameless()
+    with FaultyServer(act) as server:
         chat = OpenAiChat(server.url, None, QUICK, environment={})
         with pytest.raises(ModelRejectedError, match="Bad Request"):
             chat.ask(SEEN)
-        assert chat.dropped == ()
+    assert chat.dropped == ()
+    assert len(bodies) == 2  # once in full, once without what is optional
+
+
+@pytest.mark.parametrize("times", [1, 2])
+def test_a_lone_refusal_without_a_reason_costs_no_field(times: int):
+    act, bodies = nameless(times=times)
+    with FaultyServer(act) as server:
+        chat = OpenAiChat(server.url, None, QUICK, environment={})
+        for _ in range(3):
+            with suppress(ModelRejectedError):  # refused twice is refused
+                chat.ask(SEEN)
+        assert chat.ask(SEEN).value == "yes"
+    assert chat.dropped == ()
+    assert bodies[-1] == bodies[0]
+
+
+def test_a_field_that_is_always_refused_without_a_reason_is_found_once():
+    act, bodies = nameless("top_logprobs")
+    with FaultyServer(act) as server:
+        chat = OpenAiChat(server.url, None, QUICK, environment={})
+        assert chat.ask(SEEN).value == "yes"
+        asked = len(bodies)
+        assert chat.ask(SEEN).value == "yes"
+    assert chat.dropped == ("top_logprobs",)
+    assert (asked, len(bodies)) == (4, 5)
+    assert bodies[0].keys() - bodies[-1].keys() == {"top_logprobs"}
+
+
+def test_a_refused_question_takes_no_decisions_away():
+    refused: list[str] = []
+
+    def other(talk: Talk) -> None:
+        if talk.path != "/v1/systemone" or not talk.body:
+            talk.reply({"detail": "no question"}, 422)
+        elif not refused:
+            refused.append(talk.path)
+            talk.reply({"detail": "Bad Request"}, 400)
+        else:
+            answer = {"type": "choice", "choice": "yes", "probabilities": {"yes": 0.9, "no": 0.1}}
+            talk.reply({"answers": {"question": answer}})
+
+    def models(talk: Talk) -> None:
+        talk.reply({"data": [{"id": "m", "owned_by": "somebody"}]})
+
+    with FaultyServer(lambda talk: talk.say("no"), models=models, other=other) as server:
+        chat = OpenAiChat(server.url, None, QUICK, environment={})
+        answers = [chat.ask(SEEN).value for _ in range(2)]
+    assert answers == ["yes", "yes"]
+    assert chat.dropped == ()
+
+
+def test_a_timeout_after_a_refusal_keeps_its_words():
+    def act(talk: Talk) -> None:
+        if talk.number == 0:
+            talk.reply({"error": {"message": "Bad Request number 7"}}, 400)
+        talk.wait()
+
+    with FaultyServer(act) as server:
+        config = QUICK.model_copy(update={"timeout_s": 0.2, "patience_s": 0.1})
+        with pytest.raises(ModelUnavailableError, match=r"no answer within.*Bad Request number 7"):
+            OpenAiChat(server.url, "m", config, environment={}).ask(SEEN)
 
 
 def test_fields_of_ones_own_are_sent_and_never_left_out():

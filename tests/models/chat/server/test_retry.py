@@ -146,3 +146,17 @@ def test_what_cannot_succeed_is_not_repeated():
     with pytest.raises(ModelRejectedError):
         call(patience(time), failing(1, ModelRejectedError("no such model")))
     assert time.waits == []
+
+
+def test_the_last_words_of_a_server_outlive_a_timeout():
+    errors: list[Exception] = [
+        ChatTimeoutError("no answer within 0.02 s"),
+        RetryLaterError("answered 503: the queue is full", remedy="wait for the others"),
+    ]
+
+    def attempt(deadline: Deadline) -> str:
+        raise errors.pop() if len(errors) > 1 else errors[0]
+
+    with pytest.raises(ModelUnavailableError, match=r"last: no answer .* the queue is full") as end:
+        call(patience(Time(), patience_s=2.0), attempt)
+    assert end.value.remedy == "wait for the others"

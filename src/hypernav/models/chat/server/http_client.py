@@ -26,13 +26,18 @@ from hypernav.models.chat.answer_parsing import shortened
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.server.reply_errors import (
     LONGEST_MESSAGE,
+    NEEDS_LOGIN,
     error_in_body,
     error_of_status,
 )
 
 _PLAIN = re.compile(r"[!-~]+")
 _QUERY = re.compile(r"(?:api-version=[\w.-]+)?")
+_ENDPOINT = re.compile(r"/+(?:(?:chat/)?completions|responses)/*$")
+"""An endpoint of the API, which many pages show as the end of its URL."""
 _MOST_CONTAINERS = 200_000
+_WANTS_LOGIN = re.compile(r"the proxy answered (?:407|invalid username|requested .* but got)", re.I)
+_REFUSES = re.compile(r"the proxy answered 4(?!08|29)\d\d")
 
 _CONNECT_LIMIT_S = 5.0
 """Longest wait for one of the server's addresses to connect."""
@@ -115,9 +120,12 @@ class HttpClient:
             raise ChatTransportError(f"{url}{asked}: {self._told(error)}") from error
         except OSError as error:
             host, told = urlsplit(url).hostname, f"{self.url}{asked}: {self._told(error)}"
+            if _WANTS_LOGIN.search(told):
+                raise ModelSetupError(told, remedy=NEEDS_LOGIN) from error
             if proxy:
                 remedy = f"is the proxy right? no_proxy={host} asks the server without it"
-                raise ChatTransportError(told, remedy=remedy) from error
+                kind = ModelSetupError if _REFUSES.search(told) else ChatTransportError
+                raise kind(told, remedy=remedy) from error
             raise ChatTransportError(
                 f"{told}; is the server running? try: hypernav doctor --vlm openai:{self.url}"
             ) from error
@@ -126,10 +134,7 @@ class HttpClient:
             reply = replace(reply, body=body_without_key)
         if not 200 <= reply.status < 300:
             raise error_of_status(reply, f"{url}{asked}")
-        parsed = self._parsed(reply, f"{url}{asked}")
-        if (error := error_in_body(reply, parsed, f"{url}{asked}")) is not None:
-            raise error
-        return parsed
+        return self._parsed(reply, f"{url}{asked}")
 
     def _parsed(self, reply: Reply, url: str) -> dict[str, Any]:
         # Each costs fifty times its bytes, and the garbage collector looks at all of them.
@@ -137,14 +142,17 @@ class HttpClient:
             raise ChatTransportError(
                 f"{url}: the answer holds more than {_MOST_CONTAINERS:,} lists and objects"
             )
+        found = shortened(reply.body.decode("utf-8", "replace"), LONGEST_MESSAGE)
+        parsed, fault = None, f"expected a JSON object, found '{found}'"
         try:
             parsed = json.loads(reply.body)
         except (ValueError, RecursionError) as error:
             cause = self._without_key(str(error))
-            raise ChatTransportError(f"{url}: the answer is not JSON: {cause}") from error
+            fault = f"the answer is not JSON ({cause}): '{found}'"
+        if (told := error_in_body(reply, parsed, url)) is not None:
+            raise told
         if not isinstance(parsed, dict):
-            found = shortened(reply.body.decode("utf-8", "replace"), LONGEST_MESSAGE)
-            raise ChatTransportError(f"{url}: expected a JSON object, found '{found}'")
+            raise ChatTransportError(f"{url}: {fault}")
         return parsed
 
     def _told(self, error: Exception) -> str:
@@ -157,7 +165,7 @@ class HttpClient:
 
 
 def _checked(url: str) -> tuple[str, str]:
-    """The URL without its query, and the query, which may only hold Azure's version."""
+    """The URL without endpoint and query, and the query, which may only hold Azure's version."""
     try:
         parts = urlsplit(url)
         host, _ = parts.hostname, parts.port
@@ -173,7 +181,7 @@ def _checked(url: str) -> tuple[str, str]:
             "the environment variable HYPERNAV_API_KEY instead"
         )
     query = f"?{parts.query}" if parts.query else ""
-    return url.removesuffix(query).rstrip("/"), query
+    return _ENDPOINT.sub("", url.removesuffix(query)).rstrip("/"), query
 
 
 def _key_for(url: str, environment: Mapping[str, str]) -> str:

@@ -9,6 +9,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
@@ -39,8 +40,16 @@ from hypernav.models.chat.server.decision_api import (
 from hypernav.models.chat.server.detection import ServerInfo, detect_server, with_known_models
 from hypernav.models.chat.server.dialects import Constraint, constraint_for
 from hypernav.models.chat.server.http_client import HttpClient
-from hypernav.models.chat.server.refusals import LIMIT_NAMES, TOKEN_LIMIT, UNKNOWN, Refusals
-from hypernav.models.chat.server.reply_errors import CONTEXT, LONGEST_MESSAGE, RefusedError
+from hypernav.models.chat.server.refusals import (
+    DECISION,
+    LIMIT_NAMES,
+    OPTIONAL,
+    TOKEN_LIMIT,
+    UNKNOWN,
+    Refusals,
+    is_of_the_question,
+)
+from hypernav.models.chat.server.reply_errors import LONGEST_MESSAGE, RefusedError
 from hypernav.models.chat.server.reply_fields import read_usage
 from hypernav.models.chat.server.retry import Retry, RetryLaterError
 from hypernav.models.chat.server.thinking import (
@@ -55,7 +64,6 @@ from hypernav.models.chat.unwrapping import final_answer
 
 _log = logging.getLogger(__name__)
 _DETECTION_LIMIT_S = 10.0
-_DECISION = "decision"
 _SLOW_THOUGHTS = "the model thinks long: try --set chat.thinking=off, or a larger chat.timeout_s"
 
 
@@ -68,6 +76,15 @@ class _Reply:
     probabilities: Mapping[str, float]
     refused: bool
     written: Written | None = None
+
+
+@dataclass(frozen=True)
+class _Request:
+    """What is sent: a body of OpenAI's API, or, without one, the question of a decision."""
+
+    body: Mapping[str, Any]
+    constraint: Constraint
+    decides: bool
 
 
 class OpenAiChat:
@@ -259,34 +276,54 @@ class OpenAiChat:
     ) -> _Reply:
         """One attempt; a refused request is repeated at once as the refusal teaches."""
         refusals = known = self._refusals
-        own = self.config.extra_body
-        while True:
-            decides = _DECISION not in refusals.dropped and accepts_question(
-                server.dialect.decision, question
-            )
-            constraint = constraint_for(server.dialect, question)
-            if decides or set(constraint.fields) & set(refusals.dropped):
-                constraint = Constraint({})
-            body = {} if decides else self._body(server, question, constraint, thinking)
-            try:
-                if decides:
-                    reply = self._decide(server, question, deadline)
-                else:
-                    fitted = refusals.fitted(body) | own
-                    sent = self._client.post("chat/completions", fitted, deadline)
-                    reply = _parse_completion(
-                        sent, question, constraint, is_prefilled=thinking.is_prefilled
-                    )
-            except (ModelRejectedError, ModelSetupError, RetryLaterError) as error:
-                learned = _learned(refusals, error, body, own)
-                if learned is None:
-                    raise
-                _log.warning("%s; asking otherwise from now on", error)
-                refusals = learned
-            else:
-                if refusals is not known:
-                    self._refusals = refusals
-                return reply
+        ask = partial(self._ask_once, server, question, thinking, deadline)
+        reply, said = None, None
+        try:
+            while reply is None:
+                try:
+                    reply = ask(refusals)
+                except (ModelRejectedError, ModelSetupError, RetryLaterError) as error:
+                    said, sent = error, self._request(server, question, thinking, refusals)
+                    learned = _learned(refusals, error, sent, self.config.extra_body)
+                    if learned is None:
+                        reply, learned = _tried(ask, _trials(refusals, error, sent), error)
+                    else:
+                        _log.warning("%s; asking otherwise from now on", error)
+                    refusals = learned
+        except ChatTimeoutError as error:
+            if said is None:
+                raise
+            raise ChatTimeoutError(f"{error}; before that: {said}") from error
+        if refusals != known:
+            self._refusals = refusals
+        return reply
+
+    def _ask_once(
+        self,
+        server: ServerInfo,
+        question: Question,
+        thinking: Thinking,
+        deadline: Deadline,
+        refusals: Refusals,
+    ) -> _Reply:
+        sent = self._request(server, question, thinking, refusals)
+        if sent.decides:
+            return self._decide(server, question, deadline)
+        fitted = refusals.fitted(sent.body) | self.config.extra_body
+        reply = self._client.post("chat/completions", fitted, deadline)
+        is_prefilled = thinking.is_prefilled
+        return _parse_completion(reply, question, sent.constraint, is_prefilled=is_prefilled)
+
+    def _request(
+        self, server: ServerInfo, question: Question, thinking: Thinking, refusals: Refusals
+    ) -> _Request:
+        endpoint = server.dialect.decision
+        decides = DECISION not in refusals.dropped and accepts_question(endpoint, question)
+        constraint = constraint_for(server.dialect, question)
+        if decides or set(constraint.fields) & set(refusals.dropped):
+            constraint = Constraint({})
+        body = {} if decides else self._body(server, question, constraint, thinking)
+        return _Request(body, constraint, decides)
 
     def _decide(self, server: ServerInfo, question: Question, deadline: Deadline) -> _Reply:
         endpoint = server.dialect.decision
@@ -329,34 +366,65 @@ class OpenAiChat:
 
 
 def _learned(
-    refusals: Refusals, error: ChatError, body: Mapping[str, Any], own: Mapping[str, Any]
+    refusals: Refusals, error: ChatError, sent: _Request, own: Mapping[str, Any]
 ) -> Refusals | None:
-    """What an error teaches about the fields of the next request; None if nothing.
+    """What an error teaches about the fields of the next request; None if it names none.
 
     Raises:
         ModelRejectedError: It names a field of the user's own.
     """
-    said = str(error).partition(" answered ")[2] or str(error)
-    if not body:  # the optional endpoint; a 404 means only that it is missing
-        is_passing = isinstance(error, RetryLaterError)
-        return None if is_passing else replace(refusals, dropped=(*refusals.dropped, _DECISION))
-    if isinstance(error, RefusedError):
-        names_nothing = not refusals.names(said, body)
-        # An error in a good reply may be about anything; a known cause is no field's fault.
-        if names_nothing and (error.status == 200 or (error.remedy and not CONTEXT.search(said))):
-            return None
-    elif not (
-        isinstance(error, RetryLaterError)
-        and error.status == 500
-        and UNKNOWN.search(said)
-        and refusals.names(said, body)
-    ):
+    said = _said(error)
+    if sent.decides:  # a 404 means only that the optional endpoint is missing
+        is_missing = not isinstance(error, RetryLaterError | RefusedError)
+        return replace(refusals, dropped=(*refusals.dropped, DECISION)) if is_missing else None
+    is_failing = isinstance(error, RetryLaterError) and error.status == 500  # as some refuse
+    names_a_field = UNKNOWN.search(said) and refusals.names(said, sent.body)
+    if not (isinstance(error, RefusedError) or (is_failing and names_a_field)):
         return None
     named = [name for name in own if re.search(rf"(?<!\w){re.escape(name)}(?!\w)", said)]
     if named:
         remedy = f"'{named[0]}' comes from chat.extra_body"
         raise ModelRejectedError(str(error), remedy=remedy) from error
-    return refusals.after(said, body)
+    return refusals.after(said, sent.body)
+
+
+def _trials(refusals: Refusals, error: ChatError, sent: _Request) -> list[Refusals]:
+    """What to try after a refusal that names no field; empty where no field can be to blame."""
+    if not isinstance(error, RefusedError):
+        return []
+    if sent.decides:
+        return refusals.trials(OPTIONAL)
+    said = _said(error)
+    # An error in a good reply may be about anything; a known cause is no field's fault.
+    has_cause = error.status == 200 or error.remedy or is_of_the_question(said)
+    return [] if has_cause or refusals.names(said, sent.body) else refusals.trials(sent.body)
+
+
+def _tried(
+    ask: Callable[[Refusals], _Reply], trials: list[Refusals], error: ChatError
+) -> tuple[_Reply, Refusals]:
+    """The first reply to the fullest request that a server takes, and what that teaches.
+
+    Raises:
+        ChatError: The given one: nothing is to be tried, or the plain question is refused, too.
+    """
+    if not trials:
+        raise error
+    _log.warning("%s; asking without optional fields", error)
+    plain, *fuller = trials
+    try:
+        reply = ask(plain)
+    except RefusedError:
+        raise error from None
+    for trial in fuller:
+        with suppress(RefusedError):
+            return ask(trial), trial
+    return reply, plain
+
+
+def _said(error: ChatError) -> str:
+    """A server's own words, without its address."""
+    return str(error).partition(" answered ")[2] or str(error)
 
 
 def _parse_completion(

@@ -2,11 +2,12 @@
 
 No server takes all fields of all others, and which one it is can't be told from its name: behind a
 proxy stands any of them. So every field is sent as OpenAI's API has it, and what a refusal names is
-sent otherwise from then on: under another name, with a smaller value, or not at all.
+sent otherwise from then on: under another name, with a smaller value, or not at all. A refusal that
+names no field teaches only what further requests show (`Refusals.trials`).
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -22,8 +23,10 @@ SWITCHES = (
     "reasoning",
     "reasoning_effort",
 )
-# Fields that nothing depends on, in the order in which they go when a refusal names none.
-_OPTIONAL = (*SWITCHES, "top_logprobs", "logprobs", *CONSTRAINTS, "seed", "temperature")
+DECISION = "decision"
+"""Stands for the optional endpoint that is asked instead, among the fields."""
+OPTIONAL = (DECISION, *SWITCHES, "top_logprobs", "logprobs", *CONSTRAINTS, "seed", "temperature")
+"""Fields that nothing depends on, in the order in which they go when a refusal names none."""
 _TOGETHER = {"logprobs": "top_logprobs", "top_logprobs": "logprobs"}
 _NEWER_LIMITS = ("max_completion_tokens", "max_output_tokens", "max_new_tokens")
 LIMIT_NAMES = frozenset({TOKEN_LIMIT, *_NEWER_LIMITS})
@@ -49,9 +52,7 @@ _TOO_SMALL = re.compile(r"below (?:the )?minimum|at least|>=|≥|greater than or
 UNKNOWN = re.compile(
     r"not support|unsupported|unknown|unrecogni[sz]ed|unexpected|not permitted|extra |instead", re.I
 )
-_ESSENTIAL = re.compile(
-    r"(?<!\w)messages(?!\w)|\bmodel\b.*(?:not found|does not exist)|not a valid model", re.I
-)
+_ESSENTIAL = re.compile(r"(?<!\w)messages(?!\w)", re.I)
 _ALONE_TOO_LONG = re.compile(r"exceeds? the available context size|prompt is too long", re.I)
 
 
@@ -80,7 +81,7 @@ class Refusals:
         }
 
     def after(self, said: str, body: Mapping[str, Any]) -> "Refusals | None":
-        """What is known after one more refusal; None if it teaches nothing.
+        """What is known after one more refusal; None if it names no field that can be changed.
 
         Args:
             said: Words of the server.
@@ -88,7 +89,7 @@ class Refusals:
         """
         sent = [name for name in body if name not in self.dropped]
         name = self._named(said, sent)
-        if name is None:
+        if not name:
             return None
         value = self._value(name, body[name])
         if name == TOKEN_LIMIT and value < _LEAST_TOKENS and _TOO_SMALL.search(said):
@@ -107,6 +108,22 @@ class Refusals:
         """Whether a reply names one of the fields that were sent and nothing depends on."""
         return self._first_named(said, [name for name in body if name not in self.dropped]) != ""
 
+    def trials(self, fields: Iterable[str]) -> "list[Refusals]":
+        """What to try after a refusal that names no field, in this order.
+
+        The plain question shows whether any field is to blame, and all fields once more whether the
+        refusal was a passing one. Then ever more fields are left out. Empty if all are already.
+
+        Args:
+            fields: Names of the fields that would be sent.
+        """
+        optional = [name for name in OPTIONAL if name in fields and name not in self.dropped]
+        fewer = [
+            replace(self, dropped=(*self.dropped, *optional[:count]))
+            for count in range(len(optional) + 1)
+        ]
+        return [fewer[-1], *fewer[:-1]] if optional else []
+
     def _value(self, name: str, value: Any) -> Any:
         known = self.values.get(name)
         if isinstance(known, int) and isinstance(value, int):
@@ -115,21 +132,18 @@ class Refusals:
             value = max(self.least[name], value)
         return known if isinstance(known, str) else value
 
-    def _named(self, said: str, sent: list[str]) -> str | None:
-        """The field that a refusal is about."""
+    def _named(self, said: str, sent: list[str]) -> str:
+        """The field that a refusal is about; empty if it names none."""
         if CONTEXT.search(said):
             is_ours = TOKEN_LIMIT in sent and not _ALONE_TOO_LONG.search(said)
-            return TOKEN_LIMIT if is_ours else None
-        if named := self._first_named(said, sent):
-            is_number = named == "logprobs" and "top_logprobs" in sent and _is_of_size(said)
-            return "top_logprobs" if is_number else named
-        if _ESSENTIAL.search(said):
-            return None
-        return next((name for name in _OPTIONAL if name in sent), None)
+            return TOKEN_LIMIT if is_ours else ""
+        named = self._first_named(said, sent)
+        is_number = named == "logprobs" and "top_logprobs" in sent and _is_of_size(said)
+        return "top_logprobs" if is_number else named
 
     def _first_named(self, said: str, sent: list[str]) -> str:
         """The field that is named first, by its own name if there is one; empty if none is."""
-        changeable = [name for name in sent if name in _OPTIONAL or name == TOKEN_LIMIT]
+        changeable = [name for name in sent if name in OPTIONAL or name == TOKEN_LIMIT]
         for words in (lambda name: re.escape(self.renamed.get(name, name)), _OTHER_WORDS.get):
             found = {}
             for name in changeable:
@@ -140,6 +154,11 @@ class Refusals:
             if found:
                 return min(found, key=lambda name: found[name])
         return ""
+
+
+def is_of_the_question(said: str) -> bool:
+    """Whether a refusal that names no field is about the messages of the question or its size."""
+    return bool(_ESSENTIAL.search(said) or CONTEXT.search(said))
 
 
 def _smaller(name: str, value: Any, said: str) -> Any:

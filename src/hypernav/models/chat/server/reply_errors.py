@@ -1,13 +1,15 @@
 """What a server's refusal means, by its status and its own words.
 
-Refusals come with a status of HTTP, or with status 200 and ``{"error": …}`` as the body (LM Studio,
-OpenRouter and other proxies, which answer before they know how it ends). Each becomes one of our
-errors: passing ones (asked again), refusals of this question, and wrong URLs, keys or models.
+Refusals come with a status of HTTP, or with status 200 and words instead of an answer as the body
+(LM Studio, OpenRouter and other proxies, which answer before they know how it ends). Gateways also
+answer 500 where a key or a model is wrong. Each becomes one of our errors: passing ones (asked
+again), refusals of this question, and wrong URLs, keys or models.
 """
 
 import json
 import math
 import re
+from collections.abc import Iterator
 from http import HTTPStatus
 from typing import Any
 
@@ -37,8 +39,43 @@ _PASSING = re.compile(
     r"|busy|capacity|too many requests|internal.server.error|server_error",
     re.I,
 )
+_RATE = re.compile(r"rate.?limit|per.?(?:second|minute|hour)|retry|try again", re.I)
+_USED_UP = re.compile(
+    r"insufficient_quota|exceeded_current_quota|credit balance|billing_hard_limit"
+    r"|insufficient (?:credits?|balance|funds)",
+    re.I,
+)
+_NO_CREDIT = re.compile(
+    r"payment required|(?:out of|not enough|no) credits?\b|insufficient quota|in arrears"
+    r"|quota (?:is |was |has been )?(?:exhausted|exceeded|used up)"
+    r"|(?:exceeded|exhausted|used up) (?:your |the )?(?:\w+ )?quota",
+    re.I,
+)
+_WRONG_KEY = re.compile(
+    r"(?:invalid|incorrect|wrong|missing|expired|unknown|no|provide an?)[\s_]"
+    r"(?:auth\w*[\s_])?(?:api.?key|(?:access|auth\w*|bearer|api).token|credentials)"
+    r"|api.?key\b.{0,60}?\b(?:not valid|invalid|incorrect|expired|missing|required|not found)"
+    r"|\binvalid key\b(?!\s*(?:['\"`:]|in\b|for\b|of\b))"
+    r"|unauthori[sz]ed|unauthenticated|not authenticated|authentication (?:failed|required)",
+    re.I,
+)
+_WRONG_MODEL = re.compile(
+    r"model_not_found|\b(?:no such|unknown) model\b|invalid model (?:name|id)\b|not a valid model"
+    r"|\bmodels?\b(?:[:/ ]+\S{1,120})?[ ,]+(?:(?:is|was|could|can) ?)?"
+    r"(?:not (?:be )?(?:found|exist)|does(?: not|n't) exist)",
+    re.I,
+)
 _WRONG_ADDRESS = re.compile(r"unexpected endpoint|unknown endpoint|route .*not found", re.I)
-_USED_UP = re.compile(r"insufficient_quota|credit balance|billing_hard_limit", re.I)
+_INNER = ("error", "errors", "message", "detail", "msg", "error_msg")
+"""Names under which servers put their words, or an object that holds them."""
+_CODES = ("code", "status", "status_code", "statusCode")
+_RESULTS = ("choices", "data", "answers")
+_MOST_WORDS = 10_000
+"""Characters of an error in which its meaning is searched."""
+NEEDS_LOGIN = (
+    "the proxy wants a login: write it into the proxy's URL in the environment, as in "
+    "https_proxy=http://NAME:PASSWORD@HOST:PORT"
+)
 _CHOOSE_ANOTHER = "this model cannot see, choose another (llama.cpp: serve it with its --mmproj)"
 _ADVICE = (
     (
@@ -54,7 +91,19 @@ _ADVICE = (
         re.compile(r"api.?version", re.I),
         "Azure: end the URL in /openai/v1, or in /openai/deployments/NAME?api-version=VERSION",
     ),
+    (
+        re.compile(r"no endpoints found", re.I),
+        "no provider takes this question for this model: choose another model, or allow more "
+        "providers in the settings of the account",
+    ),
 )
+_ADVICE_BY_STATUS = {
+    401: "set the environment variable HYPERNAV_API_KEY to the server's key",
+    402: "the account has no credit for this, and waiting does not help: add some, or take another "
+    "key or model",
+    403: "set the environment variable HYPERNAV_API_KEY to the server's key",
+    407: NEEDS_LOGIN,
+}
 
 
 class RefusedError(ModelRejectedError):
@@ -86,29 +135,32 @@ def error_of_status(reply: Reply, where: str) -> ChatError:
     return _error(reply.status, said, f"{where} answered {reply.status}", reply, body)
 
 
-def error_in_body(reply: Reply, body: dict[str, Any], where: str) -> ChatError | None:
-    """The error that a reply with a good status holds; None if it holds none."""
-    choices = body.get("choices")
+def error_in_body(reply: Reply, body: object, where: str) -> ChatError | None:
+    """The error that a reply with a good status holds; None if it holds none.
+
+    Args:
+        reply: The reply.
+        body: Its JSON; None if it is none.
+        where: Address that was asked, for the message.
+    """
+    what = f"{where} answered {reply.status} with an error"
+    if not isinstance(body, dict | list):  # words alone count only where they say what is wrong
+        said = _text(reply).strip()
+        is_known = _meaning(reply.status, body, said) in _ADVICE_BY_STATUS.keys() | {404}
+        return _error(reply.status, said, what, reply, body) if is_known else None
+    fields: dict[str, Any] = body if isinstance(body, dict) else {}
+    choices = fields.get("choices")
     choice = choices[0] if isinstance(choices, list) and choices else None
     told = choice.get("error") if isinstance(choice, dict) else None
     if not told and _is_without_answer(choice):
-        is_error = body.get("object") == "error" or {"code", "message"} <= body.keys()
-        told = (
-            body if is_error else body.get("error") or body.get("errors") or body.get("error_msg")
-        )
+        told = fields.get("error") or fields.get("errors") or fields.get("error_msg")
+        is_result = any(fields.get(name) for name in _RESULTS)
+        is_error = fields.get("object") == "error" or (not is_result and _message(body))
+        told = body if is_error and not told else told
     if not told:
         return None
     said = _message(told) or shortened(json.dumps(told), LONGEST_MESSAGE)
-    code = str(told.get("code", "")) if isinstance(told, dict) else ""
-    if re.fullmatch(r"[45][0-9]{2}", code):
-        status = int(code)
-    else:
-        kinds = (
-            [str(told.get(key, "")) for key in ("type", "code")] if isinstance(told, dict) else []
-        )
-        words = " ".join([said, *kinds])
-        status = 503 if _PASSING.search(words) else 404 if _WRONG_ADDRESS.search(words) else 400
-    return _error(status, said, f"{where} answered {reply.status} with an error", reply, told)
+    return _error(reply.status, said, what, reply, told)
 
 
 def _is_without_answer(choice: object) -> bool:
@@ -121,12 +173,12 @@ def _is_without_answer(choice: object) -> bool:
 
 
 def _error(status: int, said: str, what: str, reply: Reply, body: object) -> ChatError:
-    message = f"{what}: {shortened(said, LONGEST_MESSAGE)}"
+    message, said = f"{what}: {shortened(said, LONGEST_MESSAGE)}", said[:_MOST_WORDS]
     if _NO_VISION.search(said):  # llama.cpp answers 500, OpenRouter 404, LM Studio 200
         return ModelSetupError(message, remedy=_CHOOSE_ANOTHER)
-    if status == 429 and _USED_UP.search(f"{said} {json.dumps(body)}"):
-        return ModelSetupError(message, remedy="the account is used up; waiting does not help")
+    status = _meaning(status, body, said)
     remedy = next((advice for pattern, advice in _ADVICE if pattern.search(said)), "")
+    remedy = remedy or _ADVICE_BY_STATUS.get(status, "")
     if status in _REFUSING_STATUSES:
         return RefusedError(message, status=reply.status, remedy=remedy)
     if status in _RETRYABLE_STATUSES or status >= 500 or status < 200:
@@ -136,11 +188,44 @@ def _error(status: int, said: str, what: str, reply: Reply, body: object) -> Cha
         return ModelSetupError(
             f"{what}: the server points to {target}", remedy="write its own URL after openai:"
         )
-    if status == 404:
-        return NotFoundError(message, remedy=remedy)
-    if status in {401, 403}:
-        remedy = remedy or "set the environment variable HYPERNAV_API_KEY to the server's key"
-    return ModelSetupError(message, remedy=remedy)
+    kind = NotFoundError if status == 404 else ModelSetupError
+    return kind(message, remedy=remedy)
+
+
+def _meaning(status: int, body: object, said: str) -> int:
+    """The status that an error has by its own code and words, where HTTP's status says little."""
+    layers = list(_layers(body))
+    codes = [str(layer.get(key, "")) for layer in layers for key in _CODES]
+    if status < 300 or status >= 500:
+        status = next((int(code) for code in codes if re.fullmatch("[45][0-9]{2}", code)), status)
+    kinds = [str(layer.get("type", "")) for layer in layers]
+    words = " ".join([said[:_MOST_WORDS], *kinds, *codes])[: 2 * _MOST_WORDS]
+    if status == 429:  # a limit per minute, unless it says more
+        return 402 if _USED_UP.search(words) else status
+    if 300 <= status < 500 and status not in {400, 422}:
+        return status
+    if _USED_UP.search(words) or (_NO_CREDIT.search(words) and not _RATE.search(words)):
+        return 402
+    if _WRONG_KEY.search(words):
+        return 401
+    if _WRONG_MODEL.search(words) or _WRONG_ADDRESS.search(words):
+        return 404
+    if 200 <= status < 300:
+        return 503 if _PASSING.search(words) else 400
+    return status
+
+
+def _layers(body: object) -> Iterator[dict[str, Any]]:
+    """The objects that an error consists of, from the outermost."""
+    for _ in range(_MOST_LAYERS):
+        if isinstance(body, str):
+            body = _json(body) if body.lstrip().startswith("{") else None
+        if isinstance(body, list):
+            body = body[0] if body else None
+        if not isinstance(body, dict):
+            return
+        yield body
+        body = next((body[key] for key in _INNER if body.get(key)), None)
 
 
 def _message(body: object, layers: int = _MOST_LAYERS) -> str:
@@ -159,7 +244,7 @@ def _message(body: object, layers: int = _MOST_LAYERS) -> str:
                 f"{'.'.join(map(str, one.get('loc', ())))}: {one['msg']}" for one in told
             )
         case dict():
-            found = (body.get(key) for key in ("error", "errors", "message", "detail", "msg"))
+            found = (body.get(key) for key in _INNER)
             said = next(
                 (words for one in found if one and (words := _message(one, layers - 1))), ""
             )

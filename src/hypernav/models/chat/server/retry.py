@@ -76,17 +76,20 @@ class Retry:
             The result, and how many attempts before it were lost to "transport" and "timeout".
 
         Raises:
-            ModelUnavailableError: No attempt succeeded within ``patience_s``.
+            ModelUnavailableError: No attempt succeeded within ``patience_s``. Where the last one
+                ended without a word, its message has the last words of the server besides.
         """
         config = self._config
         wait = config.first_wait_s
         lost: Counter[str] = Counter()
+        told: ChatTransportError | None = None
         while True:
             left = patience.seconds_left if config.patience_s > 0.0 else config.timeout_s
             try:
                 return attempt(Deadline(min(config.timeout_s, left), self._clock)), lost
             except (ChatTransportError, ChatTimeoutError) as error:
                 lost["timeout" if isinstance(error, ChatTimeoutError) else "transport"] += 1
+                told = error if isinstance(error, ChatTransportError) else told
                 asked_for = error.wait_s if isinstance(error, RetryLaterError) else None
                 # A server may ask for a longer wait than ours, never for a shorter one.
                 pause = min(max(wait, asked_for or 0.0), config.longest_wait_s)
@@ -95,10 +98,12 @@ class Retry:
                     times = f"{attempts} {'attempt' if attempts == 1 else 'attempts'}"
                     if config.patience_s > 0.0:
                         times += f" within a patience of {config.patience_s:g} s"
+                    before = "" if told in (None, error) else f"; before that: {told}"
                     unavailable = ModelUnavailableError(
-                        f"{who} gave no answer in {times}; last: {error}"
+                        f"{who} gave no answer in {times}; last: {error}{before}"
                     )
-                    unavailable.remedy = error.remedy  # the message has it already
+                    # The message has it already.
+                    unavailable.remedy = error.remedy or (told.remedy if told else "")
                     raise unavailable from error
                 _log.warning(
                     "%s; asking again in %.1f s (attempt %d)", error, pause, lost.total() + 1
