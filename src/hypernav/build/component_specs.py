@@ -20,9 +20,6 @@ BenchmarkName = Literal[
 ]
 """Benchmarks whose published robot and limits a run can take (`hypernav.datasets.benchmarks`)."""
 
-WorldName = Literal["native", "habitat"]
-"""Simulators: our own, and habitat-sim if it is installed."""
-
 
 @dataclass(frozen=True)
 class ComponentSpecs:

@@ -18,7 +18,6 @@ from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.starts import random_start
 
 
 def find(
@@ -86,7 +85,7 @@ def find(
     scene = load_scene(scene, config.world) if isinstance(scene, str) else scene
     world = SimulatedWorld(scene, config.world, config.embodiment)
     rng = np.random.default_rng(seed)
-    start = start or random_start(world.walkable, rng, world.regions.of(goal))
+    start = start or world.random_start(rng, goal)
     episode = Episode(name, "", goal, start, max_steps=max_steps)
     return EpisodeRun(
         agent, world, episode, rng=rng, told=truth, memory=memory, relocalize=relocalize

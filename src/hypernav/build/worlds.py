@@ -1,62 +1,90 @@
-"""Opens worlds: our own simulator, or habitat-sim."""
+"""Opens worlds by name: our own simulator, habitat-sim, or one of your own."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
-from hypernav.build.component_specs import WorldName
+from hypernav.build.construction import make
+from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
+from hypernav.core.components.door import through_door
+from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.errors import SceneError
-from hypernav.worlds.drawing.choice import SceneRenderer, renderer_of
+from hypernav.core.world import Simulator
+from hypernav.worlds.drawing.choice import renderer_of
 from hypernav.worlds.drawing.renderer import RenderConfig
 from hypernav.worlds.habitat.path_finder import HabitatSurface
 from hypernav.worlds.habitat.simulator import HabitatRenderer, navmesh_of
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
 
-
-@dataclass(frozen=True, eq=False)
-class OpenedWorld:
-    """A world, and the renderer that draws it.
-
-    Attributes:
-        world: The world.
-        renderer: Its renderer, whose colours may be switched off.
-    """
-
-    world: SimulatedWorld
-    renderer: SceneRenderer | HabitatRenderer
+WORLDS: Registry[Callable[..., Simulator]] = Registry(
+    "world",
+    "hypernav.worlds",
+    [
+        Entry("native", "hypernav.build.worlds:native_world"),
+        Entry("habitat", "hypernav.build.worlds:habitat_world"),
+    ],
+)
+"""Simulators: functions of any of ``scene`` (its name), ``config`` and ``threads``, all by name."""
 
 
 def open_world(
-    scene: Scene, scene_id: str, config: HyPerNavConfig, name: WorldName = "native"
-) -> OpenedWorld:
-    """Open a scene in a world; drawing uses one thread.
+    scene: str, config: HyPerNavConfig, world: str = "native", *, threads: int | None = None
+) -> Simulator:
+    """Open a scene in a world.
 
     Args:
-        scene: The scene.
-        scene_id: Name of the scene; for habitat-sim the path of its file.
+        scene: Name of the scene, or its file.
         config: The robot, and how it is simulated.
-        name: The world.
+        world: Name of the world, or ``package.module:Name`` of a function of your own.
+        threads: Threads that draw; None uses all cores.
 
     Raises:
-        SceneError: The robot fits nowhere, or habitat-sim can't open the scene.
+        SceneError: The scene can't be opened, or the robot fits nowhere.
+        ConfigError: There is no such world.
         MissingExtraError: habitat-sim is not installed, or what the renderer needs.
     """
-    mesh = Path(scene_id)
-    if config.world.navmesh == "file" and mesh.is_file():  # also of a house that was exported
-        scene = replace(scene, navmesh=navmesh_of(scene, mesh))
-    if name == "native":
-        renderer = renderer_of(scene, config.world.renderer, RenderConfig(threads=1))
-        world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
-        return OpenedWorld(world, renderer)
+    offers = {"scene": scene, "config": config, "threads": threads}
+    return through_door(make(WORLDS.find(world), offers), Simulator)
+
+
+def native_world(scene: str, config: HyPerNavConfig, threads: int | None = None) -> SimulatedWorld:
+    """A scene in our own simulator."""
+    loaded = _with_navmesh(load_scene(scene, config.world), Path(scene), config)
+    return in_our_own(loaded, config, threads=threads)
+
+
+def in_our_own(
+    scene: Scene, config: HyPerNavConfig, *, threads: int | None = None
+) -> SimulatedWorld:
+    """A loaded scene in our own simulator."""
+    renderer = renderer_of(scene, config.world.renderer, RenderConfig(threads=threads))
+    return SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
+
+
+def habitat_world(scene: str, config: HyPerNavConfig) -> SimulatedWorld:
+    """A scene's file in habitat-sim, which draws and moves."""
+    mesh = Path(scene)
     if not mesh.is_file():
-        raise SceneError(f"{scene_id}: habitat-sim opens files only, such as those of hm3d:DIR")
+        raise SceneError(f"{scene}: habitat-sim opens files only, such as those of hm3d:DIR")
     if config.world.file_up is not None or config.world.file_scale is not None:
         raise SceneError(
-            f"{scene_id}: habitat-sim reads files by their format alone; leave world.file_up and "
+            f"{scene}: habitat-sim reads files by their format alone; leave world.file_up and "
             "world.file_scale out, or use --world native"
         )
+    return in_habitat(_with_navmesh(load_scene(scene, config.world), mesh, config), mesh, config)
+
+
+def in_habitat(scene: Scene, mesh: Path, config: HyPerNavConfig) -> SimulatedWorld:
+    """A loaded scene and its file in habitat-sim."""
     drawn = HabitatRenderer(scene, mesh, config.embodiment, config.world.navmesh)
     surface = HabitatSurface(drawn.path_finder)
-    world = SimulatedWorld(scene, config.world, config.embodiment, renderer=drawn, walkable=surface)
-    return OpenedWorld(world, drawn)
+    return SimulatedWorld(scene, config.world, config.embodiment, renderer=drawn, walkable=surface)
+
+
+def _with_navmesh(scene: Scene, mesh: Path, config: HyPerNavConfig) -> Scene:
+    """The scene with the navigation mesh beside its file; also of a house that was exported."""
+    if config.world.navmesh == "file" and mesh.is_file():
+        return replace(scene, navmesh=navmesh_of(scene, mesh))
+    return scene

@@ -9,7 +9,7 @@ import numpy as np
 
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import preset
-from hypernav.build.worlds import open_world
+from hypernav.build.worlds import in_habitat, in_our_own
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.compare import Options
 from hypernav.cli.screen.terminal import Terminal
@@ -51,13 +51,13 @@ def run(options: Options) -> int:
         if navmesh is None:  # and where there is none, both compute it
             walked = config.world.model_copy(update={"navmesh": "robot"})
             config = config.model_copy(update={"world": walked})
-        native = open_world(scene, scene_id, config)
-        habitat = open_world(scene, scene_id, config, "habitat")
+        native = in_our_own(scene, config, threads=1)
+        habitat = in_habitat(scene, options.scene, config)
     console.print(_walked_on(navmesh, robot.body), markup=False)
     rng = np.random.default_rng(options.seed)
-    with closing(native.world), closing(habitat.world):
+    with closing(native), closing(habitat):
         found = []
-        for comparison in compare_worlds(habitat, native, options.poses, rng):
+        for comparison in compare_worlds(habitat.truth, native.truth, robot, options.poses, rng):
             console.print(_line(comparison), markup=False)
             found.append(comparison)
     same = sum(comparison.is_same for comparison in found)

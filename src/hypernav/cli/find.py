@@ -13,9 +13,9 @@ from rich.console import Console
 from rich.markup import escape
 from rich.status import Status
 
-from hypernav.build.data.scenes import load_scene
 from hypernav.build.memories import check_memory_size, open_memory
 from hypernav.build.presets import HyPerNavConfig
+from hypernav.build.worlds import open_world
 from hypernav.cli.guards.crashes import crash_report
 from hypernav.cli.guards.interruptions import Terminated, interruptions_put_off
 from hypernav.cli.guards.outputs import check_apart, check_file, check_folder
@@ -49,6 +49,7 @@ from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.interruptions import interruptions_of_kernels
+from hypernav.core.world import Simulator
 from hypernav.datasets.benchmarks import robot_in
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
 from hypernav.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
@@ -56,8 +57,6 @@ from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.warmup.background import warm_up_in_background
 from hypernav.worlds.simulated_robot import check_standable
-from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.starts import random_start
 
 _FARTHEST = 10_000.0
 
@@ -111,9 +110,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         warnings_on(console),
         warm_up_in_background(console.print),
         console.status("loading the building …") as status,
-        closing(
-            SimulatedWorld(load_scene(options.scene, config.world), config.world, config.embodiment)
-        ) as world,
+        closing(open_world(options.scene, config)) as world,
         ExitStack() as opened,
     ):
         rng = np.random.default_rng(options.seed)
@@ -137,7 +134,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         if search.found_start is not None:
             console.print(found_start_line(search.found_start, options.memory), soft_wrap=True)
         if not search.trial.holds_goal:
-            labels = [one.label for one in world.instances if one.label is not None]
+            labels = [one.label for one in world.truth.instances if one.label is not None]
             console.print(no_such_object_line(goal, labels), soft_wrap=True)
         info = EpisodeInfo(
             goal=goal.text,
@@ -159,7 +156,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
                 outcome = search.result(interrupted=is_stopped and not search.trial.is_over)
                 result = {
                     "goal": goal.text,
-                    "scene": world.scene.name,
+                    "scene": world.truth.name,
                     **options.who.describe(parts),
                     "seed": options.seed,
                     "max_steps": steps,
@@ -216,7 +213,7 @@ def check_start(start: tuple[float, ...] | None) -> None:
 
 
 def start_pose(
-    start: tuple[float, ...] | None, world: SimulatedWorld, goal: Goal, rng: np.random.Generator
+    start: tuple[float, ...] | None, world: Simulator, goal: Goal, rng: np.random.Generator
 ) -> tuple[Pose2, float | None]:
     """The pose of ``--start``, or a random one from which the goal can be reached.
 
@@ -227,10 +224,10 @@ def start_pose(
         StartError: The robot can't stand at the start.
     """
     if start is None:
-        return random_start(world.walkable, rng, world.regions.of(goal)), None
+        return world.truth.random_start(rng, goal), None
     pose, z = given_start(start)
     if z is None:
-        check_standable(world.walkable, pose)
+        check_standable(world.truth.walkable, pose)
     return pose, z
 
 

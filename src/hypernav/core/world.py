@@ -4,6 +4,7 @@ A simulated scene, Habitat and a robot are each one class that implements `World
 of this: they get observations.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
@@ -14,7 +15,7 @@ from hypernav.core.actions import Action
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.geometry.camera import PinholeCamera
-from hypernav.core.geometry.transforms import Transform
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import Observation
@@ -111,6 +112,22 @@ class GoalTruth(Protocol):
         ...
 
 
+@dataclass(frozen=True, eq=False)
+class RenderedView:
+    """Images of a simulated camera.
+
+    Attributes:
+        rgb: Colour image.
+        depth: Depth image, metres along the optical axis; 0 where nothing was hit. Not clipped to
+            a sensor's range.
+        instance_ids: Instance of every pixel, -1 where nothing was hit.
+    """
+
+    rgb: UInt8[np.ndarray, "height width 3"]
+    depth: Float32[np.ndarray, "height width"]
+    instance_ids: Int32[np.ndarray, "height width"]
+
+
 @runtime_checkable
 class KeepsMapFrame(Protocol):
     """A world that can give the observations of several episodes in one ``map`` frame."""
@@ -125,8 +142,13 @@ class SceneTruth(Protocol):
     """The truth about a scene, for measuring and failure analysis only. Scene frame, metres."""
 
     @property
+    def name(self) -> str:
+        """Name of the scene."""
+        ...
+
+    @property
     def instances(self) -> tuple[Instance, ...]:
-        """All instances of the scene, with labels."""
+        """All instances of the scene, with labels; an instance's id is its index."""
         ...
 
     @property
@@ -135,13 +157,27 @@ class SceneTruth(Protocol):
         ...
 
     @property
+    def pose(self) -> Pose2:
+        """True pose of the robot on the floor plan."""
+        ...
+
+    @property
     def position(self) -> Position:
         """True position of the robot on the floor."""
         ...
 
     @property
+    def camera_to_scene(self) -> Transform:
+        """True pose of the camera."""
+        ...
+
+    @property
     def map_to_scene(self) -> Transform:
         """Transform from the ``map`` frame of the present episode to the scene's frame."""
+        ...
+
+    def goals(self) -> tuple[str, ...]:
+        """Categories of the objects that can be reached, sorted."""
         ...
 
     def goal_truth(
@@ -152,6 +188,51 @@ class SceneTruth(Protocol):
         Args:
             goal: Target of the search.
             view_points: The data set's own view points; None computes those of the scene.
+        """
+        ...
+
+    def random_start(
+        self,
+        rng: np.random.Generator,
+        goal: Goal | None = None,
+        *,
+        nearest_m: float = 2.0,
+        farthest_m: float = 30.0,
+    ) -> Pose2:
+        """A start pose on the main storey, from which a goal can be reached if there is one.
+
+        Args:
+            rng: Random generator of the pose.
+            goal: The goal; None draws any start.
+            nearest_m: Smallest geodesic distance to the goal.
+            farthest_m: Largest geodesic distance to the goal.
+
+        Raises:
+            StartError: The robot can stand nowhere.
+        """
+        ...
+
+    def triangles_of(self, ids: Collection[int]) -> Float64[np.ndarray, "n 3 3"]:
+        """The triangles of some instances' surfaces."""
+        ...
+
+    def view_points_of(self, instance: Instance) -> Float64[np.ndarray, "n 3"]:
+        """Points on the floor where the robot has reached one object; empty if there are none."""
+        ...
+
+    def view_from(
+        self,
+        camera_to_scene: Transform,
+        camera: PinholeCamera | None = None,
+        *,
+        colours: bool = True,
+    ) -> RenderedView:
+        """What a camera sees from a pose, without noise.
+
+        Args:
+            camera_to_scene: Pose of the optical frame.
+            camera: Intrinsics; None takes the robot's.
+            colours: Whether the image is drawn; without, it is black.
         """
         ...
 
@@ -205,6 +286,40 @@ class World(Protocol):
 
 
 @runtime_checkable
+class Simulator(World, Protocol):
+    """A world of which everything is known.
+
+    Attributes:
+        colours: Whether observations have colours. Without, their images are black, which is
+            faster where nobody looks at them.
+    """
+
+    colours: bool
+
+    @property
+    def truth(self) -> SceneTruth:
+        """The truth about the scene."""
+        ...
+
+    def close(self) -> None:
+        """Release what the world holds; it is not used afterwards."""
+        ...
+
+
+@runtime_checkable
+class TiltsCamera(Protocol):
+    """A world whose camera can look up and down, as for habitat-lab's actions."""
+
+    def tilt(self, angle_deg: float) -> Observation:
+        """Tilt the camera and observe; `World.reset` turns it back.
+
+        Args:
+            angle_deg: Angle by which it looks further down, degrees; negative looks up.
+        """
+        ...
+
+
+@runtime_checkable
 class GoesOn(Protocol):
     """A world in which a robot can begin another search where it stands."""
 
@@ -220,25 +335,15 @@ class GoesOn(Protocol):
         ...
 
 
-@dataclass(frozen=True, eq=False)
-class RenderedView:
-    """Images of a simulated camera.
-
-    Attributes:
-        rgb: Colour image.
-        depth: Depth image, metres along the optical axis; 0 where nothing was hit. Not clipped to
-            a sensor's range.
-        instance_ids: Instance of every pixel, -1 where nothing was hit.
-    """
-
-    rgb: UInt8[np.ndarray, "height width 3"]
-    depth: Float32[np.ndarray, "height width"]
-    instance_ids: Int32[np.ndarray, "height width"]
-
-
 @runtime_checkable
 class Renderer(Protocol):
-    """A renderer of one scene."""
+    """A renderer of one scene.
+
+    Attributes:
+        colours: Whether images are drawn; without, they are black.
+    """
+
+    colours: bool
 
     def render(self, camera: PinholeCamera, camera_to_scene: Transform) -> RenderedView:
         """Colour, depth and instances as seen from a pose in the scene's frame."""

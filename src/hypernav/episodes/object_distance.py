@@ -5,8 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.world import Instance, Position
-from hypernav.worlds.scenes.scene import Scene
+from hypernav.core.world import Instance, Position, SceneTruth
 
 BELOW_M = 0.5
 """How far an object may end below the robot's floor and still be on its storey, metres."""
@@ -14,14 +13,14 @@ ABOVE_M = 2.5
 """How far above the robot's floor an object may begin and still be on its storey, metres."""
 
 
-def object_distance(scene: Scene, goals: Sequence[Instance], robot: Position) -> float | None:
+def object_distance(scene: SceneTruth, goals: Sequence[Instance], robot: Position) -> float | None:
     """Distance in the plane from the robot's middle to the nearest surface of a goal, metres.
 
     It is a straight line, through walls too, and 0 if the robot is below or inside a part of the
     object. Objects of other storeys don't count.
 
     Args:
-        scene: Scene that holds the triangles.
+        scene: The scene.
         goals: Instances that satisfy the goal.
         robot: Position of the robot on its floor, scene frame, metres.
 
@@ -32,11 +31,8 @@ def object_distance(scene: Scene, goals: Sequence[Instance], robot: Position) ->
     near = [
         goal.id for goal in goals if goal.box_min[2] < z + ABOVE_M and goal.box_max[2] > z - BELOW_M
     ]
-    faces = scene.faces[np.isin(scene.face_instance, near)]
-    if len(faces) == 0:
-        return None
-    corners = scene.vertices[faces].astype(np.float64)[:, :, :2] - (x, y)
-    return float(_distances(corners).min())
+    triangles = scene.triangles_of(near)
+    return float(_distances(triangles[:, :, :2] - (x, y)).min()) if len(triangles) else None
 
 
 def _distances(triangles: Float64[np.ndarray, "n 3 2"]) -> Float64[np.ndarray, " n"]:

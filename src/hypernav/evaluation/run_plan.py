@@ -6,7 +6,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from hypernav.build.component_specs import BenchmarkName, WorldName
+from hypernav.build.component_specs import BenchmarkName
 from hypernav.build.data.datasets import (
     canonical_name,
     check_scenes,
@@ -70,7 +70,7 @@ class RunPlan:
     success_distance_m: float = SUCCESS_DISTANCE_M
     seed: int = 0
     scenes_dir: Path | None = None
-    world: WorldName = "native"
+    world: str = "native"
     benchmark: BenchmarkName | None = None
     max_life_steps: int | None = None
     fresh_memory: bool = False

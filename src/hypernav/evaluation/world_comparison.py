@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hypernav.build.worlds import OpenedWorld
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.world import Position
+from hypernav.core.goal import Goal
+from hypernav.core.world import Position, SceneTruth
 
 DEPTH_M = 0.05
 STEP_M = 1e-3
@@ -51,42 +52,53 @@ class PoseComparison:
         return self.depth_share >= LEAST_DEPTH_SHARE and self.step_m <= STEP_M and paths
 
 
+_ANY = Goal("position")
+
+
 def compare_worlds(
-    habitat: OpenedWorld, native: OpenedWorld, poses: int, rng: np.random.Generator
+    habitat: SceneTruth,
+    native: SceneTruth,
+    robot: Embodiment,
+    poses: int,
+    rng: np.random.Generator,
 ) -> Iterator[PoseComparison]:
     """Compare two worlds of one scene at random poses.
 
     Args:
         habitat: habitat-sim's world.
         native: Our own.
+        robot: The robot in both.
         poses: Number of poses.
         rng: Generator of the poses.
     """
-    surface = habitat.world.walkable
+    surface = habitat.walkable
     points = [surface.random_point(rng) for _ in range(poses + 1)]
     places = [(x, y, surface.height_at(x, y)) for x, y in points]
     for here, there in itertools.pairwise(places):
-        yield _compare(habitat, native, here, there, float(rng.uniform(-math.pi, math.pi)))
+        yaw = float(rng.uniform(-math.pi, math.pi))
+        yield _compare(habitat, native, robot, here, there, yaw)
 
 
 def _compare(
-    habitat: OpenedWorld, native: OpenedWorld, here: Position, there: Position, yaw: float
+    habitat: SceneTruth,
+    native: SceneTruth,
+    robot: Embodiment,
+    here: Position,
+    there: Position,
+    yaw: float,
 ) -> PoseComparison:
-    camera = native.world.embodiment.camera
     pose = Pose2(here[0], here[1], yaw)
-    camera_to_scene = pose.to_transform(here[2]) @ camera.camera_to_base
-    theirs, ours = (
-        opened.renderer.render(camera.intrinsics, camera_to_scene) for opened in (habitat, native)
-    )
-    length = native.world.embodiment.motion.forward_m
+    camera_to_scene = pose.to_transform(here[2]) @ robot.camera.camera_to_base
+    theirs, ours = (scene.view_from(camera_to_scene) for scene in (habitat, native))
+    length = robot.motion.forward_m
     dx, dy = length * math.cos(yaw), length * math.sin(yaw)
-    surfaces = habitat.world.walkable, native.world.walkable
+    surfaces = habitat.walkable, native.walkable
     steps = [
         math.dist(*(surface.move(here, dx, dy, sliding=sliding) for surface in surfaces))
         for sliding in (False, True)
     ]
     goal = np.array([there])
-    paths = [surface.goal_field(goal).distance(*here) for surface in surfaces]
+    paths = [scene.goal_truth(_ANY, goal).distance(*here) for scene in (habitat, native)]
     colors = theirs.rgb.astype(np.int16) - ours.rgb.astype(np.int16)
     return PoseComparison(
         position=here,

@@ -14,8 +14,8 @@ import numpy as np
 
 from hypernav.agents.search import SearchAgent
 from hypernav.build.agents import build_explorer, build_search
-from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig, preset
+from hypernav.build.worlds import open_world
 from hypernav.core.components.protocols import Explorer
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.episodes.truth import PathLeft
@@ -27,6 +27,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
+from hypernav.core.world import SceneTruth, Simulator
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.episodes.true_paths import true_paths
 from hypernav.exam.bank import VIEWS, Sheet
@@ -36,8 +37,6 @@ from hypernav.houses.episodes.rules import RULES
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.explorers.map_question import offered_blocks
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.starts import random_start
 
 _SEED = 2
 """The bank's version that made the searches; the third only added questions about images."""
@@ -61,17 +60,17 @@ def questions_of(sheet: Sheet, config: HyPerNavConfig) -> list[ExamQuestion]:
             matter here.
     """
     base = _base(config)
-    scene = load_scene(sheet.scene)
-    world = SimulatedWorld(scene, base.world, base.embodiment)
+    world = open_world(sheet.scene, base)
+    truth = world.truth
     rng = np.random.default_rng((_SEED, sheet.number, int(sheet.scene.partition(":")[2])))
-    goals = _goals(sheet.scene, world)
+    goals = _goals(sheet.scene, truth)
     found: list[ExamQuestion] = []
     try:
         for text in rng.permutation(goals).tolist():
-            region = world.regions.of(Goal(text))
-            if region.is_reachable:
-                start = random_start(world.walkable, rng, region, nearest_m=5.0)
-                found += _of_search(sheet, world, Goal(text), start, goals, config, rng)
+            goal = Goal(text)
+            if len(truth.goal_truth(goal).view_points):
+                start = truth.random_start(rng, goal, nearest_m=5.0)
+                found += _of_search(sheet, world, goal, start, goals, config, rng)
                 break
         found += of_stops(sheet, world, goals, rng)
         seen = {id(o.subject): o.subject for o in found if isinstance(o.subject, Observation)}
@@ -102,9 +101,9 @@ def _base(config: HyPerNavConfig) -> HyPerNavConfig:
     return preset("default").model_copy(update=robot)
 
 
-def _goals(scene: str, world: SimulatedWorld) -> list[str]:
+def _goals(scene: str, truth: SceneTruth) -> list[str]:
     """Names of the goals for this kind of building that this one holds."""
-    labels = [one.label for one in world.scene.instances if one.label is not None]
+    labels = [one.label for one in truth.instances if one.label is not None]
     names = RULES[scene.partition(":")[0]].categories
     return [name for name in names if any(label.satisfies(Goal(name)) for label in labels)]
 
@@ -162,7 +161,7 @@ class _Wanderer:
 
 def _of_search(
     sheet: Sheet,
-    world: SimulatedWorld,
+    world: Simulator,
     goal: Goal,
     start: Pose2,
     goals: Sequence[str],

@@ -12,13 +12,12 @@ from hypernav.core.errors import StartError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.world import Instance
+from hypernav.core.world import Instance, Simulator
 from hypernav.exam.bank import Sheet
 from hypernav.exam.questions import NO_IMAGE, ExamQuestion, Kind
 from hypernav.perception.image_recall import IMAGES_PER_QUESTION
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
 from hypernav.perception.local.noisy_detector import distance_to, resembles
-from hypernav.worlds.simulation import SimulatedWorld
 
 _CLEAR_SHARE = 0.002
 """Least share of the image that a thing must cover to be asked for."""
@@ -77,7 +76,7 @@ def close_by(
 
 def of_images(
     sheet: Sheet,
-    world: SimulatedWorld,
+    world: Simulator,
     seen: Sequence[Observation],
     goals: Sequence[str],
     rng: np.random.Generator,
@@ -86,7 +85,7 @@ def of_images(
 
     Images that show the goal, but too small to be asked for, are left out.
     """
-    things = [one for one in world.scene.instances if one.label is not None]
+    things = [one for one in world.truth.instances if one.label is not None]
     some = rng.permutation(len(things))[:_VIEWS].tolist()
     views = [_stopped_at(world, things[k], rng) for k in some]
     frames = [*seen, *(one for one in views if one is not None)]
@@ -126,10 +125,10 @@ def of_images(
 
 
 def of_stops(
-    sheet: Sheet, world: SimulatedWorld, goals: Sequence[str], rng: np.random.Generator
+    sheet: Sheet, world: Simulator, goals: Sequence[str], rng: np.random.Generator
 ) -> list[ExamQuestion]:
     """Presence questions at positions where a search may stop, with and without the goal."""
-    things = [one for one in world.scene.instances if one.label is not None]
+    things = [one for one in world.truth.instances if one.label is not None]
     found, there = [], {"there": 0, "not there": 0, "look-alike": 0}
     for k in rng.permutation(len(things)).tolist()[:30]:
         if min(there.values()) >= 2:
@@ -158,11 +157,9 @@ def of_stops(
     return found
 
 
-def _stopped_at(
-    world: SimulatedWorld, thing: Instance, rng: np.random.Generator
-) -> Observation | None:
+def _stopped_at(world: Simulator, thing: Instance, rng: np.random.Generator) -> Observation | None:
     """The view of a robot that has stopped at a thing; None if it can't get there."""
-    points = world.regions.view_points(thing)
+    points = world.truth.view_points_of(thing)
     if not len(points):
         return None
     x, y, z = points[int(rng.integers(len(points)))].tolist()
@@ -170,7 +167,7 @@ def _stopped_at(
     start = Pose2(x, y, math.atan2(middle[1] - y, middle[0] - x))
     goal = Goal(thing.label.category if thing.label else thing.name)
     try:
-        return world.reset(Episode(world.scene.name, "stop", goal, start, start_z=z))
+        return world.reset(Episode(world.truth.name, "stop", goal, start, start_z=z))
     except StartError:
         return None
 

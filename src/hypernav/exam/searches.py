@@ -13,12 +13,12 @@ from pydantic import BaseModel, ConfigDict
 
 from hypernav.agents.search import SearchAgent
 from hypernav.build.agents import build_search
-from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.worlds import open_world
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.episodes.truth import EpisodeTruth
 from hypernav.core.trace import ExchangeLog
+from hypernav.core.world import Simulator
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.evaluation.record import EpisodeLine
 from hypernav.evaluation.run_plan import RunPlan
@@ -27,7 +27,6 @@ from hypernav.exam.confusion import Confusion
 from hypernav.exam.mimics import Asked, MimicDetector, MimicPresence, MimicReasoner
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.worlds.simulation import SimulatedWorld
 
 Variant = Literal["model", "rule", "unchecked"]
 """Who is asked: the model, all that it was examined in; the geometric rule about blocks, in its
@@ -129,8 +128,8 @@ def run_searches(
         left = [episode for episode in group if episode.key not in file.records]
         if not left:
             continue
-        opened = open_world(load_scene(scene_id, config.world), scene_id, config)
-        opened.renderer.colours = False
+        opened = open_world(scene_id, config, threads=1)
+        opened.colours = False
         try:
             for episode in left:
                 file.add(
@@ -138,19 +137,19 @@ def run_searches(
                         scene_id=scene_id,
                         episode_id=episode.episode_id,
                         searches=[
-                            _searched(name, variant, make_agent, opened.world, episode)
+                            _searched(name, variant, make_agent, opened, episode)
                             for (name, variant), make_agent in agents.items()
                         ],
                     )
                 )
                 watch(len(file.records))
         finally:
-            opened.world.close()
+            opened.close()
     return [file.records[episode.key] for episode in episodes]
 
 
 def _searched(
-    name: str, variant: Variant, make_agent: MakeAgent, world: SimulatedWorld, episode: Episode
+    name: str, variant: Variant, make_agent: MakeAgent, world: Simulator, episode: Episode
 ) -> Searched:
     truth, asked = EpisodeTruth(), Asked()
     began = time.process_time()

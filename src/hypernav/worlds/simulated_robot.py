@@ -8,7 +8,7 @@ from hypernav.core.actions import Action
 from hypernav.core.embodiment import MotionConfig
 from hypernav.core.errors import StartError
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
-from hypernav.core.world import Position
+from hypernav.core.world import Position, Walkable
 from hypernav.worlds.config import NoiseConfig
 from hypernav.worlds.noise import noisy_forward, noisy_turn, reported_motion
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
@@ -88,7 +88,7 @@ class SimulatedRobot:
         self.path_length_m += math.dist(position, self.position)
 
 
-def check_standable(walkable: WalkableSurface, start: Pose2, z: float | None = None) -> None:
+def check_standable(walkable: Walkable, start: Pose2, z: float | None = None) -> None:
     """Make sure that the robot can stand at a pose.
 
     Raises:

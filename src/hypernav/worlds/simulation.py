@@ -3,48 +3,35 @@
 import math
 
 import numpy as np
-from jaxtyping import Float32, Float64
+from jaxtyping import Float32
 
 from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Closes
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import WorldError
-from hypernav.core.geometry.camera import optical_to_base
+from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.world import Instance, Position, RenderedView, Renderer
 from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.drawing.choice import renderer_of
-from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.goal_objects import named_as_goals
-from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh, storeys_on_mesh
-from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.noise import noisy_depth
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulated_robot import SimulatedRobot, check_standable
-from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions
-from hypernav.worlds.surface.walkable import WalkableGrid
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
+from hypernav.worlds.survey import SurveyedScene
 
 
-class SimulatedWorld:
+class SimulatedWorld(SurveyedScene):
     """A robot in a scene: a `World`, and the `SceneTruth` of that scene.
 
     Poses and positions of this class are ground truth in the scene frame. Observations are in the
     ``map`` frame, which starts at the start pose (x forward, y left, z up from the floor) unless
     it is kept, with the robot's pose as odometry reports it.
-
-    Attributes:
-        scene: The scene that the robot is in.
-        config: How the robot is simulated.
-        embodiment: Body, camera and motion of the robot.
-        walkable: The surface on which the robot can stand: a navigation mesh of all storeys, or the
-            storey of the latest start.
-        regions: The regions on this surface in which goals count as reached.
     """
 
     def __init__(
@@ -70,15 +57,11 @@ class SimulatedWorld:
             SceneError: The robot fits nowhere, or the navigation mesh can't be read or computed.
             MissingExtraError: Embree is not installed, or what the renderer needs.
         """
-        self.scene = scene
-        self.config: SimulationConfig = config or SimulationConfig()
-        self.embodiment: Embodiment = embodiment or Embodiment()
-        self.walkable: WalkableSurface = walkable or self._surface_at(self.config.floor_z)
-        self._renderer = renderer or renderer_of(scene, self.config.renderer)
+        config = config or SimulationConfig()
+        self._renderer = renderer or renderer_of(scene, config.renderer)
         # A renderer may have a ray caster of the scene, so that no second one is built.
-        self._rays: RayCaster = getattr(self._renderer, "rays", None) or RayCaster(scene)
-        self.regions: GoalRegions = self._regions_on(self.walkable)
-        self._storeys = [(self.walkable, self.regions)]
+        rays = getattr(self._renderer, "rays", None)
+        super().__init__(scene, config, embodiment, rays=rays, walkable=walkable)
         self._camera = self.embodiment.camera.intrinsics
         self._tilt_deg = 0.0
         self._instances = scene.instances
@@ -125,7 +108,7 @@ class SimulatedWorld:
         """
         if not self.config.noise.is_off and rng is None:
             raise WorldError("noise is switched on; pass reset a numpy.random.Generator for it")
-        self.walkable, self.regions = self._storey_at(episode.start_z)
+        self.enter_storey(episode.start_z)
         check_standable(self.walkable, episode.start, episode.start_z)
         floor_z = self.walkable.height_at(*episode.start.xy, episode.start_z)
         self._rng = rng if rng is not None else np.random.default_rng(0)
@@ -246,9 +229,34 @@ class SimulatedWorld:
         robot = self._robot
         return robot.pose.to_transform(robot.floor_z) @ self._camera_to_base
 
-    def view_from(self, camera_to_scene: Transform) -> RenderedView:
-        """What the camera sees from a given pose, scene frame, without noise."""
-        return self._renderer.render(self._camera, camera_to_scene)
+    @property
+    def colours(self) -> bool:
+        """Whether observations have colours; without, their images are black, which is faster."""
+        return self._renderer.colours
+
+    @colours.setter
+    def colours(self, wanted: bool) -> None:
+        self._renderer.colours = wanted
+
+    def view_from(
+        self,
+        camera_to_scene: Transform,
+        camera: PinholeCamera | None = None,
+        *,
+        colours: bool = True,
+    ) -> RenderedView:
+        """What a camera sees from a given pose, scene frame, without noise.
+
+        Args:
+            camera_to_scene: Pose of the optical frame.
+            camera: Intrinsics; None takes the robot's.
+            colours: Whether the image is drawn; without, it is black.
+        """
+        as_before, self.colours = self.colours, colours
+        try:
+            return self._renderer.render(camera or self._camera, camera_to_scene)
+        finally:
+            self.colours = as_before
 
     @property
     def instances(self) -> tuple[Instance, ...]:
@@ -263,17 +271,6 @@ class SimulatedWorld:
         """The ground truth of the scene, which a simulated world always has."""
         return self
 
-    def goal_truth(
-        self, goal: Goal, view_points: Float64[np.ndarray, "n 3"] | None = None
-    ) -> GoalRegion:
-        """The region in which a goal counts as reached.
-
-        Args:
-            goal: The goal.
-            view_points: View points of a data set, scene frame, metres; None takes the scene's own.
-        """
-        return self.regions.of(goal, view_points, self._instances)
-
     @property
     def _camera_to_base(self) -> Transform:
         camera = self.embodiment.camera
@@ -284,33 +281,6 @@ class SimulatedWorld:
             raise WorldError("step before reset: place the robot first")
         if self._stopped:
             raise WorldError("step after STOP: the episode is over, reset the world")
-
-    def _regions_on(self, walkable: WalkableSurface) -> GoalRegions:
-        eye_height_m = self.config.judge_eye_m or self.embodiment.camera.height_m
-        return GoalRegions(self.scene, walkable, self._rays, eye_height_m=eye_height_m)
-
-    def _surface_at(self, z: float | None) -> WalkableSurface:
-        """The robot's navigation mesh, or the walkable surface of the storey at a height."""
-        body, choice = self.embodiment.body, self.config.navmesh
-        storeys = storeys_on_mesh(self.scene, body, choice)
-        navmesh = robot_navmesh(self.scene, body, choice, has_storeys=storeys is not None)
-        if navmesh is not None:
-            surface = NavmeshSurface(navmesh, storeys, self.config.stop_at)
-            # What was found may be the top of a row of cupboards: a storey is come to.
-            if storeys is None or self.scene.storeys or len(surface.storeys_z) > 1:
-                return surface
-        return WalkableGrid.from_scene(
-            self.scene, self.embodiment.body, cell_m=self.config.cell_m, floor_z=z
-        )
-
-    def _storey_at(self, z: float | None) -> tuple[WalkableSurface, GoalRegions]:
-        """The storey of a height, computed once; None means the configured or largest one."""
-        for storey in self._storeys:
-            if z is None or storey[0].is_on_storey(np.array([z]))[0]:
-                return storey
-        walkable = self._surface_at(z)
-        self._storeys.append((walkable, self._regions_on(walkable)))
-        return self._storeys[-1]
 
     def _robot_at(self, start: Pose2, floor_z: float) -> SimulatedRobot:
         return SimulatedRobot(
@@ -324,7 +294,7 @@ class SimulatedWorld:
         )
 
     def _look(self) -> Observation:
-        view = self.view_from(self.camera_to_scene)
+        view = self._renderer.render(self._camera, self.camera_to_scene)
         robot = self._robot
         above_start = robot.floor_z - float(self.map_to_scene.translation[2])
         truth = LabelledPixels(view.instance_ids, self._labels) if self.config.labels else None

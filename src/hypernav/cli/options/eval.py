@@ -5,7 +5,7 @@ from pathlib import Path
 
 import tyro
 
-from hypernav.build.component_specs import BenchmarkName, WorldName
+from hypernav.build.component_specs import BenchmarkName
 from hypernav.cli.options.agent import AgentOptions, FlatAgentOptions
 from hypernav.evaluation.save_choice import SaveChoice
 
@@ -39,7 +39,7 @@ class Options:
     them; by default both. Image goals can't be run yet."""
     scenes_dir: Path | None = None
     """Folder of the scenes that the episodes name; by default the data set's own folder."""
-    world: WorldName = "native"
+    world: str = "native"
     """Simulator: our own, or habitat-sim if it is installed."""
     workers: int | None = None
     """Number of processes, one core each; by default the number of cores, but one with

@@ -14,8 +14,8 @@ import numpy as np
 from rich.markup import escape
 from rich.status import Status
 
-from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
+from hypernav.build.worlds import open_world
 from hypernav.cli.find import check_start, start_pose, start_values
 from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
@@ -51,8 +51,6 @@ from hypernav.robot.simulation.person import PersonConfig
 from hypernav.robot.wire.replies import SearchEnding, SearchOpened
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.worlds.config import NoiseConfig
-from hypernav.worlds.drawing.choice import renderer_of
-from hypernav.worlds.simulation import SimulatedWorld
 
 _PACE = 5.0
 """Simulated seconds per real second, for a robot that drives on while it waits for answers."""
@@ -100,7 +98,7 @@ def run(options: Simulate) -> int:
                 preset=options.preset,
                 agent=options.agent,
                 max_steps=options.max_steps,
-                labels=base.world.config.labels,
+                labels=base.config.labels,
                 key=uuid.uuid4().hex,
             )
         )
@@ -109,7 +107,7 @@ def run(options: Simulate) -> int:
         link = FaultyLink(_link(options, server.address, opened), faults, rng)
         continuous = options.motion == "continuous"
         client = RobotClient(DrivenRobot(base), link, continuous=continuous)
-        region = base.world.goal_truth(goal)
+        region = base.world.truth.goal_truth(goal)
         shortest_m = region.distance(*base.position)
         try:
             with (
@@ -129,7 +127,7 @@ def run(options: Simulate) -> int:
                 found = None if told is None else told.start
                 result = {
                     "goal": goal.text,
-                    "scene": base.world.scene.name,
+                    "scene": base.world.truth.name,
                     "agent": options.agent or "hypernav",
                     "preset": options.preset or "default",
                     "detector": opened.detector_and_reasoner[0],
@@ -224,14 +222,12 @@ def _placed(
     options: Simulate, config: HyPerNavConfig, mishaps: MishapConfig
 ) -> Iterator[SimulatedBase]:
     """The robot in its building."""
-    world = config.world
-    scene = load_scene(options.scene, world)
     if options.noise:
-        world = world.model_copy(update={"noise": _NOISE})
-    renderer = renderer_of(scene, world.renderer)
-    with closing(SimulatedWorld(scene, world, config.embodiment, renderer=renderer)) as opened:
+        world = config.world.model_copy(update={"noise": _NOISE})
+        config = config.model_copy(update={"world": world})
+    with closing(open_world(options.scene, config)) as opened:
         pace = _PACE if options.motion == "continuous" else None
-        yield SimulatedBase(opened, renderer, mishaps, pace=pace)
+        yield SimulatedBase(opened, config.world, mishaps, pace=pace)
 
 
 def _link(options: Simulate, address: ServerAddress, opened: SearchOpened) -> Link:

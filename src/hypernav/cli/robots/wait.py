@@ -7,8 +7,8 @@ import numpy as np
 from rich.markup import escape
 from rich.status import Status
 
-from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
+from hypernav.build.worlds import open_world
 from hypernav.cli.find import check_start, given_start
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.robot import Wait
@@ -26,9 +26,6 @@ from hypernav.robot.simulation.base import SimulatedBase
 from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.robot.wire.waiting import GivenGoal, is_robot_name
-from hypernav.worlds.drawing.choice import renderer_of
-from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.starts import random_start
 
 _PACE = 2.0
 """Simulated seconds per real second, slow enough for people to follow and to stop it."""
@@ -54,13 +51,11 @@ def run(options: Wait) -> int:
     config = layered(HyPerNavConfig(), file=options.config, assignments=options.set)
     console, rng = Terminal(quiet=options.quiet), np.random.default_rng(options.seed)
     with console.status("loading the building …") as status:
-        scene = load_scene(options.scene, config.world)
-        renderer = renderer_of(scene, config.world.renderer)
-        world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
+        world = open_world(options.scene, config)
         with closing(world), closing(HttpServer(address)) as server:
-            base = SimulatedBase(world, renderer, pace=_PACE)
+            base = SimulatedBase(world, config.world, pace=_PACE)
             if options.start is None:
-                start, start_z = random_start(world.walkable, rng), None
+                start, start_z = world.truth.random_start(rng), None
             else:
                 start, start_z = given_start(options.start)
             # Once: its odometry goes on from search to search, as that of a real robot.
@@ -105,7 +100,7 @@ def _search(
             embodiment=base.embodiment,
             preset=options.preset,
             agent=options.agent,
-            labels=base.world.config.labels,
+            labels=base.config.labels,
             key=given.key,
         )
     )

@@ -12,18 +12,18 @@ import numpy as np
 from gymnasium import spaces
 from jaxtyping import UInt8
 
-from hypernav.build.data.scenes import load_scene
 from hypernav.build.worlds import open_world
 from hypernav.core.actions import Action
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import EpisodeError, WorldError
+from hypernav.core.observation import Observation
+from hypernav.core.world import Simulator, TiltsCamera
 from hypernav.episodes.referee import Referee
 from hypernav.evaluation.habitat_lab.configuration import plan_of
 from hypernav.evaluation.habitat_lab.episodes import category_numbers, category_of, passes
 from hypernav.evaluation.habitat_lab.sensors import observed, semantic_ids_of, sensor_spaces
 from hypernav.evaluation.habitat_lab.task import HabitatTask
 from hypernav.evaluation.run_plan import RunPlan
-from hypernav.worlds.simulation import SimulatedWorld
 
 
 class HabitatEnv:
@@ -64,7 +64,8 @@ class HabitatEnv:
         self._plan, configured = plan_of(config)
         self.task: HabitatTask = task or configured
         self._seed = self._plan.seed
-        self._world: SimulatedWorld | None = None
+        self._world: Simulator | None = None
+        self._seen: Observation | None = None
         self._scene_id = ""
         self._referee: Referee | None = None
         self._current: Episode | None = None
@@ -145,13 +146,13 @@ class HabitatEnv:
         self._is_next_set = False
         episode = self.current_episode
         self._world = world = self._world_of(episode.scene_id)
-        world.reset(episode, np.random.default_rng(episode.seed(self._seed)))
-        truth = world.goal_truth(episode.goal, episode.view_points)
-        self._referee = Referee(truth, world.position)
+        self._seen = world.reset(episode, np.random.default_rng(episode.seed(self._seed)))
+        goal = world.truth.goal_truth(episode.goal, episode.view_points)
+        self._referee = Referee(goal, world.truth.position)
         self._steps = self._collisions = 0
         self.episode_over = self.is_stop_called = self._collided = False
         self._approached_m = 0.0
-        return self._observed(world)
+        return self._observed()
 
     def step(self, action: Any) -> dict[str, Any]:
         """Take an action and observe.
@@ -167,11 +168,13 @@ class HabitatEnv:
         before_m = referee.distance_to_goal_m
         self._collided = False
         if name in _TILTS:
-            world.tilt(_TILTS[name] * self.task.tilt_deg)
+            if not isinstance(world, TiltsCamera):
+                raise WorldError(f"the camera of the world '{self._plan.world}' can't be tilted")
+            self._seen = world.tilt(_TILTS[name] * self.task.tilt_deg)
         else:
-            world.step(_MOTIONS[name])
+            self._seen = world.step(_MOTIONS[name])
             self._collided = world.collided
-        referee.watch(world.position)
+        referee.watch(world.truth.position)
         after_m = referee.distance_to_goal_m
         # Equal distances may both be infinite.
         self._approached_m = 0.0 if after_m == before_m else before_m - after_m
@@ -179,7 +182,7 @@ class HabitatEnv:
         self._collisions += self._collided
         self.is_stop_called = name == "stop"
         self.episode_over = self.is_stop_called or self._steps >= self._plan.max_steps
-        return self._observed(world)
+        return self._observed()
 
     def get_metrics(self) -> dict[str, Any]:
         """The measures so far, by habitat-lab's names, lengths in metres.
@@ -208,9 +211,9 @@ class HabitatEnv:
         Raises:
             WorldError: The mode isn't ``rgb``, or there is no episode.
         """
-        if mode != "rgb" or self._world is None:
+        if mode != "rgb" or self._world is None or self._seen is None:
             raise WorldError(f"render shows 'rgb' after reset, got the mode {mode!r:.40}")
-        return self._world.observation.rgb.copy()
+        return self._seen.rgb.copy()
 
     def close(self) -> None:
         """Close the scene that is open."""
@@ -226,7 +229,7 @@ class HabitatEnv:
         """Close the environment."""
         self.close()
 
-    def _world_of(self, scene_id: str) -> SimulatedWorld:
+    def _world_of(self, scene_id: str) -> Simulator:
         """The world of a scene; one at a time, as a scan takes a lot of memory."""
         if self._world is not None and scene_id == self._scene_id:
             return self._world
@@ -240,15 +243,12 @@ class HabitatEnv:
             "embodiment": config.embodiment.model_copy(update={"camera": camera}),
             "world": config.world.model_copy(update={"labels": "semantic" in self.task.sensors}),
         }
-        scene = load_scene(scene_id, config.world)
-        opened = open_world(
-            scene, scene_id, config.model_copy(update=update), self._plan.world
-        ).world
+        opened = open_world(scene_id, config.model_copy(update=update), self._plan.world, threads=1)
         self._scene_id = scene_id
-        self._semantic_ids = semantic_ids_of(scene.instances, scene_id)
+        self._semantic_ids = semantic_ids_of(opened.truth.instances, scene_id)
         return opened
 
-    def _running(self) -> tuple[SimulatedWorld, Referee]:
+    def _running(self) -> tuple[Simulator, Referee]:
         if self._world is None or self._referee is None or self.episode_over:
             raise WorldError("step without a running episode: call reset first")
         return self._world, self._referee
@@ -264,10 +264,11 @@ class HabitatEnv:
         named = ", ".join(f"{number} {name}" for number, name in enumerate(actions))
         raise WorldError(f"there is no action {action!r:.60}; the actions are {named}")
 
-    def _observed(self, world: SimulatedWorld) -> dict[str, Any]:
+    def _observed(self) -> dict[str, Any]:
+        assert self._seen is not None, "an observation comes after reset"
         number = self._numbers[category_of(self.current_episode)]
         camera = self._plan.config.embodiment.camera
-        return observed(world.observation, camera, self.task, number, self._semantic_ids)
+        return observed(self._seen, camera, self.task, number, self._semantic_ids)
 
 
 _TILTS = {"look_up": -1.0, "look_down": 1.0}

@@ -16,7 +16,7 @@ from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import GoalError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.observation import Observation
-from hypernav.core.world import GoalTruth
+from hypernav.core.world import GoalTruth, SceneTruth, Simulator
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.evaluation.refinement.area_record import AreaRecord, BoxSource, MaskSource
 from hypernav.evaluation.refinement.boxes import is_wide_enough, jittered, matching
@@ -26,8 +26,6 @@ from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.refinement import eroded, projected
-from hypernav.worlds.drawing.choice import SceneRenderer
-from hypernav.worlds.simulation import SimulatedWorld
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,40 +71,33 @@ class EpisodeStudy:
         self._seed = seed
         self._truth = GroundTruthDetector()
 
-    def frames(
-        self, episode: Episode, world: SimulatedWorld, renderer: SceneRenderer
-    ) -> Iterator[Frame]:
+    def frames(self, episode: Episode, world: Simulator) -> Iterator[Frame]:
         """Drive an episode; yields the frames that show the goal within the range of depth.
 
         Args:
             episode: Episode of the world's scene.
             world: World that the robot is driven in.
-            renderer: The world's renderer; colours are drawn for these frames alone.
         """
-        renderer.colours = False
+        world.colours = False  # drawn for the frames alone that are looked at
         rng = np.random.default_rng(episode.seed(self._seed))
         run = EpisodeRun(self._agent, world, episode, rng=rng)
-        camera_to_scene = world.camera_to_scene
+        camera_to_scene = world.truth.camera_to_scene
         for step in run:
             found = self._truth.detect(step.observation, episode.goal)
             if found:
                 truth = self._area(_mask_of(found[0]), step.observation, self._config.local)
                 if truth is not None:
-                    renderer.colours = True
-                    rgb = world.view_from(camera_to_scene).rgb
-                    renderer.colours = False
+                    rgb = world.truth.view_from(camera_to_scene).rgb
                     observation = replace(step.observation, rgb=rgb)
                     yield Frame(step.trace.step, observation, found[0])
-            camera_to_scene = world.camera_to_scene
+            camera_to_scene = world.truth.camera_to_scene
 
-    def run(
-        self, episode: Episode, world: SimulatedWorld, renderer: SceneRenderer
-    ) -> list[AreaRecord]:
+    def run(self, episode: Episode, world: Simulator) -> list[AreaRecord]:
         """Drive an episode; one record for every kind of box and mask that its frames gave."""
         records: dict[tuple[BoxSource, MaskSource], AreaRecord] = {}
         truth: _Truth | None = None
-        for frame in self.frames(episode, world, renderer):
-            truth = truth or _Truth.of(episode, world, self._config.mapping.cell_size_m)
+        for frame in self.frames(episode, world):
+            truth = truth or _Truth.of(episode, world.truth, self._config.mapping.cell_size_m)
             for box_source, box in self._boxes(frame, episode).items():
                 for mask_source, area in self.areas(frame, box).items():
                     kind = (box_source, mask_source)
@@ -114,7 +105,7 @@ class EpisodeStudy:
                     if area is not None and record.position is None:
                         robot = frame.observation.robot
                         position = judge_position(
-                            area, robot, world, renderer, truth.goal, self._config
+                            area, robot, world.truth, truth.goal, self._config
                         )
                         record = replace(record, position=position)
                     records[kind] = record.after(
@@ -192,10 +183,10 @@ class _Truth:
     footprint: Footprint
 
     @staticmethod
-    def of(episode: Episode, world: SimulatedWorld, cell_size_m: float) -> "_Truth":
-        goal = world.goal_truth(episode.goal, episode.view_points)
+    def of(episode: Episode, scene: SceneTruth, cell_size_m: float) -> "_Truth":
+        goal = scene.goal_truth(episode.goal, episode.view_points)
         ids = [instance.id for instance in goal.instances]
-        footprint = Footprint.of_instances(world.scene, ids, world.map_to_scene, cell_size_m)
+        footprint = Footprint.of_instances(scene, ids, cell_size_m)
         return _Truth(goal, footprint)
 
 

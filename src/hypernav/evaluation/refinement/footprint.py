@@ -1,6 +1,6 @@
 """The true footprint of a goal on the floor plan, and the share of a goal area outside it."""
 
-from collections.abc import Iterable
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import cv2
@@ -8,9 +8,8 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from hypernav.core.geometry.grid import has_cell
-from hypernav.core.geometry.transforms import Transform
+from hypernav.core.world import SceneTruth
 from hypernav.mapping.memory.goal_area import GoalArea
-from hypernav.worlds.scenes.scene import Scene
 
 _SUBCELL_BITS = 8
 
@@ -31,19 +30,17 @@ class Footprint:
 
     @staticmethod
     def of_instances(
-        scene: Scene, instances: Iterable[int], map_to_scene: Transform, resolution_m: float
+        scene: SceneTruth, instances: Collection[int], resolution_m: float
     ) -> "Footprint":
         """The footprint of some of a scene's instances: their triangles, seen from above.
 
         Args:
-            scene: Scene that holds the triangles.
+            scene: The scene, with the ``map`` frame of the present episode.
             instances: Ids of the instances; at least one of them has triangles.
-            map_to_scene: Transform of the present episode.
             resolution_m: Side of a cell, metres.
         """
-        faces = scene.faces[np.isin(scene.face_instance, list(instances))]
-        corners = scene.vertices[faces.ravel()].astype(np.float64)
-        flat = map_to_scene.inverse().apply(corners)[:, :2] / resolution_m
+        corners = scene.triangles_of(instances).reshape(-1, 3)
+        flat = scene.map_to_scene.inverse().apply(corners)[:, :2] / resolution_m
         return Footprint.of_triangles(flat.reshape(-1, 3, 2), resolution_m)
 
     @staticmethod

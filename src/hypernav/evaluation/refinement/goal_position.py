@@ -11,10 +11,9 @@ from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.core.world import GoalTruth, Renderer
+from hypernav.core.world import GoalTruth, SceneTruth
 from hypernav.episodes.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.mapping.memory.goal_area import GoalArea
-from hypernav.worlds.simulation import SimulatedWorld
 
 
 @dataclass(frozen=True)
@@ -40,8 +39,7 @@ class GoalPosition:
 def judge_position(
     area: GoalArea,
     robot: Pose2,
-    world: SimulatedWorld,
-    renderer: Renderer,
+    scene: SceneTruth,
     goal: GoalTruth,
     config: HyPerNavConfig,
 ) -> GoalPosition:
@@ -60,12 +58,11 @@ def judge_position(
     Args:
         area: Goal area.
         robot: Pose of the robot, ``map`` frame.
-        world: World of the episode; where its robot is now doesn't matter.
-        renderer: Renderer of the world's scene.
+        scene: The scene of the episode; where its robot is now doesn't matter.
         goal: Instances and view points of the goal.
         config: Choice among cells, stop distance and camera.
     """
-    walkable, map_to_scene = world.walkable, world.map_to_scene
+    walkable, map_to_scene = scene.walkable, scene.map_to_scene
     cells = area.entry_points
     if config.planning.targets == "nearest-straight":
         cells = cells[[int(np.linalg.norm(cells - np.array(robot.xy), axis=1).argmin())]]
@@ -75,7 +72,7 @@ def judge_position(
     gaps, _ = KDTree(targets).query(positions)
     near = positions[gaps <= config.search.stop_distance_m]
     unreachable = len(near) == 0
-    paths = walkable.goal_field(here)
+    paths = scene.goal_truth(goal.goal, here)
     x, y = min(
         (positions[[int(np.argmin(gaps))]] if unreachable else near).tolist(),
         key=lambda position: paths.distance(*position),
@@ -83,7 +80,7 @@ def judge_position(
     camera = config.embodiment.camera
     lens_m = walkable.height_at(x, y) + camera.height_m
     middle = map_to_scene.apply(np.array([*area.centre, area.height_m]))
-    view = renderer.render(camera.intrinsics, _gaze((x, y, lens_m), middle))
+    view = scene.view_from(_gaze((x, y, lens_m), middle), colours=False)
     goal_ids = [instance.id for instance in goal.instances]
     return GoalPosition(
         in_obstacle=not any(walkable.is_standable(*target) for target in targets.tolist()),

@@ -7,17 +7,15 @@ from typing import Any
 from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.construction import make, section_of
-from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.registries import DETECTORS, SEGMENTERS, Factory
+from hypernav.build.worlds import open_world
 from hypernav.core.components.registry import Choice
 from hypernav.core.episodes.episode import Episode
+from hypernav.core.world import Simulator
 from hypernav.evaluation.refinement.area_record import AreaRecord, EpisodeAreas
 from hypernav.evaluation.refinement.episode_study import EpisodeStudy
 from hypernav.evaluation.store.record_file import RecordFile
-from hypernav.worlds.drawing.choice import SceneRenderer, renderer_of
-from hypernav.worlds.drawing.renderer import RenderConfig
-from hypernav.worlds.simulation import SimulatedWorld
 
 
 def run_refinement_study(
@@ -51,29 +49,25 @@ def run_refinement_study(
         if watch is not None:
             watch(len(file.records), len(episodes))
         if episode.key not in file.records:
-            areas = study.run(episode, *opened.of(episode.scene_id))
+            areas = study.run(episode, opened.of(episode.scene_id))
             scene_id, episode_id = episode.key
             file.add(EpisodeAreas(scene_id=scene_id, episode_id=episode_id, areas=tuple(areas)))
     return [area for _, one in sorted(file.records.items()) for area in one.areas]
 
 
 class _OpenScene:
-    """The world and the renderer of one scene, which stay open until another is needed."""
+    """The world of one scene, which stays open until another is needed."""
 
     def __init__(self, config: HyPerNavConfig) -> None:
         self._config = config
-        self._opened: tuple[str, SimulatedWorld, SceneRenderer] | None = None
+        self._opened: tuple[str, Simulator] | None = None
 
-    def of(self, scene_id: str) -> tuple[SimulatedWorld, SceneRenderer]:
+    def of(self, scene_id: str) -> Simulator:
         if self._opened is None or self._opened[0] != scene_id:
             if self._opened is not None:
                 self._opened[1].close()
-            config = self._config
-            scene = load_scene(scene_id, config.world)
-            renderer = renderer_of(scene, config.world.renderer, RenderConfig(threads=1))
-            world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
-            self._opened = (scene_id, world, renderer)
-        return self._opened[1:]
+            self._opened = (scene_id, open_world(scene_id, self._config, threads=1))
+        return self._opened[1]
 
 
 def _study(config: HyPerNavConfig, specs: ComponentSpecs, seed: int) -> EpisodeStudy:

@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from hypernav.build.component_specs import ComponentSpecs, WorldName
-from hypernav.build.data.scenes import load_scene
+from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.worlds import open_world
 from hypernav.core.components.abilities import BeginsMemory, Closes, PlansSteps, remembers
@@ -22,6 +21,7 @@ from hypernav.core.episodes.episode import Episode, Outcome
 from hypernav.core.episodes.life import Life
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.trace import Ending, StepTrace
+from hypernav.core.world import Simulator
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.episodes.object_distance import object_distance
 from hypernav.episodes.recorder import EpisodeRecorder
@@ -33,12 +33,12 @@ from hypernav.evaluation.record import EpisodeRecord, unmeasured_record
 from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.workers.searcher import searcher_of
 from hypernav.perception.exchanges import unusable_answers
-from hypernav.worlds.drawing.choice import SceneRenderer
-from hypernav.worlds.habitat.simulator import HabitatRenderer
-from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.simulation import SimulatedWorld
 
 SAVED_FOLDER = "episodes"
+
+
+OpenWorld = Callable[[str, HyPerNavConfig], Simulator]
+"""Opens the scene of a name for a robot."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,8 @@ class Job:
         seed: Seed of all noise.
         save: Choice of episodes that keep page and video.
         make_agent: Factory of an agent of your own, in place of the configured one.
-        open_scene: Function that gives the scene of a name; None loads it as configured.
-        world: Simulator that scenes are opened in.
+        world: Name of the simulator that scenes are opened in, or a function like those of
+            `hypernav.build.worlds.WORLDS` for scenes of your own.
         fresh_memory: Whether every goal of a life begins without memory.
     """
 
@@ -63,8 +63,7 @@ class Job:
     seed: int = 0
     save: SaveChoice = "none"
     make_agent: Callable[[], Agent] | None = None
-    open_scene: Callable[[str], Scene] | None = None
-    world: WorldName = "native"
+    world: str | OpenWorld = "native"
     fresh_memory: bool = False
 
 
@@ -134,7 +133,7 @@ class EpisodeWorker:
         """Search for the goal of a life that has this number, from 1."""
         try:
             scene = self._scene_of(episode.scene_id)
-            scene.renderer.colours = self._searcher.looks_at_colours or self._job.save == "videos"
+            scene.world.colours = self._searcher.looks_at_colours or self._job.save == "videos"
             agent, memory = self._searcher.agent, None
             if isinstance(agent, PlansSteps):
                 agent.allow_steps(episode.max_steps)
@@ -143,8 +142,8 @@ class EpisodeWorker:
             if episode.life and number == 1 and keeps_memory and isinstance(agent, BeginsMemory):
                 memory = agent.new_memory()
             if number > 1 and not goes_on:
-                world = scene.world
-                episode = replace(episode, start=world.pose, start_z=world.position[2])
+                truth = scene.world.truth
+                episode = replace(episode, start=truth.pose, start_z=truth.position[2])
             run = EpisodeRun(
                 agent,
                 scene.world,
@@ -173,13 +172,12 @@ class EpisodeWorker:
     def _scene_of(self, scene_id: str) -> "_OpenScene":
         if self._scene is None or self._scene.scene_id != scene_id:
             self._leave_scene()  # frees the old scene's memory before the new one is loaded
-            job = self._job
-            if job.open_scene is None:
-                scene = load_scene(scene_id, job.config.world)
+            config, world = self._job.config, self._job.world
+            if isinstance(world, str):
+                opened = open_world(scene_id, config, world, threads=1)
             else:
-                scene = job.open_scene(scene_id)
-            opened = open_world(scene, scene_id, job.config, self._job.world)
-            self._scene = _OpenScene(scene_id, opened.world, opened.renderer)
+                opened = world(scene_id, config)
+            self._scene = _OpenScene(scene_id, opened)
         return self._scene
 
     def _watch(
@@ -187,10 +185,11 @@ class EpisodeWorker:
     ) -> EpisodeRecord:
         before = {"memory": {"earlier_searches": number - 1}} if goes_on else {}
         episode, world, save = run.trial.episode, scene.world, self._job.save
-        goal = world.goal_truth(episode.goal, episode.view_points)
-        evidence = FailureEvidence(world, goal, self._job.config)
+        truth = world.truth
+        goal = truth.goal_truth(episode.goal, episode.view_points)
+        evidence = FailureEvidence(truth, goal, self._job.config)
         questions, tokens, unusable = Counter[str](), Counter[str](), Counter[str]()
-        storyboard = Storyboard(world.camera_to_scene)
+        storyboard = Storyboard(truth.camera_to_scene)
         saved = ""
         with self._recorder(episode) if save == "videos" else nullcontext() as recorder:
             for step in run:
@@ -200,7 +199,7 @@ class EpisodeWorker:
                 if recorder is not None:
                     recorder.add(step.trace, step.grid, step.observation)
                 elif save == "failures":
-                    storyboard.watch(step, world.camera_to_scene, coloured=scene.renderer.colours)
+                    storyboard.watch(step, truth.camera_to_scene, coloured=world.colours)
             result = run.result()
             stopped = run.trial.ending is Ending.FOUND
             facts = evidence.facts(
@@ -222,7 +221,7 @@ class EpisodeWorker:
             failure=verdict.failure if verdict is not None else None,
             why=verdict.why if verdict is not None else "",
             **result.measures(),
-            distance_to_object_m=object_distance(world.scene, goal.instances, world.position),
+            distance_to_object_m=object_distance(truth, goal.instances, truth.position),
             stopped=stopped,
             steps=result.steps,
             model_calls=result.model_calls,
@@ -286,16 +285,14 @@ def _decisive_step(verdict: Verdict | None, steps: Sequence[StepTrace]) -> dict[
 
 @dataclass(frozen=True, eq=False)
 class _OpenScene:
-    """An open scene, the world in it, and the renderer that draws it."""
+    """An open scene, and the world in it."""
 
     scene_id: str
-    world: SimulatedWorld
-    renderer: SceneRenderer | HabitatRenderer
+    world: Simulator
 
     def image_from(self, camera_to_scene: Transform) -> Image:
         """What the camera sees from a true pose, in colours."""
-        self.renderer.colours = True
-        return self.world.view_from(camera_to_scene).rgb
+        return self.world.truth.view_from(camera_to_scene).rgb
 
 
 def folder_name(episode: Episode) -> str:

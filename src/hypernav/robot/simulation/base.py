@@ -15,14 +15,13 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.core.observation import LabelledPixels
-from hypernav.core.world import Position, RenderedView
+from hypernav.core.world import Position, RenderedView, Simulator
 from hypernav.robot.client.robot import Sensed
 from hypernav.robot.driving.base import DepthView
 from hypernav.robot.motion.velocity import Velocity
 from hypernav.robot.simulation.person import Person, PersonConfig, drawn_into
-from hypernav.worlds.drawing.choice import SceneRenderer
+from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.noise import noisy_depth
-from hypernav.worlds.simulation import SimulatedWorld
 
 _SAFETY_PIXELS = (80, 60)
 _EXPOSURE_S = 0.01
@@ -83,8 +82,8 @@ class SimulatedBase:
 
     def __init__(
         self,
-        world: SimulatedWorld,
-        renderer: SceneRenderer,
+        world: Simulator,
+        config: SimulationConfig,
         mishaps: MishapConfig | None = None,
         *,
         pace: float | None = None,
@@ -92,18 +91,18 @@ class SimulatedBase:
         """Create it in a world.
 
         Args:
-            world: The scene; its noise is that of this robot's sensors and wheels.
-            renderer: Renderer of the world, which also draws coarse images for safety.
+            world: The scene.
+            config: How the robot is simulated: the noise of its sensors and wheels.
             mishaps: What goes wrong.
             pace: Simulated seconds per real one while it drives; None runs as fast as it can.
         """
         self.world = world
-        self._renderer = renderer
+        self.config = config
         self._mishaps = mishaps or MishapConfig()
         self._pace = pace
         camera = world.embodiment.camera
         self._coarse = PinholeCamera.from_hfov(*_SAFETY_PIXELS, camera.hfov_deg)
-        self._labels = {i.id: i.label for i in world.instances if i.label is not None}
+        self._labels = {i.id: i.label for i in world.truth.instances if i.label is not None}
 
     def place(self, episode: Episode, rng: np.random.Generator) -> None:
         """Put the robot at the start of an episode.
@@ -114,12 +113,12 @@ class SimulatedBase:
         """
         self.world.reset(episode, rng)
         self._rng = rng
-        self._pose, self._position = self.world.pose, self.world.position
-        self._map_to_scene = self.world.map_to_scene
+        self._pose, self._position = self.world.truth.pose, self.world.truth.position
+        self._map_to_scene = self.world.truth.map_to_scene
         self._odometry = self._odometry_in_map = Pose2(0.0, 0.0, 0.0)
         self._errors = self._drawn_errors()
         person = self._mishaps.person
-        self.person = None if person is None else Person(person, self.world.walkable, rng)
+        self.person = None if person is None else Person(person, self.world.truth.walkable, rng)
         self.smallest_gap_m = math.inf
         self.path_length_m = self.odometry_length_m = self.now_s = 0.0
 
@@ -129,7 +128,7 @@ class SimulatedBase:
         So they are in one frame in every search, as those of a robot that knows where it is in a
         map that lasts.
         """
-        start = self.world.map_to_scene
+        start = self.world.truth.map_to_scene
         x, y, _ = start.translation.tolist()
         self._map_to_scene, self._odometry_in_map = Transform.identity(), Pose2(x, y, start.yaw)
 
@@ -156,7 +155,6 @@ class SimulatedBase:
         """Images and pose, taken now."""
         self._errors = self._drawn_errors()
         self.now_s += _EXPOSURE_S
-        self._renderer.colours = True
         view = self._view(self.embodiment.camera.intrinsics)
         labels = LabelledPixels(view.instance_ids, self._labels)
         height_m = self._position[2] - float(self._map_to_scene.translation[2])
@@ -167,13 +165,12 @@ class SimulatedBase:
             stamp_s=self.now_s,
             odom_to_map=self._odom_to_map(),
             height_m=height_m,
-            truth=labels if self.world.config.labels else None,
+            truth=labels if self.config.labels else None,
         )
 
     def depth_view(self) -> DepthView:
         """A coarse depth image."""
-        self._renderer.colours = False
-        depth = self._measured(self._view(self._coarse))
+        depth = self._measured(self._view(self._coarse, colours=False))
         to_base = self.embodiment.camera.camera_to_base
         return DepthView(depth, self._coarse, to_base, self.now_s, self._odometry)
 
@@ -200,7 +197,9 @@ class SimulatedBase:
             velocity.linear_m_s * errors.speed, velocity.angular_rad_s * errors.rotation
         )
         wanted = real.moved(before, seconds)
-        x, y, z = self.world.walkable.move(self._position, wanted.x - before.x, wanted.y - before.y)
+        x, y, z = self.world.truth.walkable.move(
+            self._position, wanted.x - before.x, wanted.y - before.y
+        )
         self._pose = Pose2(x, y, wanted.yaw)
         length_m = math.dist(self._position[:2], (x, y))
         self._position = (x, y, z)
@@ -220,7 +219,7 @@ class SimulatedBase:
         self._odometry = after
 
     def _drawn_errors(self) -> _Errors:
-        noise, motion, rng = self.world.config.noise, self.embodiment.motion, self._rng
+        noise, motion, rng = self.config.noise, self.embodiment.motion, self._rng
         is_stuck = bool(rng.random() < self._mishaps.stuck_share)
         speed, rotation, along, aside, yaw = rng.standard_normal(5).tolist()
         yaw_rad = math.radians(noise.odometry_turn_sigma_deg) * yaw
@@ -246,16 +245,16 @@ class SimulatedBase:
         x, y, _ = found.translation
         return Pose2(float(x + dx), float(y + dy), found.yaw)
 
-    def _view(self, camera: PinholeCamera) -> RenderedView:
+    def _view(self, camera: PinholeCamera, *, colours: bool = True) -> RenderedView:
         base_to_scene = self._pose.to_transform(self._position[2])
         pose = base_to_scene @ self.embodiment.camera.camera_to_base
-        view = self._renderer.render(camera, pose)
+        view = self.world.truth.view_from(pose, camera, colours=colours)
         if self.person is None:
             return view
         return drawn_into(view, camera, pose, self.person, self._position[2])
 
     def _measured(self, view: RenderedView) -> Float32[np.ndarray, "height width"]:
         """Depth as the sensor measures it, also where it is too inexact for the map."""
-        depth = noisy_depth(view.depth, self.world.config.noise, self._rng)
+        depth = noisy_depth(view.depth, self.config.noise, self._rng)
         measured = is_measured(depth, self.embodiment.camera.min_depth_m)
         return np.where(measured, depth, np.float32(0.0))
