@@ -62,8 +62,9 @@ def check(name, number, folder):
 
 
 @pytest.mark.freeze
-def test_a_third_of_the_goals_is_on_the_storey_of_the_start_a_third_above_and_a_third_below():
-    where = Counter((e.info or {})["goal_is"] for e in load_split("storeys-val").episodes)
+@pytest.mark.parametrize("name", ["storeys-val", "storeys-test"])
+def test_a_third_of_the_goals_is_on_the_storey_of_the_start_a_third_above_and_a_third_below(name):
+    where = Counter((e.info or {})["goal_is"] for e in load_split(name).episodes)
     assert where == {"same": 100, "above": 100, "below": 100}
 
 

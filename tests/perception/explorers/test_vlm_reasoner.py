@@ -154,6 +154,14 @@ def test_an_outage_is_not_a_reason_to_fall_back():
         ("Go to 3 first, then go to 4.", None),
         ("It is 3 m away", None),
         ("block 2.5", None),
+        ("Answer: block 3 or 7", None),
+        ("Answer: 3? No, 7.", None),
+        ("I would rule out 3.", None),
+        ("Skip block 3; it is a closet.", None),
+        ("choose" + " " * 32_000 + "x", None),
+        ("!" * 32_000, None),
+        ("Answer " + "*" * 32_000, None),
+        ("\n" * 32_000, None),
     ],
 )
 def test_rules_of_the_summariser(text: str, number: int | None):

@@ -107,8 +107,13 @@ def test_another_label_is_visible_and_counted(view: Observation):
         ("window", "The couch is located near the window.", False),
         ("chair", "the chair beside the desk", True),
         ("desk", "the chair beside the desk", False),
+        ("pillow on the bed", "bed", False),
         ("not a bed", "bed", False),
+        ("bed not visible", "bed", False),
+        ("non-bed", "bed", False),
+        ("none", "bed", False),
         ("no smoking sign", "no smoking sign", True),
+        ("no parking sign", "the no parking sign", True),
     ],
 )
 def test_labels(label: str, goal: str, agree: bool):

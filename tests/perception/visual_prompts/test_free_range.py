@@ -57,6 +57,14 @@ def test_where_the_robot_looked_is_explored_and_farther_it_is_not():
     assert memory.look(HERE, np.zeros(1), np.array([3.2])).all()
 
 
+@pytest.mark.parametrize(("beside_m", "explored"), [(0.2, True), (0.38, False)])
+def test_floor_is_explored_if_the_strip_covers_it_and_not_if_it_comes_near(beside_m, explored):
+    memory = RayMemory()
+    memory.look(HERE, np.zeros(1), np.array([2.0]))  # 0.3 m to each side
+    beside = Pose2(-2.2, beside_m, 0.0)  # asks about the floor 3.2 m ahead
+    assert memory.look(beside, np.zeros(1), np.array([4.0])).tolist() == [explored]
+
+
 def test_beyond_the_memory_nothing_is_explored():
     memory = RayMemory()
     memory.look(HERE, np.zeros(1), np.array([2.0]))

@@ -103,7 +103,7 @@ def test_every_number_maps_back_to_its_end():
     sight = ArrowSight(shown, Embodiment(camera=CAMERA), ArrowsConfig(), ArrowStyle())
     seen = sight.look()
     moves = biased_moves(seen, may_turn=True)
-    arrows = sight.marked(moves, seen)
+    arrows = sight.marked(moves, seen, may_overlap=True)
     assert len(arrows) >= 3
     view = sight.view(arrows, may_turn=True)
     for number, arrow in enumerate(arrows, start=1):

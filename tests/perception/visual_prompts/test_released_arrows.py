@@ -1,4 +1,6 @@
-"""Mistakes of VLMnav's and PIVOT's released code, as switches."""
+"""What VLMnav's and PIVOT's released code does, and its mistakes as switches."""
+
+import math
 
 import pytest
 
@@ -13,11 +15,11 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.floor import SearchMemory
-from hypernav.perception.visual_prompts.arrow_explorer import VlmnavExplorer
+from hypernav.perception.visual_prompts.arrow_explorer import DynavlmStyleExplorer, VlmnavExplorer
 from hypernav.perception.visual_prompts.arrow_reasoners import ChatArrowReasoner
 from hypernav.perception.visual_prompts.config import ArrowsConfig
 from hypernav.perception.visual_prompts.pivot import PivotExplorer
-from hypernav.perception.visual_prompts.proposals import DEFAULT_MOVES
+from hypernav.perception.visual_prompts.proposals import DEFAULT_MOVES, Move
 
 BED = Goal("bed")
 ROBOT = Embodiment(camera=CameraConfig(width=320, height=240))
@@ -89,6 +91,17 @@ def test_a_blind_step_has_its_own_length():
     config = ArrowsConfig(blind_step_m=0.2)
     explorer = VlmnavExplorer(Says(), ROBOT, MappingConfig(), (0.2,), config)
     assert move_of(explorer).xy == pytest.approx((0.2, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("kind", "offered"), [(VlmnavExplorer, [1, 2, 3]), (DynavlmStyleExplorer, [1])]
+)
+def test_vlmnav_offers_arrows_whose_marks_overlap(monkeypatch, kind, offered):
+    moves = [Move(math.radians(angle), 1.7) for angle in (2.0, 1.0, 0.0)]
+    monkeypatch.setattr(kind, "_proposed", lambda *others, may_turn: moves)
+    reasoner = Says(1)
+    move_of(kind(reasoner, ROBOT, MappingConfig(), (0.2,)))
+    assert [one.number for one in reasoner.views[0].arrows] == offered
 
 
 def test_after_a_yes_only_the_default_moves_are_offered_once():

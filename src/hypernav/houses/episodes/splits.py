@@ -121,6 +121,7 @@ SPLITS = {
             "crowded-train", "crowded", "categories", range(3000, 3025), 300, is_open=True
         ),
         BuildingSplit("storeys-val", "storeys", "categories", range(1000, 1025), 300),
+        BuildingSplit("storeys-test", "storeys", "categories", range(2000, 2025), 300),
         BuildingSplit(
             "storeys-train", "storeys", "categories", range(3000, 3025), 300, is_open=True
         ),

@@ -22,14 +22,20 @@ _REFUSAL = re.compile(
 )
 # "Answer: block 3" says 3, but "I would not go to 3" does not.
 _LEAD = re.compile(
-    r"^\W*(?:(?:the|my|final|answer|choice|block|number|is)\b[\s:#*]*)+", re.IGNORECASE
+    r"^\W{0,40}(?:(?:the|my|final|answer|choice|block|number|is)\b[\s:#*]{0,40})+", re.IGNORECASE
 )
-_NO_IDIOM = re.compile(r"no (?:doubt|question|problem|wonder|idea|clue|way to)\b")
+_NO_IDIOM = re.compile(
+    r"no (?:doubt|question|problem|wonder|idea|clue|way|need|one|comment|response|answer|fewer|less"
+    r"|image|picture|photo|information|input)s?\b"
+)
 _DENIAL = re.compile(
-    r"(?<![a-z])(?:not?|non|absent|missing|hidden|without|invisible|rejected|excluded|discarded"
-    r"|ignored|un(?:seen|likely|sure|certain))(?![a-z])",
+    r"(?<![a-z])(?:not?|non|absent|empty|missing|hidden|without|invisible|rejected|excluded|discarded"
+    r"|ignored|avoid|blocked|unreachable|visited|explored|un(?:seen|likely|sure|certain)"
+    r"|false|wrong)(?![a-z])|n['’]t\b",
     re.IGNORECASE,
 )
+_BULLET = re.compile(r"^(?:[-*•]\s+|[^\w\s\"'`({\[<-]\s+)+")
+_CAPITAL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _FIRST_SENTENCE = re.compile(r"[^\W\d_][^.!:\n\[{]*")
 _AT_LIMIT = (
     "the reply reached its limit of tokens: if the model thinks, switch thinking off "
@@ -107,7 +113,7 @@ def shortened(text: str, length: int = _SHORT) -> str:
 
 def denies(name: str) -> bool:
     """Whether a label or a key tells what is not there, as "not_visible" and "no bed" do."""
-    return _DENIAL.search(name[:LONGEST_ANSWER]) is not None
+    return _DENIAL.search(_CAPITAL.sub(" ", name[:LONGEST_ANSWER])) is not None
 
 
 def _thinks_aloud(said: str) -> bool:
@@ -127,7 +133,10 @@ def _parse_allowed(answer: Answer, said: str, allowed: tuple[str, ...]) -> Answe
         return replace(answer, value=by_key[_key(bare)])
     words = [_key(word) for word in _LEAD.sub("", bare, count=1).split()]
     mentioned = {by_key[word] for word in words if word in by_key}
-    if _NO_IDIOM.match(" ".join(words)):
+    rest = " ".join(words[1:])
+    # "Yes, but it is not a bed" and "Block 3 is excluded" take back what they say.
+    is_taken_back = words[:1] != ["no"] and denies(rest)
+    if _NO_IDIOM.match(" ".join(words)) or is_taken_back:
         mentioned.clear()
     if words and words[0] in by_key and len(mentioned) == 1:
         return replace(answer, value=by_key[words[0]])
@@ -146,15 +155,17 @@ def _key(text: str) -> str:
 
 
 def _single(said: str) -> str:
-    """The text without the JSON object around a single answer."""
+    """The text without a mark before it, and without the JSON object around a single answer."""
     value = _json_in(said)
-    if isinstance(value, dict) and len(value) == 1:
+    if isinstance(value, dict) and "answer" in value:  # perhaps with its confidence or reason
+        value = value["answer"]
+    elif isinstance(value, dict) and len(value) == 1:
         ((key, value),) = value.items()
         if denies(key):
             return said
     if isinstance(value, str | int) and not isinstance(value, bool):
         return str(value)
-    return said
+    return _BULLET.sub("", said)
 
 
 def _json_in(text: str) -> Any:

@@ -89,7 +89,7 @@ _CONTAINERS: tuple[tuple[str, re.Pattern[str], re.Pattern[str]], ...] = tuple(
         ("box tokens", r"<\|begin_of_box\|>", r"<\|end_of_box\|>"),
     )
 )  # fmt: skip
-_BOXED = re.compile(r"\$*\s*\\(?:boxed|fbox)\s*\{")
+_BOXED = re.compile(r"\\(?:boxed|fbox)\s{0,4}\{")
 _TEX_TEXT = re.compile(r"\\(?:text|textbf|textit|mathrm|mathbf|mathit)\s*\{([^{}]*)\}")
 _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 _LETTERS = re.compile(r"[^\W\d_]{2,}")

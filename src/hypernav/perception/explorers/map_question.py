@@ -57,17 +57,20 @@ _NUMBER_WORDS: tuple[str, ...] = (
 _IN_WORDS = re.compile(rf"(?:(?<=block )|(?<=number )|^)({'|'.join(_NUMBER_WORDS)})\b", re.I)
 _DECLARED = (
     r"(?:answer|choice|choose|select|pick|go to|head (?:to|for)|visit|recommend)"
-    r"(?:\s+(?:is|would be|the|to|with|for|should|be|number|block|no\.?)|[:*#\s])*\s*(\d+)\b",
+    r"(?:\s{1,4}(?:is|would be|the|to|with|for|should|be|number|block|no\.?)|[:*#\s]){0,24}(\d+)\b",
     r"\*\*\s*(?:block|number)?\s*(\d+)\s*\*\*",
 )
 _DENIED = re.compile(
-    r"(?:\bnot\b|n['’]t\b|\bavoid\b|\bexclud\w*|\binstead of\b|\brather than\b)"
-    r"(?:\s+(?:to|go|choose|pick|answer|visit|the|in|be))*\s+(?:blocks?\s+|numbers?\s+)*"
+    r"(?:\bnot\b|n['’]t\b|\bnever\b|\bavoid\b|\bskip\b|\brule out\b|\bexclud\w*|\binstead of\b"
+    r"|\brather than\b)"
+    r"(?:\s{1,4}(?:to|go|choose|pick|answer|visit|the|in|be)){0,8}\s{1,4}"
+    r"(?:(?:blocks?|numbers?)\s{1,4}){0,2}"
     r"\[?\s*\d+(?:(?:\s*,\s*|\s+(?:and|or|nor)\s+)\d+)*\s*\]?",
     re.IGNORECASE,
 )
 _LAST_LINE = re.compile(
-    r"^\W*(?:final )?answer\W+(?:is\s+)?(?:block|number|n)?[^\w\n]*(\w+)",
+    r"^[^\w\n]{0,40}(?:final )?answer\W{1,40}(?:is\s{1,4})?(?:block\b|number\b|n\b)?[^\w\n]{0,40}"
+    r"(?P<number>\w+)(?P<rest>[^\n]*)",
     re.IGNORECASE | re.MULTILINE,
 )
 
@@ -268,11 +271,12 @@ def summarised(text: str, numbers: list[int]) -> int | None:
     for the last, those with a unit behind them.
     """
     said = final_answer(text)
-    lines = _LAST_LINE.findall(said)
-    if lines and (number := _in_digits(lines[-1])) is not None:
-        return _possible(number, numbers)
+    *_, line = [None, *_LAST_LINE.finditer(said)]
+    if line is not None and (number := _in_digits(line["number"])) is not None:
+        others = {int(found) for found in re.findall(r"\d{1,6}", line["rest"])} - {int(number)}
+        return None if others & set(numbers) else _possible(number, numbers)
     said = _IN_WORDS.sub(lambda match: _in_digits(match[1]) or "", said)
-    bare = re.fullmatch(r"\W*(?:block|number)?\W*(\d{1,6})\W*", said, re.IGNORECASE)
+    bare = re.fullmatch(r"\W*(?:(?:block|number)\W*)?(\d{1,6})\W*", said, re.IGNORECASE)
     if bare is not None:
         return _possible(bare[1], numbers)
     said = _DENIED.sub(" ", said)

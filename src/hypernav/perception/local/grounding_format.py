@@ -24,6 +24,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Any
@@ -43,7 +44,9 @@ _AREA_KEY = re.compile(
     r"box|coord|rect|locat|position|point|object|item|instance|detect|predict|result|answer|found"
 )
 """What is in the key of a list of boxes or points without keys of their own."""
-_FORM_KEYS = ("format", "bbox_format", "box_format")
+_FORM_KEY = re.compile(r"(?:^|_)(?:format|mode|type)$")
+_ORDER = re.compile(r"[xywhcltrbmina0-9]+")
+"""What an order of numbers is written with."""
 _FORMS = {
     **dict.fromkeys(("xyxy", "x1y1x2y2", "xminyminxmaxymax", "ltrb", "pascalvoc"), "xyxy"),
     **dict.fromkeys(("yxyx", "y1x1y2x2", "yminxminymaxxmax", "tlbr"), "yxyx"),
@@ -51,7 +54,8 @@ _FORMS = {
     **dict.fromkeys(("cxcywh", "xcycwh", "yolo"), "cxcywh"),
 }
 """Orders of a box's numbers, by their spellings."""
-_STATE_KEYS = ("visible", "is_visible", "present", "is_present", "exists", "found", "detected")
+_STATE = re.compile(r"visible|present|exist|found|detected")
+_FALSE = (False, 0, "no", "false", "not found", "not visible", "not present", "absent")
 _POINT_KEYS = ("point_2d", "point", "points")
 _LABEL_KEYS = ("label", "name", "object", "category", "class", "description")
 _SCORE_KEYS = ("score", "confidence", "probability")
@@ -63,8 +67,8 @@ _CORNER_KEYS = (
     ("x", "y", "x2", "y2"),
 )
 _SIZED_KEYS = ("left", "top", "width", "height")
-_OPPOSITE_KEYS = ("top_left", "bottom_right")
-_OUTLINE_KEYS = ("polygon", "outline", "vertices", "normalizedvertices", "normalized_vertices")
+_OPPOSITE_KEYS = (("topleft", "bottomright"), ("upperleft", "lowerright"), ("min", "max"))
+_OUTLINE_KEYS = ("polygon", "outline", "corners", "vertices", "normalizedvertices")
 _SIZE_KEYS = {"w", "h", "width", "height"}
 _NUMBER = r"[-+]?(?:\d{1,20}(?:\.\d{0,20})?|\.\d{1,20})(?:[eE][-+]?\d{1,4})?"
 _PAIR = rf"\(\s*({_NUMBER})\s*,\s*({_NUMBER})\s*\)"
@@ -87,10 +91,22 @@ _COORDS = re.compile(r"\bcoords\s*=\s*\"([^\"]{0,4000})\"")
 _ALT = re.compile(r"\balt\s*=\s*\"([^\"]{0,200})\"")
 _BINS = re.compile(r"(?P<bins>(?:<loc\d{4}>)+)(?:<seg\d{3}>)*\s*(?P<label>[^<;]{0,80})")
 _THOUSANDTHS = re.compile(r"(?P<label>[^<>]{0,80})(?P<bins>(?:<loc_\d{1,4}>)+)")
-NEGATED = re.compile(r"not?\s", re.IGNORECASE)
-"""How a label begins that tells what is not there."""
+NEGATED = re.compile(
+    r"(?:not?|non)[\s_-]|none$|n/a$|.*\b(?:not (?:visible|present|found|an?)|absent)\b",
+    re.IGNORECASE,
+)
+"""A label that tells what is not there."""
 _OPENING = re.compile(r"[\[{]")
 _FLAT_OBJECT = re.compile(r"\{[^{}]{0,2000}\}")
+_CUT_OBJECT = re.compile(r"\{[^{}\[\]]{0,500}\[[^{}\[\]]{0,500}\]")
+_MENDS = (
+    (re.compile(r",\s*([}\]])"), r"\1"),
+    (re.compile(r"([{,]\s*)([A-Za-z_]\w{0,40})\s*:"), r'\1"\2":'),
+    (re.compile(r"\bTrue\b"), "true"),
+    (re.compile(r"\bFalse\b"), "false"),
+    (re.compile(r"\bNone\b"), "null"),
+)
+"""Commas too many, keys without quotes, and Python's words."""
 
 
 class Rejection(StrEnum):
@@ -278,12 +294,19 @@ def _items(text: str, family: VlmFamily) -> list[_Item]:
     marked = [*_areas(text), *_pointed(text, family), *_located(text)]
     if marked:
         return marked[:_MOST_ITEMS]
+    values = _json_values(text)
+    # Beside an object, or a list that is said to be empty, other lists are part of the prose.
+    telling = [one for one in values if isinstance(one, dict) or not one or _holds_object(one)]
     items: list[_Item] = []
-    for value in _json_values(text):
+    for value in telling or values:
         items += _items_in(value, points=family.points)
         if len(items) >= _MOST_ITEMS:
             break
-    return (items or _loose(text, family))[:_MOST_ITEMS]
+    return (items or ([] if telling else _loose(text, family)))[:_MOST_ITEMS]
+
+
+def _holds_object(value: list[Any]) -> bool:
+    return any(isinstance(one, dict) for one in value)
 
 
 def _areas(text: str) -> Iterator[_Item]:
@@ -374,12 +397,14 @@ def _json_values(text: str) -> list[Any]:
 def _mended(text: str, begin: int) -> tuple[Any, int]:
     """A broken object, read with quotes and commas corrected, and the offset to read on from."""
     match = _FLAT_OBJECT.match(text, begin)
+    if match is None:  # cut behind its numbers
+        match = _CUT_OBJECT.match(text, begin)
     if match is not None:
-        mended = re.sub(r",\s*([}\]])", r"\1", match[0].replace("'", '"'))
-        try:
+        mended = match[0].replace("'", '"') + ("" if match[0].endswith("}") else "}")
+        for pattern, right in _MENDS:
+            mended = pattern.sub(right, mended)
+        with suppress(ValueError, RecursionError):
             return json.loads(mended), match.end()
-        except (ValueError, RecursionError):
-            pass
     return None, begin + 1
 
 
@@ -392,8 +417,14 @@ def _items_in(value: Any, *, points: bool) -> list[_Item]:
         if isinstance(one, dict):
             form = _form_told(one) or form
             is_denied = is_denied or _is_absent(one)
+            above = _unknown(key)
             found = [
-                replace(item, form=item.form or form, is_denied=item.is_denied or is_denied)
+                replace(
+                    item,
+                    form=item.form or form,
+                    is_denied=item.is_denied or is_denied,
+                    key="" if item.label or not item.is_point else above,
+                )
                 for item in _items_of(one)
             ]
             items += found
@@ -404,7 +435,7 @@ def _items_in(value: Any, *, points: bool) -> list[_Item]:
                     if _is_container(child)
                 ]
         elif isinstance(one, list) and _looks_like_numbers(one, least=2 if points else 3):
-            unknown = "" if not key or _AREA_KEY.search(key.lower()) else _one_line(key)
+            unknown = _unknown(key)
             is_point = points and len(one) == 2
             items.append(
                 _Item(one, "", form=form, key=unknown, is_denied=is_denied, is_point=is_point)
@@ -416,16 +447,33 @@ def _items_in(value: Any, *, points: bool) -> list[_Item]:
     return items
 
 
+def _unknown(key: str) -> str:
+    """A key that tells of no area; empty if it does, or there is none."""
+    return "" if not key or _AREA_KEY.search(key.lower()) else _one_line(key)
+
+
 def _form_told(value: dict[Any, Any]) -> str:
     """The order of numbers that an object tells of its boxes; empty if it tells none."""
-    told = next((value[key] for key in _FORM_KEYS if isinstance(value.get(key), str)), "")
-    return _FORMS.get(re.sub(r"[\W_]", "", told[:80].lower()), "")
+    told = (
+        one
+        for key, one in value.items()
+        if isinstance(one, str) and _FORM_KEY.search(str(key).lower())
+    )
+    known = (_FORMS.get(re.sub(r"[\W_]|pixels", "", one[:80].lower())) for one in told)
+    return next((form for form in known if form), "")
 
 
 def _is_absent(value: dict[Any, Any]) -> bool:
     """Whether an object says of a thing that it is not in the image."""
     by_key = {str(key).strip().lower(): one for key, one in value.items()}
-    return any(by_key.get(key) is False for key in _STATE_KEYS)
+    return by_key.get("absent") is True or any(
+        _STATE.search(key) and not isinstance(one, dict | list) and _plain(one) in _FALSE
+        for key, one in by_key.items()
+    )
+
+
+def _plain(value: Any) -> Any:
+    return value.strip().lower() if isinstance(value, str) else value
 
 
 def _items_of(value: dict[Any, Any]) -> list[_Item]:
@@ -439,7 +487,8 @@ def _items_of(value: dict[Any, Any]) -> list[_Item]:
         inner = by_key[key]
         if isinstance(inner, dict):
             return [replace(one, label=label, score=score) for one in _items_of(inner)]
-        return [_Item(inner, label, score, form=form)]
+        is_several = isinstance(inner, list) and inner and all(map(_is_box, inner))
+        return [_Item(one, label, score, form=form) for one in (inner if is_several else [inner])]
     for corners in _CORNER_KEYS:
         if all(key in by_key for key in corners):
             return [_Item([by_key[key] for key in corners], label, score, form="xyxy")]
@@ -474,17 +523,24 @@ def _box_keys(by_key: dict[str, Any]) -> Iterator[tuple[str, str]]:
         if key in by_key:
             yield key, ""
     for key, value in by_key.items():
-        form = _FORMS.get(re.sub(r"b(?:ounding)?_?box|box|[\W_]", "", key))
-        if form is not None:
-            yield key, form
-        elif key.startswith(("bbox", "box_")) and key not in _BOX_KEYS and _is_container(value):
-            yield key, "unknown"
+        if key in _BOX_KEYS or not _is_container(value):
+            continue
+        order = re.sub(r"bounding|b?box(?:es)?|coord(?:inate)?s?|location|[\W_]", "", key)
+        if order in _FORMS:
+            yield key, _FORMS[order]
+        elif re.match(r"b?box(?:es)?(?:_|2d|$)", key):
+            is_order = len(order) > 2 and order != "abs" and _ORDER.fullmatch(order)
+            yield key, "unknown" if is_order else ""
 
 
 def _opposite(by_key: dict[str, Any]) -> list[Any]:
     """Two corners, if an object has both."""
-    corners = [by_key.get(key) for key in _OPPOSITE_KEYS]
-    return corners if all(map(_is_container, corners)) else []
+    plain = {re.sub(r"[\W_]", "", key): one for key, one in by_key.items()}
+    for keys in _OPPOSITE_KEYS:
+        corners = [plain.get(key) for key in keys]
+        if all(map(_is_container, corners)):
+            return corners
+    return []
 
 
 def _enclosing(outline: Any) -> list[float] | None:
@@ -501,6 +557,10 @@ def _enclosing(outline: Any) -> list[float] | None:
     if not all(map(math.isfinite, [*xs, *ys])):
         return None
     return [min(xs), min(ys), max(xs), max(ys)]
+
+
+def _is_box(value: Any) -> bool:
+    return isinstance(value, list) and len(value) == 4
 
 
 def _is_container(value: Any) -> bool:

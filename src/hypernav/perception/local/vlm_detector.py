@@ -226,10 +226,11 @@ def labels_agree(label: str, goal: Goal) -> bool:
     "sofa" agrees with the goal "L-shaped sofa", "corner sofa" with the goal "sofa"; a "window
     curtain" is no "shower curtain". Of a description its name alone counts.
     """
-    if NEGATED.match(label) and not NEGATED.match(goal.text):
-        return False
     wanted = ObjectLabel(asked_place(goal).before)
-    return ObjectLabel(label).satisfies(goal) or wanted.is_named(label)
+    if NEGATED.match(label) and not NEGATED.match(goal.thing):
+        return False
+    name = asked_place(Goal(label)).before
+    return ObjectLabel(name).satisfies(goal) or wanted.is_named(name)
 
 
 def _says_nothing(text: str) -> bool:

@@ -38,6 +38,7 @@ class ArrowExplorer(ABC):
         style: Style of the arrows.
         wants_named_things: Whether the reasoner is told of the things that were seen; see
             `hypernav.core.components.abilities.wants_named_things`.
+        marks_may_overlap: Whether all moves are marked, however near each other they end.
     """
 
     arrow_reasoner: ArrowReasoner
@@ -48,6 +49,7 @@ class ArrowExplorer(ABC):
 
     style: ClassVar[ArrowStyle] = ArrowStyle()
     wants_named_things: ClassVar[bool] = False
+    marks_may_overlap: ClassVar[bool] = True
 
     @abstractmethod
     def _proposed(
@@ -77,7 +79,7 @@ class ArrowExplorer(ABC):
             may_turn, moves = False, list(DEFAULT_MOVES)
         else:
             moves = self._proposed(directions, view, may_turn=may_turn)
-        arrows = sight.marked(moves, directions)
+        arrows = sight.marked(moves, directions, may_overlap=self.marks_may_overlap)
         if not arrows:
             why = "no arrow fits into the image"
             return sight.around(why) if may_turn else sight.step_ahead(why)
@@ -118,6 +120,7 @@ class DynavlmStyleExplorer(ArrowExplorer):
 
     style = ArrowStyle(shafts=False)
     wants_named_things = True
+    marks_may_overlap = False
 
     def _proposed(
         self, directions: FreeDirections, view: ExplorationView, *, may_turn: bool

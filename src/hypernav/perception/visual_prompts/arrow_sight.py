@@ -88,13 +88,19 @@ class ArrowSight:
         fov = self.observation.camera.hfov
         return FreeDirections(self._headings, free_m, is_explored, fov)
 
-    def marked(self, moves: Sequence[Move], directions: FreeDirections) -> tuple[Arrow, ...]:
+    def marked(
+        self, moves: Sequence[Move], directions: FreeDirections, *, may_overlap: bool
+    ) -> tuple[Arrow, ...]:
         """The moves whose ends can be marked in the image, numbered from 1.
 
-        Of moves whose marks would overlap the first is kept (ours).
+        Args:
+            moves: Moves in the order of their numbers.
+            directions: What the image shows of the floor.
+            may_overlap: Whether marks may overlap, as in VLMnav's code; else the first of those
+                that would is kept.
         """
         arrows: list[Arrow] = []
-        apart = 2.0 * self._style.radius_px(self.observation.camera.height)
+        apart = 0.0 if may_overlap else 2.0 * self._style.radius_px(self.observation.camera.height)
         for move in moves:
             pixel = mark_of(
                 self.observation, move.heading, move.length_m, slide=self._config.slide_marks

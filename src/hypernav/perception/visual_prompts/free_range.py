@@ -28,9 +28,11 @@ _BLOCKED_PX = 5
 _CELL_M = 0.05
 """Side of a cell, metres; ours: the original draws 100 pixels a metre."""
 _SIDE_M = 50.0
-_PROBES = 8
+_ALONG_M = np.array([-0.02, -0.01, 0.0, 0.01])
+_PROBES_M = np.array([(x, 0.0) for x in _ALONG_M] + [(0.0, y) for y in _ALONG_M])
+"""Positions at and beside a point, metres: four along each axis (VLMnav's code)."""
 _SEEN_PROBES = 3
-"""Number of the eight positions around a point that must be explored for it to be explored."""
+"""Number of these that must be explored for the point to be explored (VLMnav's code)."""
 _WIDTH_M = 0.6
 """Width of the strip of floor that one image explores, metres (VLMnav's code)."""
 _REACH = 0.8
@@ -115,14 +117,12 @@ class RayMemory:
         return self._is_explored(here + towards * reaches[:, None])
 
     def _is_explored(self, points: Float64[np.ndarray, "n 2"]) -> Bool[np.ndarray, " n"]:
-        around = 2.0 * math.pi * np.arange(_PROBES) / _PROBES
-        ring = _WIDTH_M / 4.0 * np.stack([np.cos(around), np.sin(around)], axis=1)
-        cells = self._cells((points[:, None] + ring).reshape(-1, 2))
+        cells = self._cells((points[:, None] + _PROBES_M).reshape(-1, 2))
         side = len(self._explored)
         inside = ((cells >= 0) & (cells < side)).all(axis=1)
         seen = np.zeros(len(cells), dtype=bool)
         seen[inside] = self._explored[cells[inside, 1], cells[inside, 0]] > 0
-        return seen.reshape(-1, _PROBES).sum(axis=1) >= _SEEN_PROBES
+        return seen.reshape(-1, len(_PROBES_M)).sum(axis=1) >= _SEEN_PROBES
 
     def _cells(self, points: Float64[np.ndarray, "n 2"]):
         assert self._corner is not None

@@ -20,6 +20,13 @@ def test_single_tokens():
     assert answer_probabilities(said, ["3", "7"]) == pytest.approx({"3": 2 / 3, "7": 1 / 3})
 
 
+@pytest.mark.parametrize("written", ["The", "Answer", "Block"])
+def test_what_might_have_begun_a_sentence_tells_nothing_of_its_end(written: str):
+    said = [TokenProbabilities(written, {written: 0.5, "yes": 0.3, "no": 0.01})]
+    rest = [token(word) for word in (" is", " no", ".")]
+    assert answer_probabilities([*said, *rest], ["yes", "no"]) == {}
+
+
 def test_answers_of_two_tokens_are_followed_along_what_was_written():
     said = [
         TokenProbabilities("1", {"1": 0.8, "2": 0.2}),

@@ -182,6 +182,9 @@ def test_what_waiting_cannot_mend_is_said_at_once_in_any_form(body: Any, advice:
         {"message": "Internal error", "code": 500},
         {"error": {"message": "invalid token id 32001"}},
         {"error": "Invalid key in the cache"},
+        {"error": "Model not found on this replica (still loading), try again"},
+        {"error": "GPU memory quota exceeded, temporarily unavailable"},
+        {"error": "The model is overloaded. No credentials cached; try again later"},
     ],
 )
 def test_words_that_only_resemble_those_are_asked_again(body: Any):
@@ -291,6 +294,14 @@ def test_the_key_does_not_show_in_any_layer():
         caught, _ = asked(act, HYPERNAV_API_KEY="secret-9")
         assert "***" in str(caught)
         assert "secret-9" not in str(caught)
+
+
+@pytest.mark.parametrize("key", ["null", "none", "10", "vllm"])
+def test_a_placeholder_for_a_key_changes_no_answer(key: str):
+    said = "none of 10 is null, says vllm"
+    with FaultyServer(lambda talk: talk.say(said)) as server:
+        chat = OpenAiChat(server.url, "m", QUICK, environment={"HYPERNAV_API_KEY": key})
+        assert chat.ask(OPEN).text == said
 
 
 def test_azures_version_is_sent_and_its_own_header():

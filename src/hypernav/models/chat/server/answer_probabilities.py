@@ -87,6 +87,8 @@ def answer_probabilities(
     for index, one in enumerate(tokens):
         if offset + len(one.token) > begin:
             probabilities = dict.fromkeys((label.casefold() for label in labels), 0.0)
+            if not _may_begin(one.token[begin - offset :], list(probabilities)):
+                return {}  # a sentence: its first word's alternatives tell nothing of the answer
             _follow(tokens[index:], one.token[: begin - offset], "", 1.0, probabilities)
             total = sum(probabilities.values())
             if total < _MIN_MASS:
@@ -94,6 +96,12 @@ def answer_probabilities(
             return {label: probabilities[label.casefold()] / total for label in labels}
         offset += len(one.token)
     return {}
+
+
+def _may_begin(token: str, labels: Sequence[str]) -> bool:
+    """Whether a label can begin with a generated token, or the token with a label."""
+    said = token.casefold().strip(_BEFORE)
+    return any(label.startswith(said) for label in labels) or _ended_label(said, labels) is not None
 
 
 def _value_begin(text: str, wrapped: bool) -> int:

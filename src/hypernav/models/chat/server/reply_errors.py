@@ -18,7 +18,7 @@ from hypernav.core.network.bounded_http import Reply
 from hypernav.models.chat.answer_parsing import shortened
 from hypernav.models.chat.server.retry import RetryLaterError
 
-_RETRYABLE_STATUSES = {408, 409, 425, 429}
+_RETRYABLE_STATUSES = {408, 409, 425, 429, 498, 499}
 _REFUSING_STATUSES = {400, 413, 422, 501}
 LONGEST_MESSAGE = 1000
 """Characters of a server's words that are shown: proxies wrap the reason in several layers."""
@@ -35,8 +35,8 @@ _NO_VISION = re.compile(
     re.I,
 )
 _PASSING = re.compile(
-    r"rate.?limit|overloaded|temporar|try again|retry|time[ds]?.?out|unavailable|loading model"
-    r"|busy|capacity|too many requests|internal.server.error|server_error",
+    r"rate.?limit|overloaded|temporar|try again|retry|time[ds]?.?out|unavailable|loading"
+    r"|restarting|busy|capacity|too many requests|internal.server.error|server_error",
     re.I,
 )
 _RATE = re.compile(r"rate.?limit|per.?(?:second|minute|hour)|retry|try again", re.I)
@@ -203,6 +203,8 @@ def _meaning(status: int, body: object, said: str) -> int:
     if status == 429:  # a limit per minute, unless it says more
         return 402 if _USED_UP.search(words) else status
     if 300 <= status < 500 and status not in {400, 422}:
+        return status
+    if status >= 500 and _PASSING.search(said):
         return status
     if _USED_UP.search(words) or (_NO_CREDIT.search(words) and not _RATE.search(words)):
         return 402
