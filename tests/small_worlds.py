@@ -1,5 +1,7 @@
 """Small simulated worlds that episodes run in within seconds."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 
 from box_scenes import room_boxes, scene_of
@@ -19,6 +21,19 @@ def small_config(name: PresetName = "default", **sections) -> HyPerNavConfig:
     for section, values in sections.items():
         config[section] |= values
     return HyPerNavConfig.model_validate(config)
+
+
+@dataclass(frozen=True)
+class InScenes:
+    """A world of a `Job` in scenes that a function makes; it can be pickled if that can."""
+
+    open_scene: Callable[[str], Scene]
+
+    def __call__(self, scene: str, config: HyPerNavConfig) -> SimulatedWorld:
+        """The scene of a name as a world."""
+        opened = self.open_scene(scene)
+        renderer = CpuRenderer(opened, RenderConfig(threads=1))
+        return SimulatedWorld(opened, config.world, config.embodiment, renderer=renderer)
 
 
 def colourless_world(scene: Scene, config: HyPerNavConfig) -> SimulatedWorld:

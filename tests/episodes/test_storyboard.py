@@ -23,7 +23,7 @@ from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from small_episodes import episode_from
-from small_worlds import small_config
+from small_worlds import InScenes, small_config
 
 START = Pose2(1.0, 3.0, 0.0)
 EPISODES = [
@@ -63,7 +63,7 @@ class Unanswered(Unseeing):
 
 def worker(folder, agent=None, *, save: SaveChoice = "failures"):
     make_agent = None if agent is None else lambda: agent
-    job = Job(folder, small_config(), save=save, make_agent=make_agent, open_scene=bedroom)
+    job = Job(folder, small_config(), save=save, make_agent=make_agent, world=InScenes(bedroom))
     return EpisodeWorker(job)
 
 

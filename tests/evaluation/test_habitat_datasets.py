@@ -16,7 +16,7 @@ from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.houses.building import Building
 from hypernav.houses.episodes import episode_cache, split_files
 from hypernav.houses.episodes.splits import load_split
-from small_worlds import small_config
+from small_worlds import InScenes, small_config
 
 SPLIT = "houses-train"
 HOUSES = range(5, 7)
@@ -49,7 +49,7 @@ def file(written, tmp_path):
 
 def records(episodes, tmp_path, count=5):
     """What comes of the first few episodes, without the seconds that they took."""
-    worker = EpisodeWorker(Job(tmp_path, small_config(), open_scene=open_box_house))
+    worker = EpisodeWorker(Job(tmp_path, small_config(), world=InScenes(open_box_house)))
     chosen = [replace(episode, max_steps=40) for episode in episodes[:count]]
     return [worker.run(episode).model_dump(mode="json", exclude={"seconds"}) for episode in chosen]
 

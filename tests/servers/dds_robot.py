@@ -42,7 +42,7 @@ class DdsRobot:
 
     def __init__(self, base: SimulatedBase, network: Ros2Network, lock: str | None) -> None:
         self._base, self._camera = base, base.embodiment.camera
-        self._goal = base.world.goal_truth(Goal("bed"))
+        self._goal = base.world.truth.goal_truth(Goal("bed"))
         self._command, self._commanded_s, self._held_s = STANDSTILL, 0.0, 0.0
         self._has_lock, self._unlocked_s = lock is not None, 0.0
         self.is_frozen = self.is_lost = False
@@ -156,7 +156,7 @@ def main() -> None:
         closing(SimulatedWorld(scene, config.world, embodiment, renderer=renderer)) as world,
         closing(Ros2Network(options.domain)) as network,
     ):
-        base = SimulatedBase(world, renderer)
+        base = SimulatedBase(world, config.world)
         start = Pose2(x, y, math.radians(deg))
         base.place(Episode(options.scene, "", Goal("bed"), start), np.random.default_rng(0))
         robot, ended = DdsRobot(base, network, options.lock), threading.Event()

@@ -137,8 +137,16 @@ class KeepsMapFrame(Protocol):
         ...
 
 
+class HasSurfaces(Protocol):
+    """Whatever knows the surfaces of a scene's instances."""
+
+    def triangles_of(self, ids: Collection[int]) -> Float64[np.ndarray, "n 3 3"]:
+        """The triangles of some instances, scene frame, metres."""
+        ...
+
+
 @runtime_checkable
-class SceneTruth(Protocol):
+class SceneTruth(HasSurfaces, Protocol):
     """The truth about a scene, for measuring and failure analysis only. Scene frame, metres."""
 
     @property
@@ -210,10 +218,6 @@ class SceneTruth(Protocol):
         Raises:
             StartError: The robot can stand nowhere.
         """
-        ...
-
-    def triangles_of(self, ids: Collection[int]) -> Float64[np.ndarray, "n 3 3"]:
-        """The triangles of some instances' surfaces."""
         ...
 
     def view_points_of(self, instance: Instance) -> Float64[np.ndarray, "n 3"]:

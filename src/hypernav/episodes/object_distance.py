@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.world import Instance, Position, SceneTruth
+from hypernav.core.world import HasSurfaces, Instance, Position
 
 BELOW_M = 0.5
 """How far an object may end below the robot's floor and still be on its storey, metres."""
@@ -13,7 +13,7 @@ ABOVE_M = 2.5
 """How far above the robot's floor an object may begin and still be on its storey, metres."""
 
 
-def object_distance(scene: SceneTruth, goals: Sequence[Instance], robot: Position) -> float | None:
+def object_distance(scene: HasSurfaces, goals: Sequence[Instance], robot: Position) -> float | None:
     """Distance in the plane from the robot's middle to the nearest surface of a goal, metres.
 
     It is a straight line, through walls too, and 0 if the robot is below or inside a part of the

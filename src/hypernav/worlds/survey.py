@@ -118,8 +118,7 @@ class SurveyedScene:
 
     def triangles_of(self, ids: Collection[int]) -> Float64[np.ndarray, "n 3 3"]:
         """The triangles of some instances, scene frame, metres."""
-        faces = self.scene.faces[np.isin(self.scene.face_instance, list(ids))]
-        return self.scene.vertices[faces].astype(np.float64)
+        return self.scene.triangles_of(ids)
 
     def enter_storey(self, z: float | None) -> None:
         """Take surface and regions of the storey at a height, computed once.

@@ -19,7 +19,7 @@ from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from small_episodes import episode_from
-from small_worlds import small_config
+from small_worlds import InScenes, small_config
 
 LIVING_ROOM = Pose2(3.0, 2.0, 0.0)
 BED = (7.0, 0.1, 0.0), (8.9, 1.7, 0.5)
@@ -128,7 +128,7 @@ def run(agent, *, scene=flat, goal="bed", start=LIVING_ROOM, config=None, max_st
         Path("unused"),
         config or small_config(),
         make_agent=lambda: agent,
-        open_scene=lambda name: scene(),
+        world=InScenes(lambda name: scene()),
     )
     return EpisodeWorker(job).run(episode_from(start, goal, max_steps=max_steps))
 

@@ -9,7 +9,6 @@ from hypernav.evaluation.refinement.area_record import BoxSource, MaskSource
 from hypernav.evaluation.refinement.episode_study import EpisodeStudy
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from
 from small_worlds import small_config
@@ -43,9 +42,7 @@ def world_of(*things):
     """A room of 6 m by 4 m with these things."""
     config = small_config("paper")
     scene = scene_of(*room_boxes(6.0, 4.0), *things)
-    renderer = CpuRenderer(scene)
-    world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
-    return config, world, renderer
+    return config, SimulatedWorld(scene, config.world, config.embodiment)
 
 
 def study(config, detector=None, segmenter=None):
@@ -59,8 +56,8 @@ def by_kind(records):
 
 @pytest.fixture(scope="module")
 def posts():
-    config, world, renderer = gap_between_two_posts()
-    return by_kind(study(config).run(START, world, renderer))
+    config, world = gap_between_two_posts()
+    return by_kind(study(config).run(START, world))
 
 
 def test_a_raw_box_holds_the_wall_behind_and_a_true_mask_does_not(posts):
@@ -72,11 +69,11 @@ def test_a_raw_box_holds_the_wall_behind_and_a_true_mask_does_not(posts):
 
 
 def test_the_goal_area_of_a_partly_hidden_things_box_lies_off_it_and_that_of_its_mask_does_not():
-    config, world, renderer = world_of(
+    config, world = world_of(
         ("bed", (4.0, 1.0, 0.0), (4.5, 3.0, 0.8)),
         ("cabinet", (2.8, 1.5, 0.0), (3.0, 2.5, 1.2)),
     )
-    records = by_kind(study(config).run(START, world, renderer))
+    records = by_kind(study(config).run(START, world))
     first = {mask: records[BoxSource.TRUE, mask].first_off for mask in MaskSource}
     raw = first[MaskSource.RAW]
     assert raw is not None
@@ -92,16 +89,16 @@ def test_refined_cells_are_nearly_all_on_the_thing(posts):
 
 
 def test_the_same_episode_gives_the_same_records(posts):
-    config, world, renderer = gap_between_two_posts()
-    again = by_kind(study(config).run(START, world, renderer))
+    config, world = gap_between_two_posts()
+    again = by_kind(study(config).run(START, world))
     assert again == posts
 
 
 def test_smaller_masks_see_no_other_cells():
-    config, world, renderer = gap_between_two_posts()
+    config, world = gap_between_two_posts()
     config = config.model_copy(update={"local": config.local.model_copy(update={"erosion_px": 1})})
     parts = study(config)
-    frame = next(parts.frames(START, world, renderer))
+    frame = next(parts.frames(START, world))
     areas = parts.areas(frame, frame.target.box)
     raw, true = areas[MaskSource.RAW], areas[MaskSource.TRUE]
     assert raw is not None
@@ -114,21 +111,21 @@ def test_smaller_masks_see_no_other_cells():
     ("detector", "expected"), [(None, False), (Blind(), False), (Reports(), True)]
 )
 def test_a_detectors_boxes_are_counted_where_it_has_some(detector, expected):
-    config, world, renderer = gap_between_two_posts()
-    records = by_kind(study(config, detector).run(START, world, renderer))
+    config, world = gap_between_two_posts()
+    records = by_kind(study(config, detector).run(START, world))
     assert ((BoxSource.DETECTED, MaskSource.RAW) in records) == expected
 
 
 def test_an_episode_that_never_shows_its_goal_gives_nothing():
-    config, world, renderer = gap_between_two_posts()
+    config, world = gap_between_two_posts()
     away = episode_from(Pose2(1.0, 2.0, np.pi), max_steps=1)
-    assert study(config).run(away, world, renderer) == []
+    assert study(config).run(away, world) == []
 
 
 def test_a_raw_area_is_what_was_seen_and_the_others_are_dilated():
-    config, world, renderer = gap_between_two_posts()
+    config, world = gap_between_two_posts()
     parts = study(config)
-    frame = next(parts.frames(START, world, renderer))
+    frame = next(parts.frames(START, world))
     areas = parts.areas(frame, frame.target.box)
     raw, box = areas[MaskSource.RAW], areas[MaskSource.BOX]
     assert raw is not None

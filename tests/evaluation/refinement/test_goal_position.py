@@ -6,7 +6,6 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.evaluation.refinement.goal_position import GoalPosition, judge_position
 from hypernav.mapping.memory.goal_area import GoalArea
-from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from
 from small_worlds import small_config
@@ -24,21 +23,20 @@ def room():
         (None, (WALL_X, 0.0, 0.0), (WALL_X + 0.1, 4.0, 2.5)),
         ("bed", (2.5, 1.5, 0.0), (3.0, 2.5, 0.5)),
     )
-    renderer = CpuRenderer(scene)
-    world = SimulatedWorld(scene, CONFIG.world, CONFIG.embodiment, renderer=renderer)
-    return world, renderer, world.reset(episode_from(START))
+    world = SimulatedWorld(scene, CONFIG.world, CONFIG.embodiment)
+    return world, world.reset(episode_from(START))
 
 
 def judged(room, points, iterations=3):
     """What becomes of an area around points of the scene."""
-    world, renderer, observation = room
+    world, observation = room
     moved = np.array([(x - START.x, y - START.y, z) for x, y, z in points])
     area = GoalArea.from_points(
         moved, resolution_m=0.05, iterations=iterations, largest_cluster_only=False
     )
     assert area is not None
     goal = world.goal_truth(Goal("bed"))
-    return judge_position(area, observation.robot, world, renderer, goal, CONFIG)
+    return judge_position(area, observation.robot, world, goal, CONFIG)
 
 
 def test_an_area_before_the_goal_gives_a_good_position(room):

@@ -8,7 +8,7 @@ from hypernav.core.episodes.life import Life
 from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.worker import Job
 from hypernav.evaluation.workers.worker_pool import Done
-from small_worlds import small_config
+from small_worlds import InScenes, small_config
 
 
 def doubted(path: str, scene: str):
@@ -20,7 +20,7 @@ def test_a_warning_of_a_worker_is_shown_once_by_its_owner(tmp_path, caplog):
     room = write_room(tmp_path / "room.glb")
     config = small_config()
     episode = load_episodes(f"scene:{room}#1", config.world, config.embodiment)[0]
-    pool = ProcessPool(Job(tmp_path, config, open_scene=partial(doubted, str(room))))
+    pool = ProcessPool(Job(tmp_path, config, world=InScenes(partial(doubted, str(room)))))
     try:
         pool.start(0)
         reports = pool.wait(120.0)

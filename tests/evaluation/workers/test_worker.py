@@ -20,7 +20,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from small_episodes import episode_from
-from small_worlds import small_config, two_rooms
+from small_worlds import InScenes, small_config, two_rooms
 
 START = Pose2(2.5, 1.0, 0.0)
 
@@ -81,7 +81,7 @@ def test_a_fault_of_the_simulator_is_in_no_rate_and_ends_no_worker(tmp_path, err
             raise faults.pop()
         return load_scene(name)
 
-    job = Job(tmp_path, small_config(), make_agent=Stands, open_scene=scene)
+    job = Job(tmp_path, small_config(), make_agent=Stands, world=InScenes(scene))
     episode = replace(episode_from(START), scene_id=str(write_room(tmp_path / "room.glb")))
     with closing(EpisodeWorker(job)) as worker:
         failed = worker.run(episode)

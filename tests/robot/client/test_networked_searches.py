@@ -41,7 +41,7 @@ def simulated_robot():
     renderer = CpuRenderer(scene, RenderConfig(threads=1))
     world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
     with closing(world):
-        base = SimulatedBase(world, renderer)
+        base = SimulatedBase(world, config.world)
         base.place(episode_from(Pose2(2.0, 1.0, 0.0)), np.random.default_rng(0))
         yield base
 

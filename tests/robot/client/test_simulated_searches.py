@@ -43,7 +43,7 @@ class Searched:
 
     @property
     def found(self) -> bool:
-        region = self.base.world.goal_truth(Goal("bed"))
+        region = self.base.world.truth.goal_truth(Goal("bed"))
         is_claimed = self.link.last is not None and self.link.last.ending is SearchEnding.FOUND
         return is_claimed and region.distance(*self.base.position) < 0.1
 
@@ -60,7 +60,7 @@ def search(
     renderer = CpuRenderer(scene, RenderConfig(threads=1))
     world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
     with closing(world):
-        base, rng = SimulatedBase(world, renderer, mishaps), np.random.default_rng(seed)
+        base, rng = SimulatedBase(world, config.world, mishaps), np.random.default_rng(seed)
         base.place(episode_from(START), rng)
         robot = DrivenRobot(base)
         link = AgentLink(config, "bed", hold_first=hold_first)
@@ -94,7 +94,7 @@ def test_a_robot_that_localises_itself_gives_poses_in_the_frame_of_the_building(
     world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
     camera = config.embodiment.camera
     with closing(world):
-        base = SimulatedBase(world, renderer, MishapConfig(localisation_error_m=error_m))
+        base = SimulatedBase(world, config.world, MishapConfig(localisation_error_m=error_m))
         base.place(episode_from(Pose2(2.0, 1.0, 2.0)), np.random.default_rng(0))
         unlocalised = base.sense().observation(camera.intrinsics, camera.camera_to_base)
         assert np.allclose([*unlocalised.robot.xy, unlocalised.robot.yaw], 0.0)

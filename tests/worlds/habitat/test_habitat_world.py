@@ -4,7 +4,6 @@ import ctypes
 import math
 import shutil
 from ctypes.util import find_library
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ from hypernav.build.worlds import open_world
 from hypernav.cli.main import main
 from hypernav.core.errors import MissingExtraError, SceneError
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.world import Renderer
+from hypernav.core.world import Simulator
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.evaluation.world_comparison import compare_worlds
 from hypernav.worlds.habitat.graphics import egl_devices, graphics_device
@@ -44,7 +43,12 @@ def mesh(benchmark_data):
 
 
 def opened(mesh, name, config=CONFIG):
-    return open_world(open_scene(mesh), str(mesh), config, name)
+    return open_world(str(mesh), config, name)
+
+
+def compared(habitat, native, poses, config=CONFIG):
+    rng = np.random.default_rng(0)
+    return list(compare_worlds(habitat.truth, native.truth, config.embodiment, poses, rng))
 
 
 def test_without_habitat_sim_the_error_says_how_to_get_it(mesh):
@@ -80,7 +84,7 @@ def test_both_worlds_compute_a_mesh_for_a_robot_that_the_file_was_not_made_for(m
         update={"embodiment": CONFIG.embodiment.model_copy(update={"body": body})}
     )
     habitat, native = opened(mesh, "habitat", tall), opened(mesh, "native", tall)
-    (comparison,) = compare_worlds(habitat, native, 1, np.random.default_rng(0))
+    (comparison,) = compared(habitat, native, 1, tall)
     assert comparison.step_m == pytest.approx(0.0, abs=1e-6)
     assert comparison.own_path_m == pytest.approx(comparison.path_m)
 
@@ -88,9 +92,9 @@ def test_both_worlds_compute_a_mesh_for_a_robot_that_the_file_was_not_made_for(m
 @pytest.mark.usefixtures("_habitat")
 def test_both_worlds_show_and_walk_the_same(mesh):
     habitat, native = opened(mesh, "habitat"), opened(mesh, "native")
-    assert isinstance(habitat.renderer, Renderer)
-    assert isinstance(habitat.world.walkable, WalkableSurface)
-    for comparison in compare_worlds(habitat, native, 6, np.random.default_rng(0)):
+    assert isinstance(habitat, Simulator)
+    assert isinstance(habitat.truth.walkable, WalkableSurface)
+    for comparison in compared(habitat, native, 6):
         assert comparison.is_same
         assert comparison.color_difference == 0.0
         assert comparison.depth_share == comparison.label_share == 1.0
@@ -137,7 +141,7 @@ def test_episodes_run_on_habitats_observations(benchmark_data, tmp_path):
 @pytest.mark.usefixtures("_habitat")
 def test_a_difference_is_seen(mesh, monkeypatch):
     habitat, native = opened(mesh, "habitat"), opened(mesh, "native")
-    surface = habitat.world.walkable
+    surface = habitat.truth.walkable
     assert isinstance(surface, HabitatSurface)
     original = surface.move
 
@@ -145,7 +149,7 @@ def test_a_difference_is_seen(mesh, monkeypatch):
         return original(position, 0.9 * dx, 0.9 * dy, sliding=sliding)
 
     monkeypatch.setattr(surface, "move", shorter)
-    found = list(compare_worlds(habitat, native, 3, np.random.default_rng(0)))
+    found = compared(habitat, native, 3)
     assert not all(comparison.is_same for comparison in found)
 
 
@@ -175,19 +179,18 @@ def test_the_command_says_where_each_computes_a_mesh(mesh, benchmark_data, capsy
 def test_the_mesh_beside_any_scene_is_walked_on_where_it_is_asked_for(mesh, tmp_path):
     scene_id = str(shutil.copy(mesh, tmp_path / "flat.glb"))
     shutil.copy(mesh.with_suffix(".basis.navmesh"), tmp_path / "flat.navmesh")
-    scene = replace(open_scene(mesh), navmesh=None)
     for choice, surface in (("auto", WalkableGrid), ("file", NavmeshSurface)):
         config = CONFIG.model_copy(
             update={"world": CONFIG.world.model_copy(update={"navmesh": choice})}
         )
-        assert isinstance(open_world(scene, scene_id, config).world.walkable, surface)
+        assert isinstance(open_world(scene_id, config).truth.walkable, surface)
 
 
 def test_the_first_cuda_device_draws_else_the_default(mesh, monkeypatch):
     for devices, chosen in (((None,), -1), ((None, 1, 0), 0), ((2, None), 2)):
         fake_habitat.install(monkeypatch, devices)
         assert graphics_device() == chosen
-        opened(mesh, "habitat").world.close()
+        opened(mesh, "habitat").close()
 
 
 def test_where_nothing_can_draw_the_error_says_what_to_install(mesh, monkeypatch):
@@ -223,7 +226,7 @@ def test_a_library_that_habitat_sim_misses_is_named(tmp_path, monkeypatch):
 @pytest.mark.usefixtures("_habitat")
 def test_what_habitat_cannot_open_is_one_error(mesh, monkeypatch):
     with pytest.raises(SceneError, match="opens files only"):
-        open_world(open_scene(mesh), "builtin", CONFIG, "habitat")
+        open_world("builtin", CONFIG, "habitat")
     drawn = HabitatRenderer(open_scene(mesh), mesh, CONFIG.embodiment)
     other = CONFIG.embodiment.camera.model_copy(update={"width": 80}).intrinsics
     with pytest.raises(SceneError, match="camera is set"):

@@ -186,7 +186,7 @@ class _Truth:
     def of(episode: Episode, scene: SceneTruth, cell_size_m: float) -> "_Truth":
         goal = scene.goal_truth(episode.goal, episode.view_points)
         ids = [instance.id for instance in goal.instances]
-        footprint = Footprint.of_instances(scene, ids, cell_size_m)
+        footprint = Footprint.of_instances(scene, ids, scene.map_to_scene, cell_size_m)
         return _Truth(goal, footprint)
 
 

@@ -8,7 +8,8 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from hypernav.core.geometry.grid import has_cell
-from hypernav.core.world import SceneTruth
+from hypernav.core.geometry.transforms import Transform
+from hypernav.core.world import HasSurfaces
 from hypernav.mapping.memory.goal_area import GoalArea
 
 _SUBCELL_BITS = 8
@@ -30,17 +31,18 @@ class Footprint:
 
     @staticmethod
     def of_instances(
-        scene: SceneTruth, instances: Collection[int], resolution_m: float
+        scene: HasSurfaces, instances: Collection[int], map_to_scene: Transform, resolution_m: float
     ) -> "Footprint":
         """The footprint of some of a scene's instances: their triangles, seen from above.
 
         Args:
-            scene: The scene, with the ``map`` frame of the present episode.
+            scene: The scene.
             instances: Ids of the instances; at least one of them has triangles.
+            map_to_scene: Transform of the present episode.
             resolution_m: Side of a cell, metres.
         """
         corners = scene.triangles_of(instances).reshape(-1, 3)
-        flat = scene.map_to_scene.inverse().apply(corners)[:, :2] / resolution_m
+        flat = map_to_scene.inverse().apply(corners)[:, :2] / resolution_m
         return Footprint.of_triangles(flat.reshape(-1, 3, 2), resolution_m)
 
     @staticmethod

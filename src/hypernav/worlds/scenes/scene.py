@@ -83,6 +83,11 @@ class Scene:
     storeys: tuple[float, ...] = ()
     cache: Path | None = None
 
+    def triangles_of(self, ids: Collection[int]) -> Float64[np.ndarray, "n 3 3"]:
+        """The triangles of some instances, metres."""
+        faces = self.faces[np.isin(self.face_instance, list(ids))]
+        return self.vertices[faces].astype(np.float64)
+
     def of_faces(self, keep: Bool[np.ndarray, "faces"]) -> "Scene":
         """The scene with only some of its triangles; it has no cache.
 

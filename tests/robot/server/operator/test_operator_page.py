@@ -145,7 +145,7 @@ def waiting_robot(port: int, pace: float) -> Iterator[WaitingRobot]:
     renderer = CpuRenderer(scene, RenderConfig(threads=1))
     world = SimulatedWorld(scene, config.world, config.embodiment, renderer=renderer)
     with closing(world):
-        base = SimulatedBase(world, renderer, pace=pace)
+        base = SimulatedBase(world, config.world, pace=pace)
         robot = WaitingRobot(base, ServerAddress("127.0.0.1", port))
         thread = threading.Thread(target=robot.run, daemon=True)
         thread.start()
