@@ -4,8 +4,8 @@ import numpy as np
 
 from hypernav.build.agents import build_agent
 from hypernav.build.built_agent import BuiltAgent
-from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
+from hypernav.build.worlds import in_our_own, open_world
 from hypernav.core.components.door import through_door
 from hypernav.core.components.protocols import Agent
 from hypernav.core.config import MOST_SEED, MOST_STEPS, check_option
@@ -17,7 +17,6 @@ from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.simulation import SimulatedWorld
 
 
 def find(
@@ -82,10 +81,9 @@ def find(
         agent, truth = agent.agent, agent.truth
     agent = through_door(agent, Agent)
     name = scene if isinstance(scene, str) else scene.name
-    scene = load_scene(scene, config.world) if isinstance(scene, str) else scene
-    world = SimulatedWorld(scene, config.world, config.embodiment)
+    world = open_world(scene, config) if isinstance(scene, str) else in_our_own(scene, config)
     rng = np.random.default_rng(seed)
-    start = start or world.random_start(rng, goal)
+    start = start or world.truth.random_start(rng, goal)
     episode = Episode(name, "", goal, start, max_steps=max_steps)
     return EpisodeRun(
         agent, world, episode, rng=rng, told=truth, memory=memory, relocalize=relocalize

@@ -29,7 +29,7 @@ def map_frame_of(
     if not isinstance(world, KeepsMapFrame):
         raise ConfigError(
             f"{type(world).__name__} begins a map frame at every start; a memory needs a world "
-            "with keep_map_frame, such as SimulatedWorld"
+            "with keep_map_frame"
         )
     world.keep_map_frame(folder.place.map_to_scene if found is None else found)
     try:

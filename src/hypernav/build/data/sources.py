@@ -6,7 +6,6 @@ entry point ``hypernav.datasets`` of another package.
 
 import os
 from collections.abc import Callable, Sequence
-from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -34,9 +33,9 @@ from hypernav.datasets.habitat_episodes import episodes_of, read_split
 from hypernav.houses.episodes.splits import SPLITS, load_split, numbers_of
 from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.navmesh.surface import NavmeshSurface
-from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
+from hypernav.worlds.survey import SurveyedScene
 
 STARTS_PER_GOAL = 5
 """Default number of starts per goal of ``scene:`` data sets."""
@@ -95,27 +94,24 @@ def scene_episodes(request: DatasetRequest) -> list[Episode]:
             f"{_MOST_STARTS:,}, or the whole path of a file"
         )
     count = int(starts) if starts else STARTS_PER_GOAL
-    with closing(
-        SimulatedWorld(
-            load_scene(scene, request.simulation), request.simulation, request.embodiment
-        )
-    ) as world:
-        return _goals_and_starts(scene, world, count, request)
+    loaded = load_scene(scene, request.simulation)
+    survey = SurveyedScene(loaded, request.simulation, request.embodiment)
+    return _goals_and_starts(scene, survey, count, request)
 
 
 def _goals_and_starts(
-    scene: str, world: SimulatedWorld, count: int, request: DatasetRequest
+    scene: str, survey: SurveyedScene, count: int, request: DatasetRequest
 ) -> list[Episode]:
     """Every goal of a scene from several drawn starts, on the storeys in turn."""
-    goals = world.regions.categories()
+    goals = survey.goals()
     if not goals:
         raise EpisodeError(f"scene:{scene}: no labelled object in it can be reached")
     episodes = []
-    floors = _floors_of(world.walkable)
+    floors = _floors_of(survey.walkable)
     numbers = {goal: number for number, goal in enumerate(goals)}
     for done, goal in enumerate(goals):
         request.tell(done, len(goals))
-        region = world.regions.of(Goal(goal))
+        region = survey.goal_truth(Goal(goal))
         for number in range(count):
             spec = Episode(scene, f"{goal}-{number}", Goal(goal), Pose2(0.0, 0.0, 0.0))
             rng = np.random.default_rng(spec.seed(0))
