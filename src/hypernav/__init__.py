@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from hypernav.build.built_agent import BuiltAgent
     from hypernav.build.component_specs import ComponentSpecs
     from hypernav.build.data.scenes import load_scene
+    from hypernav.build.env import ObjectNavEnv
     from hypernav.build.memories import open_memory
     from hypernav.build.native import native_config
     from hypernav.build.presets import HyPerNavConfig, preset
@@ -53,7 +54,6 @@ if TYPE_CHECKING:
     from hypernav.core.goal import Goal
     from hypernav.core.observation import Observation
     from hypernav.core.trace import StepTrace
-    from hypernav.episodes.env import ObjectNavEnv
     from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
     from hypernav.evaluation.checks.agents import check_agent
     from hypernav.evaluation.checks.worlds import check_world
@@ -238,7 +238,7 @@ _MODULES = {
     "DrivenRobot": "hypernav.robot.driving.driven_robot",
     "Velocity": "hypernav.robot.motion.velocity",
     "OpenSearch": "hypernav.robot.wire.requests",
-    "ObjectNavEnv": "hypernav.episodes.env",
+    "ObjectNavEnv": "hypernav.build.env",
     "EpisodeResult": "hypernav.episodes.episode_run",
     "EpisodeRun": "hypernav.episodes.episode_run",
     "EpisodeStep": "hypernav.episodes.episode_run",

@@ -5,10 +5,10 @@ from typing import Any
 import pytest
 from pydantic import BaseModel, ValidationError
 
+from hypernav.build.env import ObjectNavConfig
 from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
-from hypernav.episodes.env import ObjectNavConfig
 from hypernav.evaluation.ablation.config_fields import values_by_field
 from hypernav.worlds.drawing.renderer import RenderConfig
 

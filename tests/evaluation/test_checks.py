@@ -9,11 +9,11 @@ import pytest
 import hypernav
 from box_scenes import room_boxes, scene_of
 from hypernav.build.agents import build_search
+from hypernav.build.env import ObjectNavConfig, ObjectNavEnv
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.errors import ContractError
 from hypernav.core.trace import Ending, ExchangeLog, Mode, StepTrace
-from hypernav.episodes.env import ObjectNavConfig, ObjectNavEnv
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.box_room import BoxRoom
 from small_worlds import small_config

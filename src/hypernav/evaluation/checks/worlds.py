@@ -26,7 +26,7 @@ _EXPLORED = 40
 def check_world(env: Any, *, seed: int = 0) -> None:
     """Check a world against the contract of object-goal navigation, and list what breaks it.
 
-    The world is a Gymnasium environment like `hypernav.episodes.env.ObjectNavEnv`: observations
+    The world is a Gymnasium environment like `hypernav.build.env.ObjectNavEnv`: observations
     with ``rgb``, ``depth`` (float32 metres, 0 where there is no return), ``pose`` (x forward, y
     left, yaw counter-clockwise, from the start pose) and ``goal``; Habitat's four actions; STOP
     ends an episode; ``info`` carries the measures. Gymnasium's own checker runs last. That the

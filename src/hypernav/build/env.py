@@ -1,7 +1,7 @@
 """Object-goal navigation as a Gymnasium environment, ``hypernav/ObjectNav-v0``.
 
 Importing this module registers it:
-``gymnasium.make("hypernav.episodes.env:hypernav/ObjectNav-v0")``.
+``gymnasium.make("hypernav.build.env:hypernav/ObjectNav-v0")``.
 """
 
 import math
@@ -16,6 +16,8 @@ from gymnasium import spaces
 from jaxtyping import UInt8
 from pydantic import Field
 
+from hypernav.build.presets import HyPerNavConfig
+from hypernav.build.worlds import in_our_own, open_world
 from hypernav.core.actions import Action
 from hypernav.core.config import MOST_STEPS, RoomConfig
 from hypernav.core.embodiment import Embodiment
@@ -25,12 +27,10 @@ from hypernav.core.errors import GoalError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
+from hypernav.core.world import Simulator
 from hypernav.episodes.trial import Trial
 from hypernav.worlds.config import SimulationConfig
-from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.starts import random_start
 
 ENV_ID = "hypernav/ObjectNav-v0"
 
@@ -82,7 +82,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
 
     def __init__(
         self,
-        scene: Scene | SimulatedWorld | str | Path,
+        scene: Scene | Simulator | str | Path,
         goal: str | None = None,
         *,
         config: ObjectNavConfig | None = None,
@@ -91,7 +91,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         """Open a scene.
 
         Args:
-            scene: A scene, its file, or an existing world, which keeps its own configuration.
+            scene: A scene, its name or file, or an existing world with its own configuration.
             goal: The object to find in every episode; None draws a goal at each reset.
             config: The task of the environment.
             render_mode: "rgb_array" or None.
@@ -103,14 +103,15 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         if render_mode not in (None, "rgb_array"):
             raise WorldError(f"render_mode must be 'rgb_array' or None, got {render_mode!r}")
         self.config: ObjectNavConfig = config or ObjectNavConfig()
-        self._owns_world = not isinstance(scene, SimulatedWorld)
-        if isinstance(scene, SimulatedWorld):
-            self.world: SimulatedWorld = scene
+        self._owns_world = not isinstance(scene, Simulator)
+        robot = {"world": self.config.simulation, "embodiment": self.config.embodiment}
+        config = HyPerNavConfig().model_copy(update=robot)
+        if isinstance(scene, Simulator):
+            self.world: Simulator = scene
+        elif isinstance(scene, Scene):
+            self.world = in_our_own(scene, config)
         else:
-            simulation = self.config.simulation
-            if not isinstance(scene, Scene):
-                scene = open_scene(Path(scene), up=simulation.file_up, scale=simulation.file_scale)
-            self.world = SimulatedWorld(scene, simulation, self.config.embodiment)
+            self.world = open_world(str(scene), config)
         self.render_mode = render_mode
         self._fixed_goal = None if goal is None else _checked_goal(goal)
         camera = self.world.embodiment.camera
@@ -134,7 +135,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         Raises:
             WorldError: Before the first `reset`.
         """
-        return self.world.observation
+        return self.trial.observation
 
     @property
     def trial(self) -> Trial:
@@ -175,16 +176,14 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         if unknown := sorted(set(options) - set(_OPTIONS)):
             raise WorldError(f"unknown reset option {unknown[0]!r}; there are {_OPTIONS}")
         goal = self._choose_goal(options)
-        region = self.world.regions.of(goal)
-        start = self._given_start(options) or random_start(
-            self.world.walkable,
+        start = self._given_start(options) or self.world.truth.random_start(
             self.np_random,
-            region,
+            goal,
             nearest_m=self.config.nearest_start_m,
             farthest_m=self.config.farthest_start_m,
         )
         episode = Episode(
-            scene_id=self.world.scene.name,
+            scene_id=self.world.truth.name,
             episode_id="",
             goal=goal,
             start=start,
@@ -224,10 +223,10 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
             return _checked_goal(options["goal"])
         if self._fixed_goal is not None:
             return self._fixed_goal
-        categories = self.world.regions.categories()
+        categories = self.world.truth.goals()
         if not categories:
             raise GoalError(
-                f"scene '{self.world.scene.name}' has no labelled object that can be reached; "
+                f"scene '{self.world.truth.name}' has no labelled object that can be reached; "
                 "name a goal: options={'goal': ...}"
             )
         return Goal(categories[int(self.np_random.integers(len(categories)))])
@@ -242,7 +241,7 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         return Pose2(float(numbers[0]), float(numbers[1]), float(numbers[2]))
 
     def _observed(self) -> dict[str, Any]:
-        seen = self.world.observation
+        seen = self.observation
         return {
             # Copies: the caller may change what it gets, and STOP shows the last image again.
             "rgb": seen.rgb.copy(),
@@ -266,4 +265,4 @@ def _checked_goal(text: str) -> Goal:
 
 
 if ENV_ID not in gymnasium.registry:
-    gymnasium.register(ENV_ID, entry_point="hypernav.episodes.env:ObjectNavEnv")
+    gymnasium.register(ENV_ID, entry_point="hypernav.build.env:ObjectNavEnv")

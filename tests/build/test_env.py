@@ -7,11 +7,11 @@ from gymnasium.utils.env_checker import check_env
 
 from box_scenes import room_boxes, scene_of
 from certainty import certain
+from hypernav.build.env import ENV_ID, ObjectNavConfig, ObjectNavEnv
 from hypernav.core.actions import Action
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.errors import GoalError, SceneError, StartError, WorldError
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.episodes.env import ENV_ID, ObjectNavConfig, ObjectNavEnv
 from hypernav.worlds.config import NoiseConfig, SimulationConfig
 from hypernav.worlds.simulation import SimulatedWorld
 
@@ -41,7 +41,7 @@ def test_gymnasiums_own_checker_accepts_it(noise):
 
 def test_gymnasium_finds_it_by_module_and_name():
     config = ObjectNavConfig(embodiment=Embodiment(camera=CameraConfig(width=32, height=24)))
-    env = gymnasium.make(f"hypernav.episodes.env:{ENV_ID}", scene=SCENE, config=config)
+    env = gymnasium.make(f"hypernav.build.env:{ENV_ID}", scene=SCENE, config=config)
     assert isinstance(env.unwrapped, ObjectNavEnv)
 
 
