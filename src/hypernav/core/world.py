@@ -291,14 +291,15 @@ class World(Protocol):
 
 @runtime_checkable
 class Simulator(World, Protocol):
-    """A world of which everything is known.
+    """A world of which everything is known."""
 
-    Attributes:
-        colours: Whether observations have colours. Without, their images are black, which is
-            faster where nobody looks at them.
-    """
+    @property
+    def colours(self) -> bool:
+        """Whether observations have colours. May be set: black images are drawn faster."""
+        ...
 
-    colours: bool
+    @colours.setter
+    def colours(self, wanted: bool) -> None: ...
 
     @property
     def truth(self) -> SceneTruth:
