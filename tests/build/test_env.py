@@ -113,7 +113,7 @@ def test_options_override_the_constructor():
     observation, _ = env.reset(options={"goal": "couch", "start": Pose2(2.0, 1.0, 1.0)})
     assert observation["goal"] == "couch"
     assert env.goal.text == "couch"
-    assert env.world.pose == Pose2(2.0, 1.0, 1.0)
+    assert env.world.truth.pose == Pose2(2.0, 1.0, 1.0)
     assert env.reset()[0]["goal"] == "bed"
 
 

@@ -105,13 +105,13 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         self.config: ObjectNavConfig = config or ObjectNavConfig()
         self._owns_world = not isinstance(scene, Simulator)
         robot = {"world": self.config.simulation, "embodiment": self.config.embodiment}
-        config = HyPerNavConfig().model_copy(update=robot)
+        simulated = HyPerNavConfig().model_copy(update=robot)
         if isinstance(scene, Simulator):
             self.world: Simulator = scene
         elif isinstance(scene, Scene):
-            self.world = in_our_own(scene, config)
+            self.world = in_our_own(scene, simulated)
         else:
-            self.world = open_world(str(scene), config)
+            self.world = open_world(str(scene), simulated)
         self.render_mode = render_mode
         self._fixed_goal = None if goal is None else _checked_goal(goal)
         camera = self.world.embodiment.camera

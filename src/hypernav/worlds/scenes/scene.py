@@ -3,12 +3,13 @@
 The scene frame is z up, metres. A glTF file (y up) becomes ``(x, -z, y)``.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Bool, Float32, Int32, UInt8
+from jaxtyping import Bool, Float32, Float64, Int32, UInt8
 
 from hypernav.core.world import Instance
 
