@@ -103,7 +103,12 @@ class AskedPlace:
 @lru_cache(maxsize=4096)
 def asked_place(goal: Goal) -> AskedPlace:
     """Read "WHAT [beside the THING] [in the ROOM]", or the first sentence of a description."""
-    text, room, beside = first_sentence(without_lead_in(normalise(goal.text))), "", ""
+    return place_in(goal.text)
+
+
+def place_in(text: str) -> AskedPlace:
+    """The same of any text, whatever a model wrote."""
+    text, room, beside = first_sentence(without_lead_in(normalise(text))), "", ""
     before = noun_phrase(text)
     if (match := _IN_ROOM.search(text)) is not None:
         text, room = text[: match.start()], noun_phrase(match[1])

@@ -34,6 +34,7 @@ _DENIAL = re.compile(
     r"|false|wrong)(?![a-z])|n['’]t\b",
     re.IGNORECASE,
 )
+_COUNTED = re.compile(r"(?:m|cm|met(?:er|re)s?|blocks|steps|times|%)(?!\w)")
 _BULLET = re.compile(r"^(?:[-*•]\s+|[^\w\s\"'`({\[<-]\s+)+")
 _CAPITAL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _FIRST_SENTENCE = re.compile(r"[^\W\d_][^.!:\n\[{]*")
@@ -136,7 +137,8 @@ def _parse_allowed(answer: Answer, said: str, allowed: tuple[str, ...]) -> Answe
     rest = " ".join(words[1:])
     # "Yes, but it is not a bed" and "Block 3 is excluded" take back what they say.
     is_taken_back = words[:1] != ["no"] and denies(rest)
-    if _NO_IDIOM.match(" ".join(words)) or is_taken_back:
+    is_count = bool(words) and words[0].isdigit() and _COUNTED.match(rest)
+    if _NO_IDIOM.match(" ".join(words)) or is_taken_back or is_count:
         mentioned.clear()
     if words and words[0] in by_key and len(mentioned) == 1:
         return replace(answer, value=by_key[words[0]])

@@ -43,7 +43,7 @@ SEVERAL_ANSWERS = "the reply holds several different answers"
 
 _NAMED = (
     r"think(?:ing)?|thoughts?|reasoning|analysis|reflection|rationale|scratchpad|cot|seed:think"
-    r"|mm:think|redacted_reasoning|[a-z]{1,16}_think(?:ing)?"
+    r"|plan(?:ning)?|thought_process|mm:think|redacted_reasoning|[a-z]{1,16}_think(?:ing)?"
 )
 _THINK = re.compile(rf"<(?:{_NAMED}|think:[\w-]{{1,32}})(?:\s[^<>]{{0,80}})?>", re.IGNORECASE)
 _THINK_END = re.compile(rf"</(?:{_NAMED}|think:[\w-]{{1,32}})\s*(?:>|\Z)", re.IGNORECASE)

@@ -12,7 +12,7 @@ from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel, asked_place, label_for
+from hypernav.core.labels import ObjectLabel, asked_place, label_for, place_in
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.unwrapping import final_answer
@@ -229,7 +229,7 @@ def labels_agree(label: str, goal: Goal) -> bool:
     wanted = ObjectLabel(asked_place(goal).before)
     if NEGATED.match(label) and not NEGATED.match(goal.thing):
         return False
-    name = asked_place(Goal(label)).before
+    name = place_in(label).before
     return ObjectLabel(name).satisfies(goal) or wanted.is_named(name)
 
 

@@ -215,6 +215,24 @@ def test_a_talker_that_does_not_think_is_asked_at_length_only_once():
     assert asked == [300, 1324, 300]
 
 
+def test_a_model_that_only_repeats_itself_does_not_think():
+    bodies = list[dict[str, Any]]()
+
+    def babble(talk: Talk) -> None:
+        bodies.append(talk.body)
+        choice = {"message": {"content": "S 4 O " * talk.body["max_tokens"]}}
+        talk.reply({"choices": [{**choice, "finish_reason": "length"}]})
+
+    with FaultyServer(babble) as server:
+        chat = asking(babble, server)
+        assert chat.ask(SEEN).fault is Fault.UNPARSABLE
+        asked = len(bodies)
+        assert chat.ask(SEEN).fault is Fault.UNPARSABLE
+    assert not chat.thinking.is_seen
+    assert chat.thinking.room == 0
+    assert [body["max_tokens"] <= 8 + 1024 for body in bodies] == [True] * (asked + 1)
+
+
 def test_what_is_cut_at_any_length_is_no_answer():
     """A template that opens the thoughts, and thoughts that are longer than every probe."""
 

@@ -57,6 +57,7 @@ from hypernav.models.chat.server.thinking import (
     PROBES,
     Thinking,
     Written,
+    babbles,
     read_written,
     switches,
 )
@@ -261,7 +262,7 @@ class OpenAiChat:
             if written is not None and written.has_closed_only:
                 self._learn(replace(known, room=room, is_seen=True, is_prefilled=True))
                 return True
-            if written is None or not written.is_cut:
+            if written is None or not written.is_cut or babbles(written.text):
                 return False
         # No answer to these questions is as long as that.
         self._learn(replace(known, room=PROBES[-1], is_seen=True, is_prefilled=True))

@@ -22,6 +22,7 @@ that was cut looks like any other; so the first one that was cut is asked for on
 """
 
 import re
+import zlib
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -43,6 +44,8 @@ ENDLESS = (
 # The last three are Anthropic's, Mistral's and those of OpenAI's newer interface.
 _CUT = {"length", "max_tokens", "model_length", "max_output_tokens"}
 _MOST_KEPT = 2000
+_LEAST_NEWS = 0.15
+"""Share of its size to which a text that says something can't be compressed; prose has 0.4."""
 _EMPTY = re.compile(r"<think(?:ing)?>\s*</think(?:ing)?>")
 _MARKS = re.compile(r"[<>\[\]{}|\\◁▷]")
 
@@ -129,6 +132,12 @@ def read_written(choice: dict[str, Any], usage: object, *, is_prefilled: bool) -
         is_cut=is_cut,
         is_thought_only=is_empty and (has_thoughts or is_cut),
     )
+
+
+def babbles(text: str) -> bool:
+    """Whether a long text only repeats itself, as models do that have lost the thread."""
+    written = text.encode()
+    return len(zlib.compress(written)) < _LEAST_NEWS * len(written)
 
 
 def _with_short_thoughts(content: str) -> str:
