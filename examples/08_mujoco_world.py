@@ -2,7 +2,7 @@
 
 A world needs two things from a simulator: its shapes, from which hypernav computes where a robot
 fits and where a goal counts as reached, and its pictures (colours, depth, and which object each
-pixel shows). Everything else, from `hypernav find` to the tables of `hypernav eval`, stays as it is.
+pixel shows). All else, from `hypernav find` to the tables of `hypernav eval`, stays as it is.
 
 Run: pip install mujoco; python examples/08_mujoco_world.py
 
