@@ -2,11 +2,9 @@
 
 import numpy as np
 
-from hypernav.houses.modelling.mesh import Finish, Mesh, Vector, join
-from hypernav.houses.modelling.model import ModelBuilder
+from hypernav.houses.modelling.curves import cylinder, rod
+from hypernav.houses.modelling.model import Finish, Mesh, ModelBuilder, Vector, join
 from hypernav.houses.modelling.solids import box
-from hypernav.houses.modelling.surfaces import cylinder
-from hypernav.houses.modelling.tubes import rod
 
 
 def four_legs(

@@ -1,13 +1,19 @@
 """Models of door leaves, the front door, windows and the balcony's railing."""
 
 from hypernav.houses.assembly import PlacedModel
-from hypernav.houses.materials import BLACK_METAL, GLASS, STEEL, image_finish, lacquer, wood
-from hypernav.houses.modelling.mesh import Finish, Mesh
-from hypernav.houses.modelling.model import Model, ModelBuilder
+from hypernav.houses.modelling.curves import rod
+from hypernav.houses.modelling.materials import (
+    BLACK_METAL,
+    GLASS,
+    STEEL,
+    image_finish,
+    lacquer,
+    wood,
+)
+from hypernav.houses.modelling.model import Finish, Mesh, Model, ModelBuilder
 from hypernav.houses.modelling.solids import box, panel
-from hypernav.houses.modelling.tubes import rod
-from hypernav.houses.plan.doors import LEAF_M, leaf_rect
-from hypernav.houses.plan.shapes import WALL_M, FloorPlan, Opening, Room
+from hypernav.houses.plan.floor_plan import WALL_M, FloorPlan, Opening, Room
+from hypernav.houses.plan.openings import LEAF_M, leaf_rect
 from hypernav.houses.random_stream import RandomStream
 from hypernav.houses.shell.room_surfaces import bar, structural_model, wall_planes
 

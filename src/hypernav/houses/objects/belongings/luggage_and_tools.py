@@ -1,6 +1,7 @@
 """Models of luggage, umbrellas, tools and other belongings."""
 
-from hypernav.houses.materials import (
+from hypernav.houses.modelling.curves import ball, cylinder, lathe, rod, tube
+from hypernav.houses.modelling.materials import (
     BLACK_METAL,
     HUES,
     RUBBER,
@@ -13,12 +14,9 @@ from hypernav.houses.materials import (
     plastic,
     wood,
 )
-from hypernav.houses.modelling.mesh import Finish
-from hypernav.houses.modelling.model import Model, ModelBuilder
+from hypernav.houses.modelling.model import Finish, Model, ModelBuilder
 from hypernav.houses.modelling.solids import box, cushion, panel
-from hypernav.houses.modelling.surfaces import ball, cylinder, lathe
-from hypernav.houses.modelling.tubes import rod, tube
-from hypernav.houses.objects.furniture.shelves import shoe_parts
+from hypernav.houses.objects.furniture.storage import shoe_parts
 from hypernav.houses.random_stream import RandomStream
 
 

@@ -2,7 +2,8 @@
 
 import math
 
-from hypernav.houses.materials import (
+from hypernav.houses.modelling.curves import ball, cylinder, rod, tube
+from hypernav.houses.modelling.materials import (
     BLACK_METAL,
     CHROME,
     HUES,
@@ -12,11 +13,8 @@ from hypernav.houses.materials import (
     image_finish,
     plastic,
 )
-from hypernav.houses.modelling.mesh import Finish
-from hypernav.houses.modelling.model import Model, ModelBuilder
+from hypernav.houses.modelling.model import Finish, Model, ModelBuilder
 from hypernav.houses.modelling.solids import box, cushion, panel
-from hypernav.houses.modelling.surfaces import ball, cylinder
-from hypernav.houses.modelling.tubes import rod, tube
 from hypernav.houses.random_stream import RandomStream
 
 

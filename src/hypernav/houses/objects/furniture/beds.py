@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from hypernav.houses.materials import (
+from hypernav.houses.modelling.curves import rod, sheet
+from hypernav.houses.modelling.joinery import four_legs
+from hypernav.houses.modelling.materials import (
     BLACK_METAL,
     BRASS,
     WHITE_METAL,
@@ -11,13 +13,9 @@ from hypernav.houses.materials import (
     lacquer,
     leather,
 )
-from hypernav.houses.modelling.joinery import four_legs
-from hypernav.houses.modelling.mesh import Finish, Mesh
-from hypernav.houses.modelling.model import Model, ModelBuilder
+from hypernav.houses.modelling.model import Finish, Mesh, Model, ModelBuilder
 from hypernav.houses.modelling.solids import box, cushion
-from hypernav.houses.modelling.surfaces import sheet
-from hypernav.houses.modelling.tubes import rod
-from hypernav.houses.objects.furniture.sofas import throw_pillow
+from hypernav.houses.objects.furniture.seating import throw_pillow
 from hypernav.houses.random_stream import RandomStream
 
 LONG_M = 2.0
