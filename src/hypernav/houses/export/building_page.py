@@ -17,7 +17,7 @@ from hypernav.houses.export.walk import walk_data, walk_graph
 from hypernav.houses.generator import build_compact, storeys_of
 from hypernav.houses.plan.floor_plan import OUTER_M, WALL_M, FloorPlan, Opening, Rect
 from hypernav.houses.plan.openings import leaf_rect
-from hypernav.show.pages.templating import image_uri, page_environment
+from hypernav.show.templating import image_uri, page_environment
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.surface.walkable import WalkableGrid
 

@@ -13,18 +13,20 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import BlockRecord
 from hypernav.show.climbs import StairsMark
 from hypernav.show.drawing import palette, shapes
-from hypernav.show.drawing.hidden_weight import HiddenWeight
-from hypernav.show.drawing.label_placement import Label, free_labels, moved_by_rows, placed_labels
-from hypernav.show.drawing.map_raster import CellColors, rasterize_map
-from hypernav.show.drawing.map_view import MapView
-from hypernav.show.drawing.number_placement import (
+from hypernav.show.drawing.label_placement import (
     Disc,
+    HiddenWeight,
+    Label,
     Square,
     clear_position,
+    free_labels,
+    moved_by_rows,
     number_position,
     number_size,
+    placed_labels,
 )
-from hypernav.show.drawing.robot_arrow import draw_arrow
+from hypernav.show.drawing.map_view import CellColors, MapView, rasterize_map
+from hypernav.show.drawing.shapes import draw_robot
 from hypernav.show.drawing.text import draw_text, text_width
 
 _SHADES_OF_TIME = 24
@@ -278,7 +280,7 @@ class MapPainter:
     def robot(self, pose: Pose2) -> None:
         """Draw the robot as an arrow that points where it looks."""
         disc = self._arrow_disc(pose)
-        draw_arrow(self.image, (disc.u, disc.v), pose.yaw, disc.radius)
+        draw_robot(self.image, (disc.u, disc.v), pose.yaw, disc.radius)
 
     def title(self, words: str) -> None:
         """Write words into the upper left corner."""

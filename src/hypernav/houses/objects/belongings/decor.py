@@ -40,7 +40,6 @@ from hypernav.houses.random_stream import RandomStream
 
 def books(rng: RandomStream, palette: Palette) -> Model:
     """A stack of books."""
-    del palette
     builder = ModelBuilder()
     z = 0.0
     for _ in range(rng.integer(2, 4)):
@@ -65,7 +64,6 @@ def books(rng: RandomStream, palette: Palette) -> Model:
 
 def magazine(rng: RandomStream, palette: Palette) -> Model:
     """An open or closed magazine."""
-    del palette
     builder = ModelBuilder()
     builder.add(plastic("white"), box(0.22, 0.29, 0.006))
     builder.add(
@@ -97,7 +95,6 @@ def photo_frame(rng: RandomStream, palette: Palette) -> Model:
     for part in inner.parts:
         builder.add(part.finish, part.mesh.turned(12, "x").moved(0, 0.02, 0.001))
     builder.add(frame, rod((0, -0.015, 0.13), (0, -0.07, 0.0), 0.006, sides=5))
-    del palette
     return builder.model("photo frame", "picture frame", main=frame)
 
 
@@ -123,7 +120,6 @@ def globe(rng: RandomStream, palette: Palette) -> Model:
         cylinder(0.08, 0.02, sides=20),
         rod((0, 0, 0.02), (0, 0, 0.08), 0.01),
     )
-    del palette
     return builder.model("globe", main=metal)
 
 
@@ -140,7 +136,6 @@ def clock(rng: RandomStream, palette: Palette) -> Model:
 
 def remote(rng: RandomStream, palette: Palette) -> Model:
     """A remote control."""
-    del palette, rng
     builder = ModelBuilder()
     builder.add(plastic("black"), box(0.045, 0.17, 0.018, bevel=0.005))
     builder.add(
@@ -175,20 +170,17 @@ def pen_cup(rng: RandomStream, palette: Palette) -> Model:
 
 def rug(rng: RandomStream, palette: Palette) -> Model:
     """A carpet with a pattern, about 2.3 m × 1.6 m."""
-    del palette
     wide, deep = rng.uniform(1.9, 2.6, 0.1), rng.uniform(1.3, 1.7, 0.1)
     return _rug(wide, deep, rng.integer(0, 11))
 
 
 def small_rug(rng: RandomStream, palette: Palette) -> Model:
     """A carpet for beside the bed or the hall."""
-    del palette
     return _rug(rng.uniform(0.9, 1.2, 0.1), rng.uniform(0.55, 0.7, 0.05), rng.integer(0, 11))
 
 
 def runner(rng: RandomStream, palette: Palette) -> Model:
     """A long narrow carpet."""
-    del palette
     return _rug(rng.uniform(1.8, 2.4, 0.1), 0.65, rng.integer(0, 11))
 
 
@@ -211,7 +203,6 @@ def bath_mat(rng: RandomStream, palette: Palette) -> Model:
 
 def doormat(rng: RandomStream, palette: Palette) -> Model:
     """A coarse mat at the front door."""
-    del palette
     builder = ModelBuilder()
     cloth = Finish("pile", rng.choice(((0.45, 0.33, 0.2), (0.3, 0.3, 0.3))), 0.3, "brown", "fibre")
     builder.add(cloth, box(0.7, 0.42, 0.009))
@@ -431,7 +422,6 @@ def towel_rack(rng: RandomStream, palette: Palette) -> Model:
 
 def radiator(rng: RandomStream, palette: Palette) -> Model:
     """A ribbed heater under a window."""
-    del palette
     builder = ModelBuilder()
     wide = rng.choice((0.7, 0.9, 1.1))
     count = round(wide / 0.09)
@@ -464,7 +454,6 @@ def wall_hooks(rng: RandomStream, palette: Palette) -> Model:
 
 def toilet_paper(rng: RandomStream, palette: Palette) -> Model:
     """A roll on its holder."""
-    del rng, palette
     builder = ModelBuilder()
     builder.add(
         CHROME,

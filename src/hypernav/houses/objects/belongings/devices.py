@@ -40,7 +40,6 @@ def _programme(rng: RandomStream) -> str:
 
 def tv(rng: RandomStream, palette: Palette) -> Model:
     """A flat television on feet."""
-    del palette
     builder = ModelBuilder()
     wide = rng.choice((0.97, 1.1, 1.1, 1.23, 1.3))
     high = wide * 0.58
@@ -62,7 +61,6 @@ def tv(rng: RandomStream, palette: Palette) -> Model:
 
 def wall_tv(rng: RandomStream, palette: Palette) -> Model:
     """A flat television on a wall mount; its back is the wall."""
-    del palette
     builder = ModelBuilder()
     wide = rng.choice((1.1, 1.23, 1.36, 1.45))
     high = wide * 0.575
@@ -73,7 +71,6 @@ def wall_tv(rng: RandomStream, palette: Palette) -> Model:
 
 def monitor(rng: RandomStream, palette: Palette) -> Model:
     """A computer monitor on its foot."""
-    del palette
     builder = ModelBuilder()
     wide = rng.choice((0.5, 0.56, 0.62))
     _screen(
@@ -95,7 +92,6 @@ def monitor(rng: RandomStream, palette: Palette) -> Model:
 
 def laptop(rng: RandomStream, palette: Palette) -> Model:
     """An open laptop; its user sits in front (+y)."""
-    del palette
     builder = ModelBuilder()
     body = STEEL if rng.chance(0.6) else plastic("dark gray")
     builder.add(body, box(0.34, 0.235, 0.016, at=(0, 0, 0), bevel=0.004))
@@ -111,7 +107,6 @@ def laptop(rng: RandomStream, palette: Palette) -> Model:
 
 def keyboard(rng: RandomStream, palette: Palette) -> Model:
     """A computer keyboard."""
-    del palette
     builder = ModelBuilder()
     body = plastic("black") if rng.chance(0.6) else plastic("white")
     builder.add(body, box(0.44, 0.145, 0.02, bevel=0.005))
@@ -315,7 +310,6 @@ _GRILLE = Finish("fabric", (0.14, 0.14, 0.15), 0.2, "black", "fabric")
 
 def fan(rng: RandomStream, palette: Palette) -> Model:
     """A standing fan."""
-    del palette
     builder = ModelBuilder()
     body = plastic(rng.choice(("white", "black")))
     z = rng.uniform(1.0, 1.15)
@@ -353,7 +347,6 @@ def speaker(rng: RandomStream, palette: Palette) -> Model:
 
 def speaker_small(rng: RandomStream, palette: Palette) -> Model:
     """A loudspeaker for a shelf."""
-    del palette
     return _speaker(plastic(rng.choice(("black", "white"))), 0.15, 0.17, 0.24)
 
 
@@ -369,7 +362,6 @@ def _speaker(body: Finish, wide: float, deep: float, high: float) -> Model:
 
 def game_console(rng: RandomStream, palette: Palette) -> Model:
     """A game console: a flat black or white box."""
-    del palette
     builder = ModelBuilder()
     body = plastic(rng.choice(("black", "white")))
     builder.add(body, box(0.3, 0.22, 0.06, bevel=0.01))
@@ -379,7 +371,6 @@ def game_console(rng: RandomStream, palette: Palette) -> Model:
 
 def phone(rng: RandomStream, palette: Palette) -> Model:
     """A smartphone, lying."""
-    del palette
     builder = ModelBuilder()
     body = plastic(rng.choice(("black", "white", "blue")))
     builder.add(body, box(0.075, 0.155, 0.009, bevel=0.004))
@@ -389,7 +380,6 @@ def phone(rng: RandomStream, palette: Palette) -> Model:
 
 def printer(rng: RandomStream, palette: Palette) -> Model:
     """A desk printer with paper."""
-    del palette
     builder = ModelBuilder()
     body = plastic(rng.choice(("white", "light gray", "dark gray")))
     builder.add(
@@ -434,7 +424,6 @@ def vacuum_cleaner(rng: RandomStream, palette: Palette) -> Model:
 
 def air_purifier(rng: RandomStream, palette: Palette) -> Model:
     """A white tower with slots."""
-    del palette
     builder = ModelBuilder()
     body = plastic(rng.choice(("white", "light gray")))
     builder.add(body, cushion(0.3, 0.22, 0.55, radius=0.05))

@@ -121,7 +121,6 @@ def toothbrush_cup(rng: RandomStream, palette: Palette) -> Model:
 
 def detergent(rng: RandomStream, palette: Palette) -> Model:
     """A bottle of washing liquid."""
-    del palette
     builder = ModelBuilder()
     body = plastic(rng.choice(("blue", "orange", "white", "green", "purple")))
     builder.add(body, cushion(0.17, 0.09, 0.24, radius=0.03))
@@ -132,7 +131,6 @@ def detergent(rng: RandomStream, palette: Palette) -> Model:
 
 def toilet_brush(rng: RandomStream, palette: Palette) -> Model:
     """A brush in its holder."""
-    del palette
     builder = ModelBuilder()
     body = rng.choice((CERAMIC, STEEL, plastic("white")))
     builder.add(body, lathe([(0, 0), (0.05, 0), (0.055, 0.14), (0.04, 0.15)], sides=18))
@@ -146,7 +144,6 @@ def toilet_brush(rng: RandomStream, palette: Palette) -> Model:
 
 def scale(rng: RandomStream, palette: Palette) -> Model:
     """Bathroom scales."""
-    del palette
     builder = ModelBuilder()
     body = rng.choice((GLASS, plastic("black"), plastic("white")))
     builder.add(body, cushion(0.3, 0.3, 0.035, radius=0.014))
@@ -195,7 +192,6 @@ def broom(rng: RandomStream, palette: Palette) -> Model:
 
 def washing_machine(rng: RandomStream, palette: Palette) -> Model:
     """A front loader with a glass door."""
-    del palette
     body = rng.weighted(((WHITE_METAL, 4.0), (STEEL, 1.0)))
     return _front_loader(
         body,
@@ -207,7 +203,6 @@ def washing_machine(rng: RandomStream, palette: Palette) -> Model:
 
 def clothes_dryer(rng: RandomStream, palette: Palette) -> Model:
     """A tumble dryer with a solid door."""
-    del palette
     body = rng.weighted(((WHITE_METAL, 4.0), (STEEL, 1.0)))
     return _front_loader(
         body,

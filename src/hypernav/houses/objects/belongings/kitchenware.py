@@ -127,7 +127,6 @@ def plate(rng: RandomStream, palette: Palette) -> Model:
 
 def bottle(rng: RandomStream, palette: Palette) -> Model:
     """A bottle of wine or water."""
-    del palette
     builder = ModelBuilder()
     glass = Finish(
         "",
@@ -171,7 +170,6 @@ def pot(rng: RandomStream, palette: Palette) -> Model:
 
 def knife_block(rng: RandomStream, palette: Palette) -> Model:
     """Knives in a wooden block."""
-    del rng
     builder = ModelBuilder()
     body = wood(palette.wood)
     builder.add(body, box(0.1, 0.14, 0.2, bevel=0.008))
@@ -185,7 +183,6 @@ def knife_block(rng: RandomStream, palette: Palette) -> Model:
 
 def paper_towels(rng: RandomStream, palette: Palette) -> Model:
     """A roll of kitchen paper on its stand."""
-    del rng, palette
     builder = ModelBuilder()
     builder.add(
         CHROME, cylinder(0.075, 0.012, sides=24), rod((0, 0, 0.01), (0, 0, 0.3), 0.006, sides=6)
@@ -212,7 +209,6 @@ def cutting_board(rng: RandomStream, palette: Palette) -> Model:
 
 def microwave(rng: RandomStream, palette: Palette) -> Model:
     """A microwave oven for the worktop."""
-    del palette
     builder = ModelBuilder()
     body = rng.choice((STEEL, WHITE_METAL, BLACK_METAL))
     builder.add(body, box(0.49, 0.36, 0.28, bevel=0.008))
@@ -271,7 +267,6 @@ def kettle(rng: RandomStream, palette: Palette) -> Model:
 
 def coffee_machine(rng: RandomStream, palette: Palette) -> Model:
     """A filter coffee maker with its jug."""
-    del palette
     builder = ModelBuilder()
     body = rng.choice((plastic("black"), STEEL, plastic("red")))
     builder.add(
@@ -295,7 +290,6 @@ def coffee_machine(rng: RandomStream, palette: Palette) -> Model:
 
 def blender(rng: RandomStream, palette: Palette) -> Model:
     """A jug blender."""
-    del palette
     builder = ModelBuilder()
     body = rng.choice((plastic("black"), plastic("red"), STEEL))
     builder.add(body, lathe([(0, 0), (0.085, 0), (0.07, 0.12), (0.055, 0.14), (0, 0.14)], sides=20))

@@ -63,7 +63,6 @@ def piano(rng: RandomStream, palette: Palette) -> Model:
     builder.add(body, box(0.6, 0.015, 0.24, at=(0, 0.025, 0.82)).turned(0))
     builder.add(image_finish("label 0"), panel(0.3, 0.2, at=(0, 0.035, 0.84)))
     builder.add(BRASS, *[box(0.05, 0.1, 0.02, at=((k - 1) * 0.12, 0.1, 0.03)) for k in range(3)])
-    del palette
     return builder.model(
         "piano",
         "upright piano",
@@ -112,7 +111,6 @@ def guitar(rng: RandomStream, palette: Palette) -> Model:
         rod((0, -0.24, 0), (0, -0.06, 0.36), 0.008),
         rod((0, -0.06, 0.34), (0, -0.11, 0.85), 0.008),
     )
-    del palette
     return builder.model("guitar", "acoustic guitar", main=body)
 
 
@@ -180,7 +178,6 @@ def easel(rng: RandomStream, palette: Palette) -> Model:
 
 def teddy_bear(rng: RandomStream, palette: Palette) -> Model:
     """A stuffed bear, sitting."""
-    del palette
     builder = ModelBuilder()
     fur = Finish(
         "pile",
@@ -228,7 +225,6 @@ def toy_car(rng: RandomStream, palette: Palette) -> Model:
 
 def toy_blocks(rng: RandomStream, palette: Palette) -> Model:
     """A tower of building blocks."""
-    del palette
     builder = ModelBuilder()
     hues = rng.shuffled(("red", "blue", "yellow", "green", "orange", "purple"))
     for k, (x, z) in enumerate(
@@ -286,7 +282,6 @@ def dollhouse(rng: RandomStream, palette: Palette) -> Model:
 
 def chess(rng: RandomStream, palette: Palette) -> Model:
     """A chess board with pieces."""
-    del palette
     builder = ModelBuilder()
     builder.add(wood("walnut"), box(0.4, 0.4, 0.02, bevel=0.004))
     light = [
@@ -341,7 +336,6 @@ def fish_tank(rng: RandomStream, palette: Palette) -> Model:
 
 def cat_tree(rng: RandomStream, palette: Palette) -> Model:
     """Posts with platforms for a cat."""
-    del palette
     builder = ModelBuilder()
     plush = Finish(
         "pile", rng.choice(((0.75, 0.68, 0.58), (0.5, 0.5, 0.52))), 0.3, "beige", "fabric"

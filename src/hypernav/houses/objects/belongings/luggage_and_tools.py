@@ -140,7 +140,6 @@ def umbrella(rng: RandomStream, palette: Palette) -> Model:
 
 def cardboard_boxes(rng: RandomStream, palette: Palette) -> Model:
     """A stack of moving boxes."""
-    del palette
     builder = ModelBuilder()
     card = Finish("cardboard", (0.74, 0.57, 0.38), 0.5, "brown", "cardboard")
     z = 0.0
@@ -175,7 +174,6 @@ def toolbox(rng: RandomStream, palette: Palette) -> Model:
 
 def ladder(rng: RandomStream, palette: Palette) -> Model:
     """A folded step ladder that leans on the wall (-y)."""
-    del rng, palette
     builder = ModelBuilder()
     for s in (-1.0, 1.0):
         builder.add(STEEL, rod((s * 0.21, 0.14, 0.0), (s * 0.17, -0.1, 1.6), 0.018))
@@ -189,7 +187,6 @@ def ladder(rng: RandomStream, palette: Palette) -> Model:
 
 def shoes(rng: RandomStream, palette: Palette) -> Model:
     """A pair of shoes on the floor."""
-    del palette
     builder = ModelBuilder()
     builder.extend(shoe_parts(rng, 0.0, 0.0))
     return builder.model("shoes", "pair of shoes")
@@ -197,7 +194,6 @@ def shoes(rng: RandomStream, palette: Palette) -> Model:
 
 def fire_extinguisher(rng: RandomStream, palette: Palette) -> Model:
     """A red extinguisher."""
-    del rng, palette
     builder = ModelBuilder()
     red = plastic("red")
     builder.add(

@@ -94,7 +94,6 @@ def bicycle(rng: RandomStream, palette: Palette) -> Model:
 
 def treadmill(rng: RandomStream, palette: Palette) -> Model:
     """A running machine; its user faces -y."""
-    del rng, palette
     builder = ModelBuilder()
     builder.add(plastic("dark gray"), box(0.74, 1.5, 0.14, bevel=0.02))
     builder.add(RUBBER, box(0.48, 1.36, 0.012, at=(0, 0.06, 0.14)))
@@ -176,7 +175,6 @@ def exercise_ball(rng: RandomStream, palette: Palette) -> Model:
 
 def football(rng: RandomStream, palette: Palette) -> Model:
     """A ball to play with."""
-    del palette
     builder = ModelBuilder()
     ink = rng.choice(
         (Finish("", (0.85, 0.45, 0.15), 1.0, "orange", "rubber"), plastic("white"), plastic("red"))

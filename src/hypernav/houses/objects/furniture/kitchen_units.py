@@ -24,7 +24,6 @@ _GAP = Finish("", (0.2, 0.2, 0.21))
 
 def refrigerator(rng: RandomStream, palette: Palette) -> Model:
     """A tall fridge-freezer, in one of three builds."""
-    del palette
     builder = ModelBuilder()
     body = rng.weighted(
         (
@@ -158,7 +157,6 @@ def _magnets(
 
 def oven(rng: RandomStream, palette: Palette) -> Model:
     """A range: hob above, oven with a window below."""
-    del palette
     builder = ModelBuilder()
     body = rng.choice((STEEL, WHITE_METAL, Finish("", (0.13, 0.13, 0.14), 1.0, "black", "metal")))
     wide, y = 0.6, DEEP_M / 2
@@ -242,7 +240,6 @@ def dishwasher(rng: RandomStream, palette: Palette) -> Model:
 
 def range_hood(rng: RandomStream, palette: Palette) -> Model:
     """An extractor above the stove."""
-    del palette
     builder = ModelBuilder()
     body = rng.choice((STEEL, BLACK_METAL))
     hood = box(0.6, 0.48, 0.05, bevel=0.004)
@@ -308,7 +305,6 @@ def base_cabinet(
             side=side,
             framed=framed,
         )
-    del rng
 
 
 def kitchen_cabinet(

@@ -73,7 +73,6 @@ def desk_screen(rng: RandomStream, palette: Palette, wide: float = 1.6) -> Model
 
 def drawer_unit(rng: RandomStream, palette: Palette) -> Model:
     """Three drawers on castors, for under a desk."""
-    del palette
     builder = ModelBuilder()
     body = rng.choice((WHITE_METAL, plastic("light gray"), BLACK_METAL))
     builder.add(body, box(0.4, 0.5, 0.5, at=(0, 0, 0.05), bevel=0.004))
@@ -185,7 +184,6 @@ _LED = Finish("", (0.3, 0.95, 0.45), 1.0, unlit=True)
 
 def copier(rng: RandomStream, palette: Palette) -> Model:
     """A floor-standing copier with paper trays, a scanner and a control panel."""
-    del palette
     builder = ModelBuilder()
     body = plastic(rng.choice(("white", "light gray")))
     dark = plastic("dark gray")
@@ -209,7 +207,6 @@ def copier(rng: RandomStream, palette: Palette) -> Model:
 
 def water_dispenser(rng: RandomStream, palette: Palette) -> Model:
     """A cooler with a bottle of water on top, or with a tap from the mains."""
-    del palette
     builder = ModelBuilder()
     body = WHITE_METAL if rng.chance(0.6) else plastic("dark gray")
     builder.add(body, box(0.32, 0.33, 0.98, at=(0, 0, 0), bevel=0.012))
@@ -228,7 +225,6 @@ def water_dispenser(rng: RandomStream, palette: Palette) -> Model:
 
 def vending_machine(rng: RandomStream, palette: Palette) -> Model:
     """A tall machine with drinks and snacks behind glass."""
-    del palette
     builder = ModelBuilder()
     body = plastic(rng.choice(("red", "blue", "dark gray", "black")))
     builder.add(body, box(0.86, 0.72, 1.82, at=(0, 0, 0.02), bevel=0.01))
@@ -250,7 +246,6 @@ def vending_machine(rng: RandomStream, palette: Palette) -> Model:
 
 def server_rack(rng: RandomStream, palette: Palette) -> Model:
     """A black cabinet with computers and lights behind a glass door."""
-    del palette
     builder = ModelBuilder()
     builder.add(BLACK_METAL, box(0.6, 0.78, 1.95, at=(0, -0.01, 0.02), bevel=0.006))
     builder.add(BLACK_METAL, box(0.54, 0.7, 0.03, at=(0, -0.01, 0)))
@@ -267,7 +262,6 @@ def server_rack(rng: RandomStream, palette: Palette) -> Model:
 
 def paper_shredder(rng: RandomStream, palette: Palette) -> Model:
     """A bin for paper with a cutting head."""
-    del palette
     builder = ModelBuilder()
     body = plastic(rng.choice(("black", "dark gray", "white")))
     builder.add(body, box(0.36, 0.27, 0.44, at=(0, 0, 0.01), bevel=0.012))
@@ -279,7 +273,6 @@ def paper_shredder(rng: RandomStream, palette: Palette) -> Model:
 
 def projector(rng: RandomStream, palette: Palette) -> Model:
     """A projector under the ceiling, hanging from z = 0, its lens to the front."""
-    del palette
     builder = ModelBuilder()
     body = WHITE_METAL if rng.chance(0.7) else BLACK_METAL
     builder.add(WHITE_METAL, cylinder(0.025, 0.26, at=(0, 0, -0.26), sides=10))
@@ -291,7 +284,6 @@ def projector(rng: RandomStream, palette: Palette) -> Model:
 
 def light_panel(rng: RandomStream, palette: Palette) -> Model:
     """A flat lamp under the ceiling, hanging from z = 0."""
-    del palette
     builder = ModelBuilder()
     wide, deep = rng.choice(((0.6, 0.6), (1.2, 0.3)))
     glow = Finish("", (1.0, 1.0, 0.98), 1.0, "white", "glass", unlit=True)
@@ -302,7 +294,6 @@ def light_panel(rng: RandomStream, palette: Palette) -> Model:
 
 def desk_computer(rng: RandomStream, palette: Palette) -> Model:
     """A computer in a box beside or under a desk."""
-    del palette
     builder = ModelBuilder()
     body = plastic(rng.choice(("black", "dark gray", "white")))
     builder.add(body, box(0.19, 0.42, 0.4, at=(0, 0, 0.01), bevel=0.006))
@@ -322,7 +313,6 @@ _CORK = Finish("cardboard", (0.74, 0.55, 0.36), 0.5, "brown", "cork")
 
 def whiteboard(rng: RandomStream, palette: Palette) -> Model:
     """A white board with writing and a tray for pens; its back is the wall."""
-    del palette
     builder = ModelBuilder()
     wide, high = rng.choice(((1.2, 0.9), (1.5, 1.0), (1.8, 1.0), (2.0, 1.1)))
     builder.add(STEEL, box(wide, 0.02, high, at=(0, 0, 0), bevel=0.004))
@@ -351,7 +341,6 @@ def notice_board(rng: RandomStream, palette: Palette) -> Model:
 
 def projector_screen(rng: RandomStream, palette: Palette) -> Model:
     """A screen pulled out of its case; its back is the wall."""
-    del palette
     builder = ModelBuilder()
     wide = rng.choice((1.6, 1.8, 2.0))
     high = wide * 0.62

@@ -43,7 +43,6 @@ def _loft(rings: list[list[list[float]]]) -> Mesh:
 
 def toilet(rng: RandomStream, palette: Palette) -> Model:
     """A water closet with its cistern; the lid is up or down."""
-    del palette
     builder = ModelBuilder()
     back = -0.16
     rim = 0.4
@@ -261,7 +260,6 @@ def bathroom_sink(rng: RandomStream, palette: Palette) -> Model:
 
 def bathtub(rng: RandomStream, palette: Palette) -> Model:
     """A tub along a wall, 1.5 to 1.7 m."""
-    del palette
     builder = ModelBuilder()
     long, deep, high = rng.choice((1.5, 1.6, 1.7)), 0.72, 0.56
 
@@ -295,7 +293,6 @@ def bathtub(rng: RandomStream, palette: Palette) -> Model:
 
 def shower(rng: RandomStream, palette: Palette) -> Model:
     """A glass cabin on a tray, for a corner: its back is -y, its closed side -x."""
-    del rng, palette
     builder = ModelBuilder()
     side, high = 0.9, 2.0
     builder.add(CERAMIC, prism(rounded_outline(side, side, 0.03), 0.06))

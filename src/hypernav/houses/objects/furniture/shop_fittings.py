@@ -59,7 +59,6 @@ def _goods(rng: RandomStream) -> str:
 
 def gondola(rng: RandomStream, palette: Palette) -> Model:
     """A double-sided shelf of a supermarket with goods on all levels."""
-    del palette
     builder = ModelBuilder()
     frame = rng.choice((WHITE_METAL, plastic("light gray"), STEEL))
     wide, deep, high = 1.25, 0.86, rng.choice((1.45, 1.75, 1.95))
@@ -93,7 +92,6 @@ def gondola(rng: RandomStream, palette: Palette) -> Model:
 
 def wall_gondola(rng: RandomStream, palette: Palette) -> Model:
     """A shelf of a supermarket with its back to the wall."""
-    del palette
     builder = ModelBuilder()
     frame = rng.choice((WHITE_METAL, plastic("light gray")))
     wide, deep, high = 1.25, 0.48, 2.05
@@ -159,7 +157,6 @@ def library_shelf(rng: RandomStream, palette: Palette) -> Model:
 
 def pallet_rack(rng: RandomStream, palette: Palette) -> Model:
     """A heavy rack with boxes and tools, open on both sides."""
-    del palette
     builder = ModelBuilder()
     wide, deep, high = 1.6, 0.8, 2.25
     post, beam = plastic("blue"), plastic("orange")
@@ -317,7 +314,6 @@ def sales_counter(rng: RandomStream, palette: Palette) -> Model:
 
 def shopping_cart(rng: RandomStream, palette: Palette) -> Model:
     """A wire trolley on four castors; it is pushed from its back (-y)."""
-    del palette
     builder = ModelBuilder()
     accent = plastic(rng.choice(("red", "blue", "green", "yellow")))
     low, high = 0.45, 0.95
@@ -354,7 +350,6 @@ def shopping_cart(rng: RandomStream, palette: Palette) -> Model:
 
 def basket_stack(rng: RandomStream, palette: Palette) -> Model:
     """A stack of shopping baskets."""
-    del palette
     builder = ModelBuilder()
     hue = rng.choice(("red", "blue", "green"))
     count = rng.integer(3, 6)
@@ -370,7 +365,6 @@ def basket_stack(rng: RandomStream, palette: Palette) -> Model:
 
 def display_refrigerator(rng: RandomStream, palette: Palette) -> Model:
     """A tall cooled shelf with drinks and dairy, open or behind glass doors."""
-    del palette
     builder = ModelBuilder()
     body = rng.choice((WHITE_METAL, plastic("dark gray")))
     wide, deep, high = 1.25, 0.75, 2.0
@@ -406,7 +400,6 @@ def display_refrigerator(rng: RandomStream, palette: Palette) -> Model:
 
 def chest_freezer(rng: RandomStream, palette: Palette) -> Model:
     """A low freezer with glass lids over its goods."""
-    del palette
     builder = ModelBuilder()
     body = rng.choice((WHITE_METAL, plastic("light blue"), plastic("dark gray")))
     wide, deep, high = 1.5, 0.8, 0.84
@@ -430,7 +423,6 @@ def _cloth(rng: RandomStream) -> Finish:
 
 def clothes_rail(rng: RandomStream, palette: Palette) -> Model:
     """A straight rail with clothes on hangers."""
-    del palette
     builder = ModelBuilder()
     metal = rng.choice((BLACK_METAL, CHROME))
     wide, high = rng.choice((1.2, 1.5)), 1.45
@@ -457,7 +449,6 @@ def clothes_rail(rng: RandomStream, palette: Palette) -> Model:
 
 def round_rack(rng: RandomStream, palette: Palette) -> Model:
     """A round stand with clothes on hangers."""
-    del palette
     builder = ModelBuilder()
     high, radius = 1.3, 0.42
     builder.add(CHROME, cylinder(0.03, high, sides=10))
@@ -534,7 +525,6 @@ def mannequin(rng: RandomStream, palette: Palette) -> Model:
         )
     builder.add(skin, cylinder(0.045, 0.1, at=(0, 0, 1.47), sides=10))
     builder.add(skin, ball(0.17, 0.2, 0.25, at=(0, 0.01, 1.66), sides=14))
-    del palette
     return builder.model("mannequin", "dress form", "dummy", main=skin)
 
 

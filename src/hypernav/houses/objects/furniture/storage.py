@@ -182,7 +182,6 @@ def tv_stand(rng: RandomStream, palette: Palette) -> Model:
 
 def filing_cabinet(rng: RandomStream, palette: Palette) -> Model:
     """Steel drawers for papers."""
-    del palette
     builder = ModelBuilder()
     steel = Finish(
         "",
@@ -388,7 +387,6 @@ def coat_rack(rng: RandomStream, palette: Palette) -> Model:
 
 def metal_shelf(rng: RandomStream, palette: Palette) -> Model:
     """A storage rack with boxes."""
-    del palette
     builder = ModelBuilder()
     wide, deep, high = rng.choice((0.8, 0.9)), 0.4, 1.75
     for sx in (-1.0, 1.0):

@@ -13,15 +13,15 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord, Mode, StepTrace
+from hypernav.show import episode_video
 from hypernav.show.climbs import climbs, stairs_on
 from hypernav.show.drawing import palette
-from hypernav.show.video import episode_video
-from hypernav.show.video.camera_panel import draw_camera
-from hypernav.show.video.episode_video import EpisodeVideo
-from hypernav.show.video.frame import MAP_SIZE
-from hypernav.show.video.frame_timing import (
+from hypernav.show.episode_video import EpisodeVideo
+from hypernav.show.video_frame import (
     ENDING_FRAMES,
     FRAMES_PER_SECOND,
+    MAP_SIZE,
+    draw_camera,
     frame_count,
     start_times,
 )

@@ -12,9 +12,9 @@ from rerun.chunk import RrdReader
 
 from full_disks import full_disk
 from hypernav.core.errors import OutputError, ViewError
-from hypernav.show.video.frame import EpisodeInfo
-from hypernav.show.views import rerun_view
-from hypernav.show.views.rerun_view import RerunView, RrdView
+from hypernav.show import rerun_view
+from hypernav.show.rerun_view import RerunView, RrdView
+from hypernav.show.video_frame import EpisodeInfo
 
 INFO = EpisodeInfo("bed", "hypernav", detector="ground truth", step_limit=100)
 

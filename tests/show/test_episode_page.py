@@ -14,8 +14,8 @@ from selenium.webdriver.common.by import By
 
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import DetectionRecord, Exchange, Mode, StepTrace
-from hypernav.show.pages.episode_page import write_page
-from hypernav.show.pages.templating import page_environment
+from hypernav.show.episode_page import write_page
+from hypernav.show.templating import page_environment
 
 MakeStep = Callable[..., StepTrace]
 VOID = frozenset({"meta", "img", "input", "br", "link", "hr", "source"})

@@ -18,10 +18,9 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode, StepTrace
 from hypernav.core.view import json_values
 from hypernav.show import captions
-from hypernav.show.video.frame import EpisodeInfo
-from hypernav.show.views import foxglove_json
-from hypernav.show.views import foxglove_messages as made
-from hypernav.show.views.frame_data import FloorHeights, Line
+from hypernav.show import foxglove_messages as made
+from hypernav.show.frame_data import FloorHeights, Line
+from hypernav.show.video_frame import EpisodeInfo
 
 _SECOND_NS = 1_000_000_000
 _HOST, _PORT = "127.0.0.1", 8765
@@ -55,9 +54,9 @@ class _Topics:
         self._map = channels.GridChannel("/map", context=context)
         self._scene = channels.SceneUpdateChannel("/plan", context=context)
         self._log = channels.LogChannel("/log", context=context)
-        self._step = foxglove.Channel("/step", schema=foxglove_json.STEP_SCHEMA, context=context)
+        self._step = foxglove.Channel("/step", schema=made.STEP_SCHEMA, context=context)
         self._questions = foxglove.Channel(
-            "/questions", schema=foxglove_json.QUESTION_SCHEMA, context=context
+            "/questions", schema=made.QUESTION_SCHEMA, context=context
         )
 
     def publish(
@@ -83,11 +82,9 @@ class _Topics:
         self._scene.log(plan, log_time=time_ns)
         for line in made.log(stamp, step):
             self._log.log(line, log_time=time_ns)
-        self._step.log(foxglove_json.step_fields(step), log_time=time_ns)
+        self._step.log(made.step_fields(step), log_time=time_ns)
         for exchange in step.exchanges:
-            self._questions.log(
-                foxglove_json.question_fields(step.step, exchange), log_time=time_ns
-            )
+            self._questions.log(made.question_fields(step.step, exchange), log_time=time_ns)
 
     def publish_end(self, result: Mapping[str, Any], time_ns: int) -> None:
         stamp = fg.Timestamp(*divmod(time_ns, _SECOND_NS))

@@ -16,8 +16,8 @@ from full_disks import full_disk
 from hypernav.core.errors import OutputError
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.show.video.frame import EpisodeInfo
-from hypernav.show.views.foxglove_view import McapView
+from hypernav.show.foxglove_view import McapView
+from hypernav.show.video_frame import EpisodeInfo
 from mcap_files import schemas_of
 
 INFO = EpisodeInfo("bed", "hypernav", detector="ground truth", step_limit=100)

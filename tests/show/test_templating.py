@@ -1,6 +1,6 @@
 import pytest
 
-from hypernav.show.pages.templating import page_environment
+from hypernav.show.templating import page_environment
 
 EVIL = "\x1b[31m \u202e <b>"
 

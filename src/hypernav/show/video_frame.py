@@ -1,18 +1,20 @@
-"""One frame of an episode's video: camera image, map and the latest decision."""
+"""One frame of an episode's video: camera image, map and the latest decision; how long it stays."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
 import cv2
 import numpy as np
 from jaxtyping import UInt8
 
-from hypernav.core.trace import BlockRecord, Exchange, StepTrace
+from hypernav.core.exploring.insight import Insight
+from hypernav.core.trace import BlockRecord, DetectionRecord, Exchange, StepTrace
 from hypernav.show import captions
 from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.legend import Layer, draw_legend
+from hypernav.show.drawing.shapes import ArrowStyle, draw_arrows
 from hypernav.show.drawing.text import draw_text, shortened, text_width, wrapped
-from hypernav.show.video.camera_panel import draw_camera
-from hypernav.show.video.insight_panel import draw_insight
 
 WIDTH, HEIGHT = 1280, 720
 MAP_SIZE = 568
@@ -200,3 +202,136 @@ def draw_bars(frame: Image, probabilities: dict[str, float], left: int, top: int
         shapes.rectangle(frame, (low, middle - 6), (low + length, middle + 6), color)
         at = (low + length + 6, middle)
         draw_text(frame, f"{share:.0%}", at, 12, color=palette.MUTED)
+
+
+_LABEL_TEXT = 14
+_CHIP_HEIGHT = 22
+
+
+def draw_camera(
+    rgb: UInt8[np.ndarray, "_ _ 3"],
+    detections: list[DetectionRecord],
+    *,
+    width: int,
+    height: int,
+) -> UInt8[np.ndarray, "_ _ 3"]:
+    """Draw a camera image with boxes, mask outlines and labels, fitted into a panel.
+
+    An accepted detection is green; a rejected one is grey, with the reason.
+
+    Args:
+        rgb: The camera image.
+        detections: Detections in this image.
+        width: Width of the panel, pixels.
+        height: Height of the panel, pixels.
+
+    Returns:
+        RGB, ``height`` by ``width``.
+    """
+    scale = min(width / rgb.shape[1], height / rgb.shape[0])
+    size = (max(round(rgb.shape[1] * scale), 1), max(round(rgb.shape[0] * scale), 1))
+    smaller = scale < 1.0
+    image = (
+        rgb.copy()
+        if size == rgb.shape[1::-1]
+        else cv2.resize(rgb, size, interpolation=cv2.INTER_AREA if smaller else cv2.INTER_LINEAR)
+    )
+    for detection in sorted(detections, key=lambda each: (each.accepted, each.score)):
+        _draw_detection(image, detection, scale)
+    panel = np.full((height, width, 3), palette.OCCUPIED, dtype=np.uint8)
+    top, left = (height - size[1]) // 2, (width - size[0]) // 2
+    panel[top : top + size[1], left : left + size[0]] = image
+    return panel
+
+
+def _draw_detection(
+    image: UInt8[np.ndarray, "_ _ 3"], detection: DetectionRecord, scale: float
+) -> None:
+    color = palette.GOAL if detection.accepted else palette.BLOCK
+    outlines = [np.array(outline, dtype=np.float64) * scale for outline in detection.outlines]
+    shapes.polygon(image, outlines, color, opacity=0.35)
+    for outline in outlines:
+        shapes.line(image, outline, palette.PAPER, 1.0, closed=True)
+    left, top, right, bottom = (value * scale for value in detection.box)
+    corners = np.array([[left, top], [right, top], [right, bottom], [left, bottom], [left, top]])
+    if detection.accepted:
+        shapes.line(image, corners, palette.PAPER, 5.0)
+        shapes.line(image, corners, color, 3.0)
+    else:
+        shapes.line(image, corners, color, 2.0)
+        shapes.dashed_line(image, corners, palette.PAPER, 2.0, dash=8.0, gap=8.0)
+    _draw_label(image, _label(detection), left, top, color)
+
+
+def _label(detection: DetectionRecord) -> str:
+    label = f"{detection.label} {detection.score:.2f}"
+    if detection.accepted:
+        return label
+    return f"{label} · {detection.reason or 'not accepted'}"
+
+
+def _draw_label(
+    image: UInt8[np.ndarray, "_ _ 3"], text: str, left: float, top: float, color: palette.Rgb
+) -> None:
+    height, width = image.shape[:2]
+    text = shortened(text, _LABEL_TEXT, width - 16.0, bold=True)
+    chip = text_width(text, _LABEL_TEXT, bold=True) + 14.0
+    u = min(max(left - 1.5, 0.0), max(width - chip, 0.0))
+    above = top - _CHIP_HEIGHT
+    v = above if above >= 0.0 else min(max(top, 0.0), height - float(_CHIP_HEIGHT))
+    shapes.rectangle(image, (u, v), (u + chip, v + _CHIP_HEIGHT), color)
+    at = (u + 7.0, v + _CHIP_HEIGHT / 2.0)
+    draw_text(image, text, at, _LABEL_TEXT, bold=True, color=palette.ink_on(color))
+
+
+_WINDOW_TEXT = 16
+
+
+def draw_insight(image: UInt8[np.ndarray, "_ _ 3"], insight: Insight) -> UInt8[np.ndarray, "_ _ 3"]:
+    """Draw marks and window into a copy of the camera image; what was chosen is orange."""
+    drawn = image.copy()
+    if insight.marks:
+        style = ArrowStyle(shafts=insight.foot is not None)
+        chosen = [mark.number for mark in insight.marks if mark.chosen]
+        marks = {mark.number: mark.pixel for mark in insight.marks}
+        foot = insight.foot or (0.0, 0.0)
+        drawn = draw_arrows(drawn, marks, foot, style, chosen=chosen)
+    if insight.window is not None:
+        left, top, right, bottom = insight.window.box
+        corners = np.array([[left, top], [right, top], [right, bottom], [left, bottom]])
+        shapes.polygon(drawn, [corners], palette.CHOSEN, opacity=0.25)
+        shapes.line(drawn, corners, palette.CHOSEN, 3.0, closed=True)
+        label = insight.window.label
+        wide = text_width(label, _WINDOW_TEXT, bold=True) + 12.0
+        shapes.rectangle(drawn, (left, top), (left + wide, top + 24.0), palette.CHOSEN)
+        ink = palette.ink_on(palette.CHOSEN)
+        draw_text(drawn, label, (left + 6.0, top + 12.0), _WINDOW_TEXT, bold=True, color=ink)
+    return drawn
+
+
+FRAMES_PER_SECOND = 6
+ENDING_FRAMES = 4 * FRAMES_PER_SECOND
+EVERY_STEP = frozenset({"ground", "score view"})
+"""Kinds of questions that are asked at every step, and do not change the destination."""
+_AT_A_STEP = 1
+_AT_A_DECISION = 6
+
+
+def decisions(step: StepTrace) -> list[Exchange]:
+    """Questions of a step that changed the destination."""
+    return [one for one in step.exchanges if one.kind not in EVERY_STEP]
+
+
+def frame_count(step: StepTrace) -> int:
+    """Frames of a step: one second for a decision or an event, else a sixth of one."""
+    return _AT_A_DECISION if decisions(step) or step.events else _AT_A_STEP
+
+
+def start_times(frame_counts: Sequence[int]) -> list[float]:
+    """Time at which each step appears, seconds from the start of the video.
+
+    Args:
+        frame_counts: Number of frames of each step. A skipped step has none, and appears with the
+            next one that is shown.
+    """
+    return [frame / FRAMES_PER_SECOND for frame in accumulate(frame_counts, initial=0)][:-1]

@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 
 from hypernav.core.actions import Action
 from hypernav.core.trace import Mode, StepTrace
+from hypernav.show import episode_summary
 from hypernav.show.climbs import climbs
-from hypernav.show.pages import episode_summary
 
 MakeStep = Callable[..., StepTrace]
 

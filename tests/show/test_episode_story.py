@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hypernav.core.trace import DetectionRecord, Mode, StepTrace
-from hypernav.show.pages import episode_story
+from hypernav.show import episode_summary
 
 MakeStep = Callable[..., StepTrace]
 
@@ -17,7 +17,7 @@ def test_moments_are_decisions_and_events(make_step: MakeStep, sighting: Detecti
         make_step(2),
         make_step(4, exchanges=ground, detections=[sighting]),
     ]
-    key_steps = episode_story.key_steps(steps)
+    key_steps = episode_summary.key_steps(steps)
     assert [moment.index for moment in key_steps] == [1, 2]
     seen, decided = key_steps
     assert seen.asked[0].answer == "sees “bed”, 83% sure"
@@ -35,7 +35,7 @@ def test_a_question_asked_again_on_the_way_is_folded_into_the_first(make_step: M
         make_step(6, exchanges=asks, mode=Mode.APPROACH),
         make_step(7, exchanges=asks, mode=Mode.APPROACH),
     ]
-    entries = episode_story.entries(episode_story.key_steps(steps))
+    entries = episode_summary.entries(episode_summary.key_steps(steps))
     told = [(one.lead.index, [again.index for again in one.again]) for one in entries]
     assert told == [(0, []), (1, [2]), (3, []), (4, [5])], "step 0 looks around"
 
@@ -46,7 +46,7 @@ def test_chapters_tell_every_decision_once_and_in_order(walk: list[tuple[Mode, i
         StepTrace(step=n, pose=(0.0, 0.0, 0.0), action=None, mode=mode, floor=floor, events=["it"])
         for n, (mode, floor) in enumerate(walk)
     ]
-    chapters = episode_story.chapters(steps)
+    chapters = episode_summary.chapters(steps)
     entries = [entry for chapter in chapters for entry in chapter.entries]
     told = [one.index for entry in entries for one in (entry.lead, *entry.again)]
     assert told == list(range(len(steps)))

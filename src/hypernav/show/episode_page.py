@@ -12,7 +12,7 @@ import yaml
 
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import Mode, StepTrace, floor_of
-from hypernav.show import captions
+from hypernav.show import captions, episode_summary, video_frame
 from hypernav.show.climbs import (
     climb_words,
     climbs,
@@ -23,9 +23,7 @@ from hypernav.show.climbs import (
 )
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.map_images import draw_result, final_view
-from hypernav.show.pages import episode_story, episode_summary
-from hypernav.show.pages.templating import data_uri, image_uri, mode_name, page_environment, plain
-from hypernav.show.video import frame_timing
+from hypernav.show.templating import data_uri, image_uri, mode_name, page_environment, plain
 
 EMBED_LIMIT_BYTES = 20_000_000
 _MAP_SIZE = 960
@@ -84,8 +82,8 @@ def write_page(
         figures=_metrics(result, steps),
         phases=[_band(phase, len(steps)) for phase in episode_summary.phases(steps)],
         shares=episode_summary.mode_shares(steps),
-        key_steps=episode_story.key_steps(steps),
-        entries=episode_story.entries(episode_story.key_steps(steps)),
+        key_steps=episode_summary.key_steps(steps),
+        entries=episode_summary.entries(episode_summary.key_steps(steps)),
         question_costs=episode_summary.question_costs(result),
         cost=_cost(result),
         fallbacks=_fallbacks(result),
@@ -146,13 +144,13 @@ def _floors(steps: Sequence[StepTrace]) -> dict[str, Any]:
                 "mode": one.mode,
                 "first": one.first,
                 "words": climb_at[one.first] if one.mode is Mode.CLIMB else names[one.floor],
-                "why": episode_story.why_climbed(steps, one.first)
+                "why": episode_summary.why_climbed(steps, one.first)
                 if one.mode is Mode.CLIMB
                 else "",
                 "steps": f"steps {one.first + 1} to {one.first + one.count}",
                 "entries": one.entries,
             }
-            for one in episode_story.chapters(steps)
+            for one in episode_summary.chapters(steps)
         ],
     }
 
@@ -184,7 +182,7 @@ def _player_data(
 ) -> dict[str, Any]:
     """Data with which the page's script keeps video, timeline and map together."""
     if frame_counts is None:
-        frame_counts = [frame_timing.frame_count(step) for step in steps]
+        frame_counts = [video_frame.frame_count(step) for step in steps]
     robots, destinations = [], []
     views = {k: final_view(grid, steps, _MAP_SIZE, k) for k, grid in maps.items()}
     if maps:
@@ -199,7 +197,7 @@ def _player_data(
             at = view.pixel_of(*step.destination) if step.destination is not None else None
             destinations.append([round(at[0], 1), round(at[1], 1)] if at is not None else None)
     return {
-        "times": [round(time, 3) for time in frame_timing.start_times(frame_counts)],
+        "times": [round(time, 3) for time in video_frame.start_times(frame_counts)],
         "steps": [step.step + 1 for step in steps],
         "modes": [_doing(*one) for one in zip(steps, whereabouts(steps), strict=True)],
         "reasons": [captions.sentence(step.reason) for step in steps],
