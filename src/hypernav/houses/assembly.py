@@ -22,6 +22,9 @@ _UV_STEPS = 8_192
 # Rounding of values that are in theory exactly half a step must not depend on the last bit.
 _TIE_OFFSET = 0.0137
 
+_NEAR_M = 0.45
+_FLAT = ("rug", "doormat", "bath mat", "ceiling lamp", "chandelier", "curtain", "window", "door")
+
 
 @dataclass(frozen=True, eq=False)
 class PlacedModel:
@@ -189,10 +192,6 @@ def _instances(
 
 def _triple(values: Float32[np.ndarray, "3"]) -> tuple[float, float, float]:
     return (float(values[0]), float(values[1]), float(values[2]))
-
-
-_NEAR_M = 0.45
-_FLAT = ("rug", "doormat", "bath mat", "ceiling lamp", "chandelier", "curtain", "window", "door")
 
 
 def name_and_label(pieces: Sequence[PlacedModel]) -> tuple[list[str], list[ObjectLabel | None]]:

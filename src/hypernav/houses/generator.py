@@ -29,6 +29,19 @@ from hypernav.houses.shell.room_surfaces import build_rooms
 from hypernav.houses.shell.stairs import build_stairs
 from hypernav.worlds.scenes.scene import Scene
 
+_OFFICE_CARPETS = {
+    **dict.fromkeys(("office", "open office", "meeting room", "conference room"), 0.75),
+    **dict.fromkeys(("corridor", "lounge"), 0.4),
+}
+
+_SHOP_CARPETS = {
+    "library": 0.6,
+    "reading room": 0.6,
+    "clothes shop": 0.3,
+    "bookshop": 0.4,
+    "office": 0.6,
+}
+
 
 @dataclass(frozen=True)
 class BuildingKind:
@@ -52,12 +65,6 @@ def _home_plan(rng: RandomStream, number: int) -> FloorPlan:
 HOMES = BuildingKind(_home_plan, room_finishes, HOME_FURNISHING)
 
 
-_OFFICE_CARPETS = {
-    **dict.fromkeys(("office", "open office", "meeting room", "conference room"), 0.75),
-    **dict.fromkeys(("corridor", "lounge"), 0.4),
-}
-
-
 def _office_plan(rng: RandomStream, _number: int) -> FloorPlan:
     return sample_public_plan(rng, OFFICE_PLANS)
 
@@ -70,15 +77,6 @@ OFFICES = BuildingKind(_office_plan, _office_finishes, OFFICE_FURNISHING)
 
 
 CROWDED = replace(OFFICES, sample_plan=crowded_plan, furnishing=CROWDED_FURNISHING)
-
-
-_SHOP_CARPETS = {
-    "library": 0.6,
-    "reading room": 0.6,
-    "clothes shop": 0.3,
-    "bookshop": 0.4,
-    "office": 0.6,
-}
 
 
 def _shop_plan(rng: RandomStream, _number: int) -> FloorPlan:

@@ -31,6 +31,14 @@ _BAND_PX = {"desk": 1000.0, "phone": 300.0}
 """Least width of the band of floors by screen, pixels of the style sheet."""
 _LETTER_PX = 7.5
 """Width of a letter in it, with its share of the margin."""
+_FALLBACKS = {
+    "geometric_choices": "blocks chosen by the geometric rule instead",
+    "unsure_presence_checks": "checks neither yes nor no",
+    "unsure_stop_checks": "answers whether to stop neither yes nor no",
+    "unread_arrow_answers": "answers that named no arrow",
+    "unread_image_answers": "answers that named no remembered image",
+}
+"""What became of unusable answers, by their counter in the result."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +82,7 @@ def write_page(
         headline=captions.headline(result),
         summary=_summary(result),
         facts=_facts(result),
-        told_truth=captions.is_ground_truth(str(result.get("detector"))),
+        has_ground_truth=captions.is_ground_truth(str(result.get("detector"))),
         video=_video_source(folder, video, embed_limit_bytes) if video is not None else "",
         maps=[_map(floor, maps[floor], steps) for floor in sorted(maps)],
         map_size=_MAP_SIZE,
@@ -239,18 +247,18 @@ def _summary(result: Mapping[str, Any]) -> str:
 def _facts(result: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Agent, its components and scene, as name and value."""
 
-    def told(name: str) -> str:
+    def known(name: str) -> str:
         return str(result.get(name) or "–")
 
-    preset = f", {told('preset')} settings" if result.get("preset") else ""
+    preset = f", {known('preset')} settings" if result.get("preset") else ""
     found = result.get("found_start")
     where = [] if found is None else [("Start in the memory", _start_in_memory(found))]
     return [
-        ("Agent", told("agent") + preset),
-        ("Sees with", captions.component_caption(told("detector"))),
-        ("Segments with", told("segmenter")),
-        ("Decides with", captions.component_caption(told("reasoner"))),
-        ("Scene", told("scene")),
+        ("Agent", known("agent") + preset),
+        ("Sees with", captions.component_caption(known("detector"))),
+        ("Segments with", known("segmenter")),
+        ("Decides with", captions.component_caption(known("reasoner"))),
+        ("Scene", known("scene")),
         *where,
     ]
 
@@ -295,18 +303,9 @@ def _fallbacks(result: Mapping[str, Any]) -> str:
     """Fallbacks for unusable answers, in one sentence; empty if there were none."""
     counts = result.get("fallbacks") or {}
     boxes = counts.get("rejected_boxes") or {}
-    told = [f"{count} boxes or answers about the image {why}" for why, count in boxes.items()]
-    if counts.get("geometric_choices"):
-        told.append(f"{counts['geometric_choices']} blocks chosen by the geometric rule instead")
-    if counts.get("unsure_presence_checks"):
-        told.append(f"{counts['unsure_presence_checks']} checks neither yes nor no")
-    if counts.get("unsure_stop_checks"):
-        told.append(f"{counts['unsure_stop_checks']} answers whether to stop neither yes nor no")
-    if counts.get("unread_arrow_answers"):
-        told.append(f"{counts['unread_arrow_answers']} answers that named no arrow")
-    if counts.get("unread_image_answers"):
-        told.append(f"{counts['unread_image_answers']} answers that named no remembered image")
-    return "; ".join(told)
+    uses = [f"{count} boxes or answers about the image {why}" for why, count in boxes.items()]
+    uses += [f"{counts[name]} {words}" for name, words in _FALLBACKS.items() if counts.get(name)]
+    return "; ".join(uses)
 
 
 def _yaml(configuration: object) -> str:

@@ -19,6 +19,19 @@ _Value = TypeVar("_Value")
 _NESTED_NAMES = ("modules", "per_module")
 _SMALLEST_REMAINDER = 0.01
 
+_MOST_BARS = 5
+_AT_STAIRS_M = 1.0
+"""Distance to its destination, metres, from which a robot on stairs was going to these."""
+_BLOCK = re.compile(r"^block \d+: ")
+"""The number of a block before a reason, which says nothing without the map of that step."""
+_CHAPTERS = {
+    Mode.LOOK_AROUND: Mode.EXPLORE,
+    Mode.RECALL: Mode.EXPLORE,
+    Mode.VERIFY: Mode.APPROACH,
+    Mode.STOP: Mode.APPROACH,
+}
+"""Mode by which a chapter goes, where it is not the step's own."""
+
 
 @dataclass(frozen=True)
 class Phase:
@@ -202,9 +215,9 @@ def _seconds_of(result: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 def _seconds_by_module(result: Mapping[str, Any], steps: Sequence[StepTrace]) -> dict[str, float]:
-    told = _seconds_of(result)
-    nested = [told[name] for name in _NESTED_NAMES if isinstance(told.get(name), Mapping)]
-    entries = nested[0] if nested else {k: v for k, v in told.items() if k != "total"}
+    given = _seconds_of(result)
+    nested = [given[name] for name in _NESTED_NAMES if isinstance(given.get(name), Mapping)]
+    entries = nested[0] if nested else {k: v for k, v in given.items() if k != "total"}
     found = {str(k): value for k, v in entries.items() if (value := _number(v)) is not None}
     if not found:
         for step in steps:
@@ -222,20 +235,6 @@ def _number(value: object) -> float | None:
 def _typical(name: str, steps: Sequence[StepTrace]) -> float | None:
     ran = [step.seconds[name] for step in steps if step.seconds.get(name)]
     return statistics.median(ran) if ran else None
-
-
-_MOST_BARS = 5
-_AT_STAIRS_M = 1.0
-"""Distance to its destination, metres, from which a robot on stairs was going to these."""
-_BLOCK = re.compile(r"^block \d+: ")
-"""The number of a block before a reason, which says nothing without the map of that step."""
-_CHAPTERS = {
-    Mode.LOOK_AROUND: Mode.EXPLORE,
-    Mode.RECALL: Mode.EXPLORE,
-    Mode.VERIFY: Mode.APPROACH,
-    Mode.STOP: Mode.APPROACH,
-}
-"""Mode by which a chapter goes, where it is not the step's own."""
 
 
 @dataclass(frozen=True)
@@ -278,15 +277,15 @@ def key_steps(steps: Sequence[StepTrace]) -> list[KeyStep]:
     "Is it in the image?" is asked at every step, so it is shown only where its answer mattered: at
     an event of a step that sees the goal.
     """
-    told = []
+    shown = []
     for index, step in enumerate(steps):
         seen = bool(step.events and step.detections)
         asked = tuple(
             _asked_question(e, step) for e in step.exchanges if seen or e.kind not in EVERY_STEP
         )
         if asked or step.events:
-            told.append(KeyStep(index, step, asked))
-    return told
+            shown.append(KeyStep(index, step, asked))
+    return shown
 
 
 @dataclass(frozen=True)
@@ -302,10 +301,10 @@ class Entry:
     again: tuple[KeyStep, ...]
 
 
-def entries(told: Sequence[KeyStep]) -> list[Entry]:
+def entries(shown: Sequence[KeyStep]) -> list[Entry]:
     """The steps worth telling, where nothing but the same question followed, folded into one."""
     found = list[Entry]()
-    for moment in told:
+    for moment in shown:
         if found and _asks_again(moment, found[-1].lead):
             found[-1] = Entry(found[-1].lead, (*found[-1].again, moment))
         else:
@@ -340,14 +339,14 @@ class Chapter:
 
 def chapters(steps: Sequence[StepTrace]) -> list[Chapter]:
     """The story of a search: what it did on each floor, on stairs, and with the goal in sight."""
-    told = key_steps(steps)
+    shown = key_steps(steps)
     found = runs(steps, lambda step: (_CHAPTERS.get(step.mode, step.mode), floor_of(step)))
     return [
         Chapter(
             *what,
             first,
             count,
-            tuple(entries([one for one in told if first <= one.index < first + count])),
+            tuple(entries([one for one in shown if first <= one.index < first + count])),
         )
         for what, first, count in found
     ]

@@ -43,11 +43,21 @@ if TYPE_CHECKING:
     import av
 
 _RISE_M = 0.1
-"""Least height above or below a floor, metres, that is told of a robot on stairs."""
+"""Least height above or below a floor, metres, that the title gives for a robot on stairs."""
 _BLOCKS_STAY_STEPS = 5
 # Codes of the video standard: BT.709 colours in the narrow range, which players expect for HD.
 _BT709, _NARROW_RANGE = 1, 1
 _KEY_FRAME_EVERY = 60
+
+TONES: dict[captions.Tone, palette.Rgb] = {
+    "good": palette.SUCCESS,
+    "bad": palette.FAILURE,
+    "neutral": palette.MUTED,
+}
+
+_LEFT = 64
+_TEXT_WIDTH = 540.0
+_NUMBERS_HEIGHT = 180
 
 
 class VideoFile:
@@ -283,17 +293,6 @@ class EpisodeVideo:
         rise_m = step.z - heights_m.get(floor_of(step), step.z)
         far = f", {abs(rise_m):.1f} m {'up' if rise_m > 0.0 else 'down'}"
         return f"{words}, robot on the stairs{far if abs(rise_m) >= _RISE_M else ''}"
-
-
-TONES: dict[captions.Tone, palette.Rgb] = {
-    "good": palette.SUCCESS,
-    "bad": palette.FAILURE,
-    "neutral": palette.MUTED,
-}
-
-_LEFT = 64
-_TEXT_WIDTH = 540.0
-_NUMBERS_HEIGHT = 180
 
 
 def draw_end_card(

@@ -28,6 +28,14 @@ _POINT = np.dtype([("xyz", "<f4", 3), ("rgba", "u1", 4)])
 _LINE_M = 0.04
 _DESTINATION_M = 0.25
 
+_UNTURNED = fg.Quaternion(w=1.0)
+_AT_ORIGIN = fg.Pose(position=fg.Vector3(), orientation=_UNTURNED)
+
+# Foxglove reads fields of plain types: no references, no alternatives, no arrays of arrays.
+_TEXT, _NUMBER, _COUNT, _FLAG = (
+    {"type": kind} for kind in ("string", "number", "integer", "boolean")
+)
+
 
 def transforms(stamp: fg.Timestamp, observation: Observation, z: float) -> fg.FrameTransforms:
     """The robot on the map, at its height, and the camera on the robot."""
@@ -265,16 +273,6 @@ def _rgba_fields(offset: int) -> list[fg.PackedElementField]:
         fg.PackedElementField(name=name, offset=offset + n, type=_BYTE)
         for n, name in enumerate(_RGBA)
     ]
-
-
-_UNTURNED = fg.Quaternion(w=1.0)
-_AT_ORIGIN = fg.Pose(position=fg.Vector3(), orientation=_UNTURNED)
-
-
-# Foxglove reads fields of plain types: no references, no alternatives, no arrays of arrays.
-_TEXT, _NUMBER, _COUNT, _FLAG = (
-    {"type": kind} for kind in ("string", "number", "integer", "boolean")
-)
 
 
 def _schema(title: str, fields: dict[str, Any]) -> dict[str, Any]:

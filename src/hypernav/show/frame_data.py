@@ -17,6 +17,9 @@ _MOST_POINTS = 6000
 """Points of a cloud: every eighth pixel of an image of 640 × 480, 70 kB a step."""
 _JPEG_QUALITY = 80
 
+Line = list[tuple[float, float, float]]
+"""Points of a line, ``map`` frame, metres."""
+
 
 def _cell_colors() -> UInt8[np.ndarray, "3 4"]:
     colors = np.zeros((len(Cell), 4), dtype=np.uint8)
@@ -26,10 +29,6 @@ def _cell_colors() -> UInt8[np.ndarray, "3 4"]:
 
 
 _CELL_COLORS = _cell_colors()
-
-
-Line = list[tuple[float, float, float]]
-"""Points of a line, ``map`` frame, metres."""
 
 
 class FloorHeights:

@@ -39,6 +39,15 @@ _SEE_THROUGH = 0.999
 HEADING = rr.Arrows3D(vectors=[[_ARROW_M, 0.0, 0.0]], colors=[palette.ROBOT], radii=[0.04])
 """An arrow ahead, in the frame of the robot."""
 
+_APPLICATION = "hypernav"
+_HOST = "127.0.0.1"
+_PATIENCE_S = 30.0
+_LOOK_S = 0.1
+_OPENING_S = 1.5
+"""Time after which a listening viewer has noticed that there is no screen."""
+_MOST_WORDS = 300
+_MOST_AT_ONCE = 65_536
+
 
 def layout() -> rrb.Blueprint:
     """A layout of the viewer: building and map beside camera image, last answer and log.
@@ -187,16 +196,6 @@ def answers(step: StepTrace) -> rr.TextDocument:
 def document(text: str) -> rr.TextDocument:
     """A text in Markdown."""
     return rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN)
-
-
-_APPLICATION = "hypernav"
-_HOST = "127.0.0.1"
-_PATIENCE_S = 30.0
-_LOOK_S = 0.1
-_OPENING_S = 1.5
-"""Time after which a listening viewer has noticed that there is no screen."""
-_MOST_WORDS = 300
-_MOST_AT_ONCE = 65_536
 
 
 class _Entities:

@@ -38,6 +38,18 @@ _BLANK = np.full((HEIGHT, WIDTH, 3), palette.GROUND, dtype=np.uint8)
 
 Image = UInt8[np.ndarray, "_ _ 3"]
 
+_LABEL_TEXT = 14
+_CHIP_HEIGHT = 22
+
+_WINDOW_TEXT = 16
+
+FRAMES_PER_SECOND = 6
+ENDING_FRAMES = 4 * FRAMES_PER_SECOND
+EVERY_STEP = frozenset({"ground", "score view"})
+"""Kinds of questions that are asked at every step, and do not change the destination."""
+_AT_A_STEP = 1
+_AT_A_DECISION = 6
+
 
 @dataclass(frozen=True)
 class EpisodeInfo:
@@ -204,10 +216,6 @@ def draw_bars(frame: Image, probabilities: dict[str, float], left: int, top: int
         draw_text(frame, f"{share:.0%}", at, 12, color=palette.MUTED)
 
 
-_LABEL_TEXT = 14
-_CHIP_HEIGHT = 22
-
-
 def draw_camera(
     rgb: UInt8[np.ndarray, "_ _ 3"],
     detections: list[DetectionRecord],
@@ -284,9 +292,6 @@ def _draw_label(
     draw_text(image, text, at, _LABEL_TEXT, bold=True, color=palette.ink_on(color))
 
 
-_WINDOW_TEXT = 16
-
-
 def draw_insight(image: UInt8[np.ndarray, "_ _ 3"], insight: Insight) -> UInt8[np.ndarray, "_ _ 3"]:
     """Draw marks and window into a copy of the camera image; what was chosen is orange."""
     drawn = image.copy()
@@ -307,14 +312,6 @@ def draw_insight(image: UInt8[np.ndarray, "_ _ 3"], insight: Insight) -> UInt8[n
         ink = palette.ink_on(palette.CHOSEN)
         draw_text(drawn, label, (left + 6.0, top + 12.0), _WINDOW_TEXT, bold=True, color=ink)
     return drawn
-
-
-FRAMES_PER_SECOND = 6
-ENDING_FRAMES = 4 * FRAMES_PER_SECOND
-EVERY_STEP = frozenset({"ground", "score view"})
-"""Kinds of questions that are asked at every step, and do not change the destination."""
-_AT_A_STEP = 1
-_AT_A_DECISION = 6
 
 
 def decisions(step: StepTrace) -> list[Exchange]:

@@ -56,6 +56,19 @@ _MOST_TRIES = 20
 
 LifeGoals = list[tuple[Query, Start]]
 
+EPISODES_VERSION = 2
+"""Version of the episodes; increased whenever the same house gives others than before."""
+
+EPISODES_PER_HOUSE = 28
+
+GoalStyle = Literal["categories", "phrases", "lives"]
+"""What episodes ask for; the goals of a life are categories and phrases in turn."""
+
+_MAX_QUERIES = 400
+_DIGITS = 5
+
+QueryWithStart = tuple[Query, Start]
+
 
 def draw_lives(
     rng: RandomStream, truth: HouseGroundTruth | StoreyTruth, rules: EpisodeRules
@@ -138,20 +151,6 @@ def _rounded(point: list[float]) -> Position:
     """A position as it is in files, in millimetres."""
     x, y, z = (round(value, 3) for value in point)
     return x, y, z
-
-
-EPISODES_VERSION = 2
-"""Version of the episodes; increased whenever the same house gives others than before."""
-
-EPISODES_PER_HOUSE = 28
-
-GoalStyle = Literal["categories", "phrases", "lives"]
-"""What episodes ask for; the goals of a life are categories and phrases in turn."""
-
-_MAX_QUERIES = 400
-_DIGITS = 5
-
-QueryWithStart = tuple[Query, Start]
 
 
 def house_episodes(scene: Scene, building: Building, style: GoalStyle) -> EpisodeDataset:

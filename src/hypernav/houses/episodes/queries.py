@@ -28,6 +28,37 @@ CATEGORIES = (
 )
 """Goals of ``houses-val`` and ``houses-train``; these are the seen names of ``houses-ovon``."""
 
+_PREPOSITION = re.compile(r" (?:in|inside|of|beside|next to|near|by|close to|on|under|at) ")
+
+_ALIKE: tuple[frozenset[str], ...] = tuple(
+    frozenset(canonical(name) for name in group)
+    for group in (
+        ("sofa", "armchair", "bean bag", "ottoman", "bench"),
+        ("chair", "armchair", "rocking chair", "stool", "bench"),
+        ("bed", "crib", "sofa", "pet basket"),
+        ("washing machine", "clothes dryer", "dishwasher", "oven"),
+        ("oven", "microwave", "fireplace"),
+        ("refrigerator", "wardrobe", "cabinet"),
+        ("wardrobe", "bookshelf", "cabinet", "dresser", "storage rack", "filing cabinet"),
+        ("nightstand", "dresser", "cabinet", "side table"),
+        ("tv", "computer monitor", "laptop", "picture", "mirror"),
+        ("toilet", "sink", "bathtub", "shower"),
+        ("potted plant", "vase", "succulent", "cactus", "herb"),
+        ("backpack", "handbag", "suitcase"),
+        ("trash can", "basket", "laundry basket", "bucket"),
+        ("bicycle", "exercise equipment"),
+        ("picture", "mirror", "window", "clock"),
+        ("rug", "bath mat", "doormat", "yoga mat"),
+    )
+)
+"""Groups of categories that look alike or serve the same purpose."""
+
+Vocabulary = Literal["seen", "synonym", "unseen"]
+
+_UBIQUITOUS = ("window", "door", "ceiling lamp", "kitchen cabinet")
+_MIN_SIDE_AREA_M2 = 0.1
+"""Smallest area of the largest side of an object's box: plates and cups are no goals."""
+
 
 @dataclass(frozen=True)
 class EpisodeRules:
@@ -87,32 +118,6 @@ RULES["storeys"] = EpisodeRules(
 """Rules of the episodes by kind of building."""
 
 
-_PREPOSITION = re.compile(r" (?:in|inside|of|beside|next to|near|by|close to|on|under|at) ")
-
-_ALIKE: tuple[frozenset[str], ...] = tuple(
-    frozenset(canonical(name) for name in group)
-    for group in (
-        ("sofa", "armchair", "bean bag", "ottoman", "bench"),
-        ("chair", "armchair", "rocking chair", "stool", "bench"),
-        ("bed", "crib", "sofa", "pet basket"),
-        ("washing machine", "clothes dryer", "dishwasher", "oven"),
-        ("oven", "microwave", "fireplace"),
-        ("refrigerator", "wardrobe", "cabinet"),
-        ("wardrobe", "bookshelf", "cabinet", "dresser", "storage rack", "filing cabinet"),
-        ("nightstand", "dresser", "cabinet", "side table"),
-        ("tv", "computer monitor", "laptop", "picture", "mirror"),
-        ("toilet", "sink", "bathtub", "shower"),
-        ("potted plant", "vase", "succulent", "cactus", "herb"),
-        ("backpack", "handbag", "suitcase"),
-        ("trash can", "basket", "laundry basket", "bucket"),
-        ("bicycle", "exercise equipment"),
-        ("picture", "mirror", "window", "clock"),
-        ("rug", "bath mat", "doormat", "yoga mat"),
-    )
-)
-"""Groups of categories that look alike or serve the same purpose."""
-
-
 def near_misses(instances: Sequence[Instance], goal: Goal) -> tuple[Instance, ...]:
     """Instances that do not satisfy a goal but come close.
 
@@ -150,13 +155,6 @@ def _comes_close(label: ObjectLabel, name: str) -> bool:
     if own.rsplit(" ", maxsplit=1)[-1] == wanted.rsplit(" ", maxsplit=1)[-1]:
         return True
     return any(wanted in group and own in group for group in _ALIKE)
-
-
-Vocabulary = Literal["seen", "synonym", "unseen"]
-
-_UBIQUITOUS = ("window", "door", "ceiling lamp", "kitchen cabinet")
-_MIN_SIDE_AREA_M2 = 0.1
-"""Smallest area of the largest side of an object's box: plates and cups are no goals."""
 
 
 @dataclass(frozen=True)

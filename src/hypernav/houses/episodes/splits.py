@@ -34,6 +34,12 @@ from hypernav.houses.episodes.house_episodes import (
 from hypernav.houses.episodes.queries import RULES
 from hypernav.houses.house_cache import cached_building, generator_version
 
+EXAM_BUILDINGS = {"val": range(9000, 9100), "train": range(7000, 7100)}
+"""Buildings of the exam's banks, of every kind. No split may have those of val."""
+EPISODES_PER_ROUND = 4
+"""Number of consecutive episodes in the same building; of lives it is one."""
+_MOST_HOUSES = 100_000
+
 
 def cached_episodes(
     building: Building, style: GoalStyle, folder: Path | None = None
@@ -137,13 +143,6 @@ def difficulty(dataset: EpisodeDataset) -> Difficulty:
 def _distribution(measure: str, values: np.ndarray) -> Distribution:
     low, tenth, middle, ninetieth, high = np.quantile(values, (0.0, 0.1, 0.5, 0.9, 1.0)).tolist()
     return Distribution(measure, (low, tenth, middle, ninetieth, high), float(values.mean()))
-
-
-EXAM_BUILDINGS = {"val": range(9000, 9100), "train": range(7000, 7100)}
-"""Buildings of the exam's banks, of every kind. No split may have those of val."""
-EPISODES_PER_ROUND = 4
-"""Number of consecutive episodes in the same building; of lives it is one."""
-_MOST_HOUSES = 100_000
 
 
 @dataclass(frozen=True)

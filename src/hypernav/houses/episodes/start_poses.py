@@ -36,6 +36,14 @@ _STRAIGHT_RATIO = 1.05
 _STRAIGHT_KEPT_SHARE = 0.2
 """Share that is kept of starts with a straight path to the goal, as in Habitat's generator."""
 
+CLIMBING_BODY = BodyConfig(max_step_m=STAIR_CLIMB_M)
+"""The default robot with Habitat's step."""
+
+_DIRECTIONS = ("same", "above", "below")
+_ON_FLOOR_M = 0.1
+_NEAR_FLOOR_M = 0.3
+_STOREY_START_SAMPLES = 40
+
 
 @dataclass(frozen=True)
 class Start:
@@ -117,15 +125,6 @@ def _sample_point(rng: RandomStream, truth: HouseGroundTruth) -> tuple[float, fl
 def _euclidean_m(region: GoalRegion, x: float, y: float) -> float:
     gaps = region.view_points[:, :2] - (x, y)
     return float(np.sqrt((gaps**2).sum(axis=1).min()))
-
-
-CLIMBING_BODY = BodyConfig(max_step_m=STAIR_CLIMB_M)
-"""The default robot with Habitat's step."""
-
-_DIRECTIONS = ("same", "above", "below")
-_ON_FLOOR_M = 0.1
-_NEAR_FLOOR_M = 0.3
-_STOREY_START_SAMPLES = 40
 
 
 @dataclass(frozen=True, eq=False)

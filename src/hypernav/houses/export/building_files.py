@@ -35,6 +35,12 @@ FIRST_ANNOTATION = 1
 HABITAT_ROBOT = BodyConfig(height_m=0.88)
 """The default robot in Habitat's configuration; Recast rounds this height to 1.0 m."""
 
+DATASET_CONFIG = "hypernav.scene_dataset_config.json"
+"""Name of the file."""
+
+_OWN_NAME = "%%CONFIG_NAME_AS_ASSET_FILENAME%%"
+"""Placeholder that habitat-sim replaces by the name of a stage's file without suffix."""
+
 
 @dataclass(frozen=True)
 class ExportedBuilding:
@@ -161,13 +167,6 @@ def _semantic_lines(
         room = rooms.index(name) if name in rooms else len(rooms)
         lines.append(f'{number + FIRST_ANNOTATION},{hex_code},"{category}",{room}')
     return "\n".join(lines) + "\n"
-
-
-DATASET_CONFIG = "hypernav.scene_dataset_config.json"
-"""Name of the file."""
-
-_OWN_NAME = "%%CONFIG_NAME_AS_ASSET_FILENAME%%"
-"""Placeholder that habitat-sim replaces by the name of a stage's file without suffix."""
 
 
 def write_dataset_config(folder: Path) -> Path:

@@ -16,6 +16,10 @@ from scipy.sparse.csgraph import connected_components
 from hypernav.houses.assembly import CompactScene, to_scene
 from hypernav.worlds.scenes.scene import Material, Wrap
 
+_FLOAT, _UINT = 5126, 5125
+_ARRAY_BUFFER, _ELEMENT_BUFFER = 34962, 34963
+_GL_WRAPS = {Wrap.REPEAT: 10497, Wrap.MIRROR: 33648, Wrap.CLAMP: 33071}
+
 
 def with_backs(house: CompactScene) -> CompactScene:
     """The same house, in which open surfaces, such as leaves, have a second face from behind.
@@ -50,11 +54,6 @@ def _is_open(house: CompactScene) -> Bool[np.ndarray, " faces"]:
     _, part = connected_components(links, directed=False)
     open_parts = np.unique(part[edges[uses[number.ravel()] == 1, 0]])
     return np.isin(part[places[:, 0]], open_parts)
-
-
-_FLOAT, _UINT = 5126, 5125
-_ARRAY_BUFFER, _ELEMENT_BUFFER = 34962, 34963
-_GL_WRAPS = {Wrap.REPEAT: 10497, Wrap.MIRROR: 33648, Wrap.CLAMP: 33071}
 
 
 def srgb_to_linear(codes: np.ndarray) -> np.ndarray:

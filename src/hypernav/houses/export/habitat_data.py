@@ -37,6 +37,11 @@ from hypernav.worlds.navmesh.surface import NavmeshSurface
 
 _ENDINGS = (".json.gz", ".json")
 
+_NAME = GENERATED.scenes[0]
+"""Name of the buildings among Habitat's sets of scenes."""
+_EPISODES = ".json.gz"
+_DIGITS = 4
+
 
 def is_file_name(out: Path) -> bool:
     """Whether a name means one file, not a folder."""
@@ -97,12 +102,6 @@ def write(dataset: EpisodeDataset, path: Path) -> None:
         write_episodes(dataset, path)
     except OSError as error:
         raise EpisodeError(f"{path}: cannot be written ({error.strerror or error})") from error
-
-
-_NAME = GENERATED.scenes[0]
-"""Name of the buildings among Habitat's sets of scenes."""
-_EPISODES = ".json.gz"
-_DIGITS = 4
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,16 @@ _ROOMY_M = 0.3
 
 Point = tuple[float, float]
 
+SLICES = 8
+"""Number of images side by side that make a panorama."""
+_SLICE_WIDTH = 232
+_LEAST_PIXELS = 200
+"""Size from which an object counts as seen, pixels."""
+_QUALITY = 50
+
+_TURN_DEG = 30
+_AHEAD = math.radians(40.0)
+
 
 @dataclass(frozen=True)
 class WalkGraph:
@@ -193,14 +203,6 @@ def _bridge(
     _bridge(floor, points, links, between, b)
 
 
-SLICES = 8
-"""Number of images side by side that make a panorama."""
-_SLICE_WIDTH = 232
-_LEAST_PIXELS = 200
-"""Size from which an object counts as seen, pixels."""
-_QUALITY = 50
-
-
 @dataclass(frozen=True)
 class Sighting:
     """An object that a panorama shows.
@@ -311,10 +313,6 @@ def draw_panorama(
         np.concatenate([view.depth for view in views], axis=1),
         np.concatenate([view.instance_ids for view in views], axis=1),
     )
-
-
-_TURN_DEG = 30
-_AHEAD = math.radians(40.0)
 
 
 def walk_data(

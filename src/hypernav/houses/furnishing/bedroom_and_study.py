@@ -1,7 +1,7 @@
 """Furnishing of bedrooms and studies, and of a desk with its chair in any room."""
 
 from hypernav.houses.assembly import PlacedModel
-from hypernav.houses.furnishing.room_layout import SIDES, ModelPose, RoomLayout, turned_point
+from hypernav.houses.furnishing.room_layout import SIDES, ModelPose, RoomLayout, beside
 from hypernav.houses.furnishing.set_dressing import place_plants, place_rug, scatter, stand_some
 from hypernav.houses.objects.belongings import (
     decor,
@@ -25,10 +25,8 @@ def place_desk(layout: RoomLayout) -> PlacedModel | None:
         return None
     seat = seating.office_chair(rng, palette)
     for off in (0.03, 0.15):
-        dx, dy = turned_point(0.0, (model.depth + seat.depth) / 2 + off, piece.yaw_deg)
-        pose = ModelPose(piece.x + dx, piece.y + dy, piece.yaw_deg + 180.0)
-        if layout.fits(seat, pose):
-            layout.place(seat, pose)
+        pose = beside(piece, 0.0, (model.depth + seat.depth) / 2 + off, 180.0)
+        if layout.place_if_fits(seat, pose) is not None:
             break
     if rng.chance(0.5):
         layout.place_on_top(piece, devices.laptop(rng, palette), facing=0.0, where=(0.5, 0.5))
@@ -38,19 +36,15 @@ def place_desk(layout: RoomLayout) -> PlacedModel | None:
     layout.place_on_top(
         piece, devices.desk_lamp(rng, palette), facing=0.0, where=(rng.choice((0.03, 0.97)), 0.2)
     )
-    scatter(
-        layout,
-        piece,
-        (
-            decor.books,
-            kitchenware.cup,
-            decor.pen_cup,
-            plants.small_plant,
-            decor.photo_frame,
-            devices.phone,
-        ),
-        rng.integer(1, 3),
+    small = (
+        decor.books,
+        kitchenware.cup,
+        decor.pen_cup,
+        plants.small_plant,
+        decor.photo_frame,
+        devices.phone,
     )
+    scatter(layout, piece, small, rng.integer(1, 3))
     return piece
 
 
@@ -64,41 +58,26 @@ def furnish_office(layout: RoomLayout) -> None:
     layout.place_at_wall(storage.bookshelf(rng, palette), front=0.4, access=True)
     if rng.chance(0.4):
         layout.place_at_wall(storage.bookshelf(rng, palette), front=0.4, access=True)
-    stand_some(
-        layout,
-        rng.shuffled(
-            (
-                (seating.armchair, 0.45),
-                (household.trash_can, 0.6),
-                (devices.floor_lamp, 0.35),
-                (leisure.guitar, 0.2),
-                (leisure.piano, 0.12),
-                (sports.treadmill, 0.12),
-                (sports.exercise_bike, 0.1),
-                (seating.bean_bag, 0.12),
-                (luggage_and_tools.backpack, 0.3),
-                (leisure.easel, 0.12),
-                (devices.fan, 0.2),
-                (household.sewing_machine, 0.0),
-                (sports.dumbbells, 0.15),
-            )
-        ),
-        corner_chance=0.5,
+    things = (
+        (seating.armchair, 0.45),
+        (household.trash_can, 0.6),
+        (devices.floor_lamp, 0.35),
+        (leisure.guitar, 0.2),
+        (leisure.piano, 0.12),
+        (sports.treadmill, 0.12),
+        (sports.exercise_bike, 0.1),
+        (seating.bean_bag, 0.12),
+        (luggage_and_tools.backpack, 0.3),
+        (leisure.easel, 0.12),
+        (devices.fan, 0.2),
+        (household.sewing_machine, 0.0),
+        (sports.dumbbells, 0.15),
     )
+    stand_some(layout, rng.shuffled(things), corner_chance=0.5)
     if rng.chance(0.4):
         side = layout.place_at_wall(tables.console_table(rng, palette), front=0.4)
-        scatter(
-            layout,
-            side,
-            (
-                devices.printer,
-                decor.globe,
-                leisure.chess,
-                devices.radio,
-                plants.small_plant,
-            ),
-            2,
-        )
+        small = (devices.printer, decor.globe, leisure.chess, devices.radio, plants.small_plant)
+        scatter(layout, side, small, 2)
     place_plants(layout, 1)
     if rng.chance(0.4):
         x, y = layout.inner.centre
@@ -132,60 +111,50 @@ def furnish_bedroom(layout: RoomLayout, *, first: bool) -> None:
             layout.place_at_wall(maker(rng, palette), where="corner")
     if rng.chance(0.6 if child else 0.35):
         place_desk(layout)
-    for maker, chance in rng.shuffled(
-        (
-            (storage.dresser, 0.55),
-            (tables.dressing_table, 0.25),
-            (storage.bookshelf, 0.3),
-            (storage.tv_stand, 0.3),
-        )
-    ):
+    things = (
+        (storage.dresser, 0.55),
+        (tables.dressing_table, 0.25),
+        (storage.bookshelf, 0.3),
+        (storage.tv_stand, 0.3),
+    )
+    for maker, chance in rng.shuffled(things):
         if not rng.chance(chance):
             continue
         base = layout.place_at_wall(maker(rng, palette), front=0.45, access=True)
         if maker is storage.tv_stand and base is not None:
             layout.place_on_top(base, devices.tv(rng, palette), facing=0.0, where=(0.5, 0.4))
-        scatter(
-            layout,
-            base,
-            (
-                devices.table_lamp,
-                decor.photo_frame,
-                plants.small_plant,
-                decor.clock,
-                devices.hair_dryer,
-                decor.folded_blanket,
-            ),
-            2,
+        small = (
+            devices.table_lamp,
+            decor.photo_frame,
+            plants.small_plant,
+            decor.clock,
+            devices.hair_dryer,
+            decor.folded_blanket,
         )
-    stand_some(
-        layout,
-        rng.shuffled(
-            (
-                (seating.armchair, 0.2),
-                (seating.bench_seat, 0.1),
-                (household.laundry_basket, 0.3),
-                (luggage_and_tools.backpack, 0.25),
-                (luggage_and_tools.suitcase, 0.25),
-                (leisure.guitar, 0.12),
-                (devices.floor_lamp, 0.25),
-                (luggage_and_tools.handbag, 0.15),
-                (seating.bean_bag, 0.15),
-                (sports.treadmill, 0.08),
-                (sports.exercise_bike, 0.07),
-                (sports.dumbbells, 0.12),
-                (beds.crib, 0.1),
-                (leisure.easel, 0.06),
-                (devices.fan, 0.15),
-                (devices.air_purifier, 0.15),
-                (decor.rolled_mat, 0.1),
-                (luggage_and_tools.shoes, 0.2),
-                (seating.ottoman, 0.15),
-                (sports.exercise_ball, 0.08),
-            )
-        ),
-        corner_chance=0.5,
+        scatter(layout, base, small, 2)
+    things = (
+        (seating.armchair, 0.2),
+        (seating.bench_seat, 0.1),
+        (household.laundry_basket, 0.3),
+        (luggage_and_tools.backpack, 0.25),
+        (luggage_and_tools.suitcase, 0.25),
+        (leisure.guitar, 0.12),
+        (devices.floor_lamp, 0.25),
+        (luggage_and_tools.handbag, 0.15),
+        (seating.bean_bag, 0.15),
+        (sports.treadmill, 0.08),
+        (sports.exercise_bike, 0.07),
+        (sports.dumbbells, 0.12),
+        (beds.crib, 0.1),
+        (leisure.easel, 0.06),
+        (devices.fan, 0.15),
+        (devices.air_purifier, 0.15),
+        (decor.rolled_mat, 0.1),
+        (luggage_and_tools.shoes, 0.2),
+        (seating.ottoman, 0.15),
+        (sports.exercise_ball, 0.08),
     )
+    stand_some(layout, rng.shuffled(things), corner_chance=0.5)
     if rng.chance(0.55):
         place_plants(layout, 1)
 
@@ -216,8 +185,7 @@ def _beside_bed(layout: RoomLayout, bed: PlacedModel) -> None:
     for s in rng.shuffled((-1.0, 1.0)):
         x = s * (model.width / 2 + stand.width / 2 + 0.035)
         y = -model.depth / 2 + stand.depth / 2 + 0.01
-        dx, dy = turned_point(x, y, bed.yaw_deg)
-        pose = ModelPose(bed.x + dx, bed.y + dy, bed.yaw_deg)
+        pose = beside(bed, x, y)
         if not layout.fits(stand, pose):
             continue
         piece = layout.place(stand, pose)
@@ -225,5 +193,4 @@ def _beside_bed(layout: RoomLayout, bed: PlacedModel) -> None:
         scatter(layout, piece, (decor.books, decor.clock, devices.phone, kitchenware.cup), 1)
     if rng.chance(0.6):
         rug = decor.rug(rng, palette) if rng.chance(0.5) else decor.small_rug(rng, palette)
-        dx, dy = turned_point(0.0, model.depth / 2 - 0.2, bed.yaw_deg)
-        place_rug(layout, rug, ModelPose(bed.x + dx, bed.y + dy, bed.yaw_deg))
+        place_rug(layout, rug, beside(bed, 0.0, model.depth / 2 - 0.2))

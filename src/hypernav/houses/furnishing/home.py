@@ -7,7 +7,7 @@ from hypernav.houses.furnishing import (
     living_room,
     set_dressing,
 )
-from hypernav.houses.furnishing.room_layout import SIDES, ModelPose, RoomLayout, turned_point
+from hypernav.houses.furnishing.room_layout import ModelPose, RoomLayout, beside
 from hypernav.houses.furnishing.rooms import Furnishing, RequiredGroups
 from hypernav.houses.furnishing.set_dressing import place_rug, scatter, stand_some
 from hypernav.houses.objects.belongings import (
@@ -22,6 +22,26 @@ from hypernav.houses.objects.belongings import (
 )
 from hypernav.houses.objects.furniture import sanitary, seating, storage, tables
 from hypernav.houses.plan.floor_plan import FloorPlan
+
+_PICTURE_COUNTS = {
+    "living room": 3,
+    "bedroom": 2,
+    "hall": 2,
+    "dining room": 2,
+    "office": 2,
+    "kitchen": 1,
+}
+
+_REQUIRED: dict[str, RequiredGroups] = {
+    "living room": (("sofa",), ("tv",), ("coffee table",)),
+    "kitchen": (("refrigerator",), ("oven",), ("sink",)),
+    "bathroom": (("toilet",), ("sink",), ("bathtub", "shower")),
+    "bedroom": (("bed",), ("wardrobe", "dresser")),
+    "dining room": (("dining table",), ("chair",)),
+    "office": (("desk",), ("chair",)),
+    "laundry": (("washing machine",),),
+}
+"""Categories that a kind of room must hold: at least one of each group."""
 
 
 def furnish_bathroom(layout: RoomLayout, *, with_washer: bool) -> None:
@@ -52,51 +72,40 @@ def furnish_bathroom(layout: RoomLayout, *, with_washer: bool) -> None:
         _curtain(layout, tub)
     if basin is not None:
         mirror = decor.mirror(rng, palette)
-        layout.hang_on_wall(mirror, sides=SIDES, z=1.15, near=basin)
+        layout.hang_on_wall(mirror, z=1.15, near=basin)
         scatter(layout, basin, (household.soap_dispenser, household.toothbrush_cup), 2)
     if toilet is not None:
-        scatter(
-            layout,
-            toilet,
-            (plants.small_plant, decor.candle, decor.folded_towels),
-            1 if rng.chance(0.4) else 0,
-        )
+        small = (plants.small_plant, decor.candle, decor.folded_towels)
+        scatter(layout, toilet, small, 1 if rng.chance(0.4) else 0)
     if with_washer:
         washer = layout.place_at_wall(
             household.washing_machine(rng, palette), front=0.55, access=True, where="corner"
         )
         scatter(layout, washer, (household.detergent, decor.folded_towels), 1)
-    layout.hang_on_wall(decor.towel_rack(rng, palette), sides=SIDES, z=0.82)
-    layout.hang_on_wall(decor.toilet_paper(rng, palette), sides=SIDES, z=0.65)
-    stand_some(
-        layout,
-        (
-            (household.trash_can, 0.6),
-            (household.toilet_brush, 0.6),
-            (household.laundry_basket, 0.35),
-            (household.scale, 0.3),
-            (storage.cabinet, 0.15),
-            (plants.leafy_plant, 0.25),
-        ),
-        corner_chance=0.6,
+    layout.hang_on_wall(decor.towel_rack(rng, palette), z=0.82)
+    layout.hang_on_wall(decor.toilet_paper(rng, palette), z=0.65)
+    things = (
+        (household.trash_can, 0.6),
+        (household.toilet_brush, 0.6),
+        (household.laundry_basket, 0.35),
+        (household.scale, 0.3),
+        (storage.cabinet, 0.15),
+        (plants.leafy_plant, 0.25),
     )
+    stand_some(layout, things, corner_chance=0.6)
     mat = decor.bath_mat(rng, palette)
     host = tub or basin
     if host is not None:
-        dx, dy = turned_point(0.0, host.model.depth / 2 + 0.3, host.yaw_deg)
-        pose = ModelPose(host.x + dx, host.y + dy, host.yaw_deg)
+        pose = beside(host, 0.0, host.model.depth / 2 + 0.3)
         if not layout.is_taken(mat, pose) and layout.fits(mat, pose, in_clear_zone=True):
             layout.place(mat, pose, flat=True)
 
 
 def _curtain(layout: RoomLayout, tub: PlacedModel) -> None:
     model = decor.shower_curtain(layout.rng, layout.palette, round(tub.model.width - 0.04, 3))
-    dx, dy = turned_point(0.0, tub.model.depth / 2 + 0.06, tub.yaw_deg)
-    pose = ModelPose(tub.x + dx, tub.y + dy, tub.yaw_deg, 0.25)
-    if not layout.is_taken(model, pose) and layout.fits(
-        model, pose, in_clear_zone=True, tight=True
-    ):
-        layout.place(model, pose)
+    pose = beside(tub, 0.0, tub.model.depth / 2 + 0.06, z=0.25)
+    if not layout.is_taken(model, pose):
+        layout.place_if_fits(model, pose, in_clear_zone=True, tight=True)
 
 
 def furnish_hall(layout: RoomLayout) -> None:
@@ -108,40 +117,31 @@ def furnish_hall(layout: RoomLayout) -> None:
         else None
     )
     if base is not None:
-        scatter(
-            layout,
-            base,
-            (
-                plants.flower_vase,
-                kitchenware.bowl,
-                devices.table_lamp,
-                decor.photo_frame,
-                luggage_and_tools.handbag,
-            ),
-            2,
+        small = (
+            plants.flower_vase,
+            kitchenware.bowl,
+            devices.table_lamp,
+            decor.photo_frame,
+            luggage_and_tools.handbag,
         )
-        layout.hang_on_wall(decor.mirror(rng, palette), sides=SIDES, z=1.15, near=base)
-    stand_some(
-        layout,
-        rng.shuffled(
-            (
-                (storage.shoe_rack, 0.6),
-                (storage.coat_rack, 0.45),
-                (luggage_and_tools.umbrella, 0.6),
-                (seating.bench_seat, 0.2),
-                (luggage_and_tools.shoes, 0.4),
-                (plants.snake_plant, 0.25),
-                (luggage_and_tools.suitcase, 0.12),
-                (luggage_and_tools.fire_extinguisher, 0.08),
-                (luggage_and_tools.backpack, 0.2),
-                (sports.skateboard, 0.08),
-                (sports.football, 0.08),
-            )
-        ),
-        corner_chance=0.5,
+        scatter(layout, base, small, 2)
+        layout.hang_on_wall(decor.mirror(rng, palette), z=1.15, near=base)
+    things = (
+        (storage.shoe_rack, 0.6),
+        (storage.coat_rack, 0.45),
+        (luggage_and_tools.umbrella, 0.6),
+        (seating.bench_seat, 0.2),
+        (luggage_and_tools.shoes, 0.4),
+        (plants.snake_plant, 0.25),
+        (luggage_and_tools.suitcase, 0.12),
+        (luggage_and_tools.fire_extinguisher, 0.08),
+        (luggage_and_tools.backpack, 0.2),
+        (sports.skateboard, 0.08),
+        (sports.football, 0.08),
     )
+    stand_some(layout, rng.shuffled(things), corner_chance=0.5)
     if rng.chance(0.5):
-        layout.hang_on_wall(decor.wall_hooks(rng, palette), sides=SIDES, z=1.3)
+        layout.hang_on_wall(decor.wall_hooks(rng, palette), z=1.3)
     if rng.chance(0.5):
         x, y = layout.inner.centre
         place_rug(
@@ -171,19 +171,16 @@ def furnish_laundry(layout: RoomLayout) -> None:
         household.clothes_dryer(rng, palette), front=0.7, access=True, where="corner"
     )
     scatter(layout, dryer, (household.detergent, household.basket), 1)
-    stand_some(
-        layout,
-        (
-            (household.laundry_basket, 0.9),
-            (household.ironing_board, 0.5),
-            (household.drying_rack, 0.5),
-            (storage.metal_shelf, 0.4),
-            (household.bucket, 0.5),
-            (household.broom, 0.5),
-            (devices.vacuum_cleaner, 0.3),
-        ),
-        corner_chance=0.5,
+    things = (
+        (household.laundry_basket, 0.9),
+        (household.ironing_board, 0.5),
+        (household.drying_rack, 0.5),
+        (storage.metal_shelf, 0.4),
+        (household.bucket, 0.5),
+        (household.broom, 0.5),
+        (devices.vacuum_cleaner, 0.3),
     )
+    stand_some(layout, things, corner_chance=0.5)
 
 
 def furnish_storage(layout: RoomLayout) -> None:
@@ -192,25 +189,20 @@ def furnish_storage(layout: RoomLayout) -> None:
     layout.place_at_wall(storage.metal_shelf(rng, palette), access=True)
     if rng.chance(0.5):
         layout.place_at_wall(storage.metal_shelf(rng, palette), access=True)
-    stand_some(
-        layout,
-        rng.shuffled(
-            (
-                (luggage_and_tools.cardboard_boxes, 0.9),
-                (devices.vacuum_cleaner, 0.6),
-                (luggage_and_tools.ladder, 0.5),
-                (luggage_and_tools.toolbox, 0.5),
-                (luggage_and_tools.suitcase, 0.5),
-                (household.broom, 0.5),
-                (household.bucket, 0.4),
-                (sports.bicycle, 0.2),
-                (sports.skateboard, 0.15),
-                (household.ironing_board, 0.25),
-                (leisure.bird_cage, 0.05),
-            )
-        ),
-        corner_chance=0.6,
+    things = (
+        (luggage_and_tools.cardboard_boxes, 0.9),
+        (devices.vacuum_cleaner, 0.6),
+        (luggage_and_tools.ladder, 0.5),
+        (luggage_and_tools.toolbox, 0.5),
+        (luggage_and_tools.suitcase, 0.5),
+        (household.broom, 0.5),
+        (household.bucket, 0.4),
+        (sports.bicycle, 0.2),
+        (sports.skateboard, 0.15),
+        (household.ironing_board, 0.25),
+        (leisure.bird_cage, 0.05),
     )
+    stand_some(layout, rng.shuffled(things), corner_chance=0.6)
 
 
 def furnish_balcony(layout: RoomLayout) -> None:
@@ -225,46 +217,17 @@ def furnish_balcony(layout: RoomLayout) -> None:
         scatter(layout, table, (plants.small_plant, kitchenware.cup, decor.candle), 2)
         chair = luggage_and_tools.folding_chair(rng, palette)
         for turn in (90.0, -90.0, 0.0, 180.0):
-            dx, dy = turned_point(0.0, 0.5, table.yaw_deg + turn)
-            pose = ModelPose(table.x + dx, table.y + dy, table.yaw_deg + turn + 180.0)
-            if layout.fits(chair, pose):
-                layout.place(chair, pose)
-    for maker, chance in rng.shuffled(
-        (
-            (plants.hedge_box, 0.7),
-            (plants.leafy_plant, 0.5),
-            (sports.bicycle, 0.25),
-            (household.drying_rack, 0.25),
-            (luggage_and_tools.watering_can, 0.5),
-            (plants.snake_plant, 0.3),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(
-                maker(rng, palette), where="corner" if rng.chance(0.5) else "any", gap=0.05
-            )
-
-
-_PICTURE_COUNTS = {
-    "living room": 3,
-    "bedroom": 2,
-    "hall": 2,
-    "dining room": 2,
-    "office": 2,
-    "kitchen": 1,
-}
-
-
-_REQUIRED: dict[str, RequiredGroups] = {
-    "living room": (("sofa",), ("tv",), ("coffee table",)),
-    "kitchen": (("refrigerator",), ("oven",), ("sink",)),
-    "bathroom": (("toilet",), ("sink",), ("bathtub", "shower")),
-    "bedroom": (("bed",), ("wardrobe", "dresser")),
-    "dining room": (("dining table",), ("chair",)),
-    "office": (("desk",), ("chair",)),
-    "laundry": (("washing machine",),),
-}
-"""Categories that a kind of room must hold: at least one of each group."""
+            side = ModelPose(table.x, table.y, table.yaw_deg + turn)
+            layout.place_if_fits(chair, beside(side, 0.0, 0.5, 180.0))
+    things = (
+        (plants.hedge_box, 0.7),
+        (plants.leafy_plant, 0.5),
+        (sports.bicycle, 0.25),
+        (household.drying_rack, 0.25),
+        (luggage_and_tools.watering_can, 0.5),
+        (plants.snake_plant, 0.3),
+    )
+    stand_some(layout, rng.shuffled(things), corner_chance=0.5, gap=0.05)
 
 
 def _required(plan: FloorPlan, number: int) -> RequiredGroups:

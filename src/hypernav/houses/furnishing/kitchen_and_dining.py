@@ -5,13 +5,28 @@ from hypernav.houses.furnishing.room_layout import (
     SIDES,
     ModelPose,
     RoomLayout,
+    beside,
     footprint,
-    turned_point,
 )
-from hypernav.houses.furnishing.set_dressing import place_plants, place_rug, scatter
+from hypernav.houses.furnishing.set_dressing import place_plants, place_rug, scatter, stand_some
 from hypernav.houses.modelling.model import Model
 from hypernav.houses.objects.belongings import decor, devices, household, kitchenware, plants
 from hypernav.houses.objects.furniture import kitchen_units, seating, storage, tables
+
+_ON_COUNTER = (
+    kitchenware.microwave,
+    kitchenware.toaster,
+    kitchenware.kettle,
+    kitchenware.coffee_machine,
+    kitchenware.blender,
+    kitchenware.knife_block,
+    kitchenware.fruit_bowl,
+    kitchenware.bottle,
+    kitchenware.cutting_board,
+    kitchenware.paper_towels,
+    plants.small_plant,
+    kitchenware.cup,
+)
 
 
 def furnish_dining_room(layout: RoomLayout) -> None:
@@ -26,12 +41,8 @@ def furnish_dining_room(layout: RoomLayout) -> None:
         layout.place(lamp, ModelPose(piece.x, piece.y, 0.0, layout.height - 0.001))
     for maker in rng.shuffled((storage.cabinet, storage.display_cabinet, storage.wine_rack))[:2]:
         base = layout.place_at_wall(maker(rng, palette), front=0.4, access=True)
-        scatter(
-            layout,
-            base,
-            (plants.flower_vase, decor.photo_frame, devices.table_lamp, kitchenware.bowl),
-            2,
-        )
+        small = (plants.flower_vase, decor.photo_frame, devices.table_lamp, kitchenware.bowl)
+        scatter(layout, base, small, 2)
     place_plants(layout, rng.integer(1, 2))
 
 
@@ -99,10 +110,8 @@ def _set_table(
     placed = layout.place(table, pose)
     carrier = layout.obstacle_of(placed)
     for x, y, yaw in seatings:
-        dx, dy = turned_point(x, y, pose.yaw_deg)
-        seat = ModelPose(pose.x + dx, pose.y + dy, pose.yaw_deg + yaw)
-        if layout.fits(chair, seat, over=[carrier]):
-            layout.place(chair, seat)
+        seat = beside(pose, x, y, yaw)
+        layout.place_if_fits(chair, seat, over=[carrier])
     _lay_table(layout, placed, seats)
     return placed
 
@@ -113,28 +122,8 @@ def _lay_table(layout: RoomLayout, table: PlacedModel, seats: int) -> None:
     if rng.chance(0.5):
         scatter(layout, table, [kitchenware.plate] * min(seats, 4) + [kitchenware.cup] * 2, 5)
     else:
-        scatter(
-            layout,
-            table,
-            (kitchenware.cup, decor.books, kitchenware.bottle, kitchenware.bowl),
-            rng.integer(1, 3),
-        )
-
-
-_ON_COUNTER = (
-    kitchenware.microwave,
-    kitchenware.toaster,
-    kitchenware.kettle,
-    kitchenware.coffee_machine,
-    kitchenware.blender,
-    kitchenware.knife_block,
-    kitchenware.fruit_bowl,
-    kitchenware.bottle,
-    kitchenware.cutting_board,
-    kitchenware.paper_towels,
-    plants.small_plant,
-    kitchenware.cup,
-)
+        small = (kitchenware.cup, decor.books, kitchenware.bottle, kitchenware.bowl)
+        scatter(layout, table, small, rng.integer(1, 3))
 
 
 def furnish_kitchen(layout: RoomLayout, *, table: bool, island: bool = True) -> None:
@@ -145,22 +134,19 @@ def furnish_kitchen(layout: RoomLayout, *, table: bool, island: bool = True) -> 
         table: Whether the room gets a dining table.
         island: Whether the room may get a free-standing worktop.
     """
-    rng, palette = layout.rng, layout.palette
+    rng = layout.rng
     place_units(layout)
     if table and min(layout.inner.width, layout.inner.depth) > 2.4:
         place_dining(layout, seats=rng.choice((2, 4)))
     elif island and min(layout.inner.width, layout.inner.depth) > 3.2 and rng.chance(0.7):
         _island(layout)
-    for maker, chance in rng.shuffled(
-        (
-            (household.trash_can, 0.8),
-            (storage.wine_rack, 0.25),
-            (seating.stool, 0.2),
-            (household.broom, 0.15),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner")
+    things = (
+        (household.trash_can, 0.8),
+        (storage.wine_rack, 0.25),
+        (seating.stool, 0.2),
+        (household.broom, 0.15),
+    )
+    stand_some(layout, rng.shuffled(things), where="corner")
     if rng.chance(0.5):
         place_plants(layout, 1)
 
@@ -312,13 +298,12 @@ def _above(layout: RoomLayout, side: str, piece: PlacedModel, fridge: Model | No
     if piece.model.category == "oven":
         hood = kitchen_units.range_hood(rng, palette)
         pose = layout.pose_at_wall(hood, side, along, 0.004, 1.6)
-        if layout.fits(hood, pose, in_clear_zone=True, tight=True):
-            layout.place(hood, pose)
+        layout.place_if_fits(hood, pose, in_clear_zone=True, tight=True)
         return
     unit = kitchen_units.wall_cabinet(rng, palette, round(piece.model.width - 0.004, 3))
     pose = layout.pose_at_wall(unit, side, along, 0.004, 1.45)
-    if rng.chance(0.9) and layout.fits(unit, pose, in_clear_zone=True, tight=True):
-        layout.place(unit, pose)
+    if rng.chance(0.9):
+        layout.place_if_fits(unit, pose, in_clear_zone=True, tight=True)
 
 
 def _on_counter(layout: RoomLayout, piece: PlacedModel) -> None:

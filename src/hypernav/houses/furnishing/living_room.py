@@ -2,8 +2,8 @@
 
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.furnishing.kitchen_and_dining import place_dining
-from hypernav.houses.furnishing.room_layout import SIDES, ModelPose, RoomLayout, turned_point
-from hypernav.houses.furnishing.set_dressing import place_plants, place_rug, scatter
+from hypernav.houses.furnishing.room_layout import SIDES, ModelPose, RoomLayout, beside
+from hypernav.houses.furnishing.set_dressing import place_plants, place_rug, scatter, stand_some
 from hypernav.houses.modelling.model import Model
 from hypernav.houses.objects.belongings import (
     decor,
@@ -15,6 +15,8 @@ from hypernav.houses.objects.belongings import (
 )
 from hypernav.houses.objects.furniture import seating, storage, tables
 
+_ALONG = {"south": (0.0, 1.0), "north": (0.0, -1.0), "west": (1.0, 0.0), "east": (-1.0, 0.0)}
+
 
 def place_cushions(layout: RoomLayout, couch: PlacedModel) -> None:
     """Place up to two cushions in the corners of a sofa."""
@@ -25,10 +27,8 @@ def place_cushions(layout: RoomLayout, couch: PlacedModel) -> None:
     for s in (-1.0, 1.0):
         if layout.rng.chance(0.7):
             cushion = decor.sofa_cushion(layout.rng, layout.palette)
-            x, y = turned_point(s * (model.width / 2 - 0.47), back, couch.yaw_deg)
-            layout.place(
-                cushion, ModelPose(couch.x + x, couch.y + y, couch.yaw_deg, 0.475), on_top=True
-            )
+            pose = beside(couch, s * (model.width / 2 - 0.47), back, z=0.475)
+            layout.place(cushion, pose, on_top=True)
 
 
 def furnish_around_sofa(layout: RoomLayout, couch: PlacedModel) -> None:
@@ -44,46 +44,35 @@ def furnish_around_sofa(layout: RoomLayout, couch: PlacedModel) -> None:
         if chaise:
             seat_x = _chaise_side(model)
             shift = -seat_x * (0.32 + table.width * 0.1)
-        dx, dy = turned_point(shift, off, couch.yaw_deg)
-        pose = ModelPose(couch.x + dx, couch.y + dy, couch.yaw_deg)
+        pose = beside(couch, shift, off)
         over = [layout.obstacle_of(couch)] if chaise else []
         if layout.fits(table, pose, over=over, in_clear_zone=True) and not (
             chaise and _hits_chaise(table, shift, off, model)
         ):
             piece = layout.place(table, pose)
-            scatter(
-                layout,
-                piece,
-                (
-                    decor.books,
-                    plants.flower_vase,
-                    plants.small_plant,
-                    kitchenware.bowl,
-                    kitchenware.cup,
-                    decor.remote,
-                    decor.candle,
-                    decor.magazine,
-                ),
-                rng.integer(1, 3),
+            small = (
+                decor.books,
+                plants.flower_vase,
+                plants.small_plant,
+                kitchenware.bowl,
+                kitchenware.cup,
+                decor.remote,
+                decor.candle,
+                decor.magazine,
             )
+            scatter(layout, piece, small, rng.integer(1, 3))
     if rng.chance(0.75):
         rug = decor.rug(rng, palette)
-        dx, dy = turned_point(0.0, front + 0.5, couch.yaw_deg)
-        place_rug(layout, rug, ModelPose(couch.x + dx, couch.y + dy, couch.yaw_deg))
+        place_rug(layout, rug, beside(couch, 0.0, front + 0.5))
     for s in rng.shuffled((-1.0, 1.0)):
         if rng.chance(0.6):
             seat = rng.weighted(((seating.armchair, 4.0), (seating.ottoman, 0.5)))(rng, palette)
-            dx, dy = turned_point(s * (model.width / 2 + 0.25), front + 0.55, couch.yaw_deg)
-            pose = ModelPose(couch.x + dx, couch.y + dy, couch.yaw_deg + s * 90.0)
-            if layout.fits(seat, pose, access=False):
-                layout.place(seat, pose)
+            pose = beside(couch, s * (model.width / 2 + 0.25), front + 0.55, s * 90.0)
+            layout.place_if_fits(seat, pose)
     for s in rng.shuffled((-1.0, 1.0)):
         side_table = tables.side_table(rng, palette)
         back = -model.depth / 2 + side_table.depth / 2 + 0.02
-        dx, dy = turned_point(
-            s * (model.width / 2 + side_table.width / 2 + 0.04), back, couch.yaw_deg
-        )
-        pose = ModelPose(couch.x + dx, couch.y + dy, couch.yaw_deg)
+        pose = beside(couch, s * (model.width / 2 + side_table.width / 2 + 0.04), back)
         if rng.chance(0.5) and layout.fits(side_table, pose):
             piece = layout.place(side_table, pose)
             scatter(layout, piece, (devices.table_lamp,), 1)
@@ -112,9 +101,6 @@ def _hits_chaise(table: Model, shift: float, off: float, couch: Model) -> bool:
     return False
 
 
-_ALONG = {"south": (0.0, 1.0), "north": (0.0, -1.0), "west": (1.0, 0.0), "east": (-1.0, 0.0)}
-
-
 def place_seating_group(layout: RoomLayout) -> None:
     """Place a television at one wall, a sofa opposite, a coffee table and a rug between."""
     rng, palette = layout.rng, layout.palette
@@ -138,7 +124,7 @@ def place_seating_group(layout: RoomLayout) -> None:
         if layout.place_on_top(base, television, facing=0.0, where=(0.5, 0.4)) is not None:
             return
         layout.remove(base)
-    layout.hang_on_wall(devices.wall_tv(rng, palette), sides=SIDES, z=1.0)
+    layout.hang_on_wall(devices.wall_tv(rng, palette), z=1.0)
 
 
 def _television(layout: RoomLayout) -> tuple[Model, Model, bool]:
@@ -213,28 +199,14 @@ def _mount(
     carrier = next(p for p in layout.placed if p.x == base.x and p.y == base.y)
     if wall_mounted:
         pose = layout.pose_at_wall(television, side, t, 0.004, 0.95)
-        if layout.fits(television, pose, in_clear_zone=True):
-            layout.place(television, pose)
-            scatter(
-                layout,
-                carrier,
-                (
-                    plants.small_plant,
-                    decor.books,
-                    devices.speaker_small,
-                    devices.game_console,
-                ),
-                2,
-            )
+        if layout.place_if_fits(television, pose, in_clear_zone=True) is not None:
+            small = (plants.small_plant, decor.books, devices.speaker_small, devices.game_console)
+            scatter(layout, carrier, small, 2)
             return
         television = devices.tv(layout.rng, layout.palette)
     layout.place_on_top(carrier, television, facing=0.0, where=(0.5, 0.4))
-    scatter(
-        layout,
-        carrier,
-        (plants.small_plant, decor.books, decor.candle, devices.game_console),
-        1,
-    )
+    small = (plants.small_plant, decor.books, decor.candle, devices.game_console)
+    scatter(layout, carrier, small, 1)
 
 
 def furnish_living_room(layout: RoomLayout, *, with_dining: bool) -> None:
@@ -243,46 +215,32 @@ def furnish_living_room(layout: RoomLayout, *, with_dining: bool) -> None:
     place_seating_group(layout)
     if with_dining:
         place_dining(layout, seats=rng.choice((4, 4, 6)))
-    for maker, chance in rng.shuffled(
-        (
-            (storage.bookshelf, 0.7),
-            (storage.cabinet, 0.35),
-            (storage.display_cabinet, 0.25),
-            (leisure.piano, 0.25),
-            (leisure.fireplace, 0.3),
-            (storage.dresser, 0.1),
-        )
-    ):
+    things = (
+        (storage.bookshelf, 0.7),
+        (storage.cabinet, 0.35),
+        (storage.display_cabinet, 0.25),
+        (leisure.piano, 0.25),
+        (leisure.fireplace, 0.3),
+        (storage.dresser, 0.1),
+    )
+    for maker, chance in rng.shuffled(things):
         if rng.chance(chance):
             piece = layout.place_at_wall(maker(rng, palette), front=0.45, access=True)
-            scatter(
-                layout,
-                piece,
-                (
-                    plants.flower_vase,
-                    decor.photo_frame,
-                    decor.candle,
-                    decor.globe,
-                    decor.clock,
-                ),
-                2,
-            )
-    for maker, chance in rng.shuffled(
-        (
-            (devices.floor_lamp, 0.7),
-            (seating.bean_bag, 0.2),
-            (seating.rocking_chair, 0.15),
-            (seating.ottoman, 0.3),
-            (leisure.guitar, 0.2),
-            (devices.fan, 0.2),
-            (leisure.cat_tree, 0.12),
-            (leisure.pet_bed, 0.15),
-            (devices.speaker, 0.3),
-            (household.basket, 0.2),
-            (leisure.fish_tank, 0.12),
-            (leisure.toy_box, 0.1),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner")
+            small = (plants.flower_vase, decor.photo_frame, decor.candle, decor.globe, decor.clock)
+            scatter(layout, piece, small, 2)
+    things = (
+        (devices.floor_lamp, 0.7),
+        (seating.bean_bag, 0.2),
+        (seating.rocking_chair, 0.15),
+        (seating.ottoman, 0.3),
+        (leisure.guitar, 0.2),
+        (devices.fan, 0.2),
+        (leisure.cat_tree, 0.12),
+        (leisure.pet_bed, 0.15),
+        (devices.speaker, 0.3),
+        (household.basket, 0.2),
+        (leisure.fish_tank, 0.12),
+        (leisure.toy_box, 0.1),
+    )
+    stand_some(layout, rng.shuffled(things), where="corner")
     place_plants(layout, rng.integer(1, 3))

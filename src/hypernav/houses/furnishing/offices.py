@@ -5,7 +5,7 @@ from collections.abc import Callable
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.furnishing.kitchen_and_dining import place_dining, place_units
 from hypernav.houses.furnishing.living_room import place_seating_group
-from hypernav.houses.furnishing.room_layout import SIDES, ModelPose, RoomLayout, turned_point
+from hypernav.houses.furnishing.room_layout import ModelPose, RoomLayout, beside
 from hypernav.houses.furnishing.rooms import Furnishing, RequiredGroups
 from hypernav.houses.furnishing.set_dressing import (
     Maker,
@@ -44,6 +44,23 @@ _ON_DESK: tuple[Maker, ...] = (
     decor.photo_frame,
 )
 
+REQUIRED: dict[str, RequiredGroups] = {
+    "office": (("desk",), ("chair",)),
+    "open office": (("desk",), ("chair",)),
+    "meeting room": (("meeting table",), ("chair",)),
+    "conference room": (("meeting table",), ("chair",)),
+    "lounge": (("sofa", "armchair"),),
+    "reception": (("reception desk",),),
+    "pantry": (("refrigerator",), ("sink",)),
+    "restroom": (("toilet",), ("sink",)),
+    "copy room": (("copier",),),
+    "storage": (("storage rack",),),
+    "server room": (("server rack",),),
+}
+"""Categories that each kind of room must hold: at least one of each group."""
+
+_PICTURES = {"office": 1, "meeting room": 1, "reception": 1, "lounge": 2, "corridor": 2}
+
 
 def furnish_cell_office(layout: RoomLayout) -> None:
     """Furnish with one or two desks at the walls, cabinets, a visitor's chair, a board."""
@@ -56,36 +73,30 @@ def furnish_cell_office(layout: RoomLayout) -> None:
             if piece is not None:
                 _equip(layout, piece, seat)
                 break
-    for maker, chance in rng.shuffled(
-        (
-            (storage.bookshelf, 0.6),
-            (storage.filing_cabinet, 0.7),
-            (storage.cabinet, 0.3),
-            (office_equipment.drawer_unit, 0.4),
-        )
-    ):
+    things = (
+        (storage.bookshelf, 0.6),
+        (storage.filing_cabinet, 0.7),
+        (storage.cabinet, 0.3),
+        (office_equipment.drawer_unit, 0.4),
+    )
+    for maker, chance in rng.shuffled(things):
         if rng.chance(chance):
             piece = layout.place_at_wall(maker(rng, palette), front=0.45, access=True)
             scatter(layout, piece, (plants.small_plant, devices.printer), 1)
-    stand_some(
-        layout,
-        rng.shuffled(
-            (
-                (seating.armchair, 0.25),
-                (seating.dining_chair, 0.4),
-                (household.trash_can, 0.6),
-                (storage.coat_rack, 0.35),
-                (office_equipment.desk_computer, 0.3),
-                (office_equipment.paper_shredder, 0.15),
-                (luggage_and_tools.backpack, 0.25),
-                (devices.floor_lamp, 0.2),
-                (devices.fan, 0.1),
-            )
-        ),
-        corner_chance=0.5,
+    things = (
+        (seating.armchair, 0.25),
+        (seating.dining_chair, 0.4),
+        (household.trash_can, 0.6),
+        (storage.coat_rack, 0.35),
+        (office_equipment.desk_computer, 0.3),
+        (office_equipment.paper_shredder, 0.15),
+        (luggage_and_tools.backpack, 0.25),
+        (devices.floor_lamp, 0.2),
+        (devices.fan, 0.1),
     )
+    stand_some(layout, rng.shuffled(things), corner_chance=0.5)
     if rng.chance(0.5):
-        layout.hang_on_wall(office_equipment.whiteboard(rng, palette), sides=SIDES, z=0.95)
+        layout.hang_on_wall(office_equipment.whiteboard(rng, palette), z=0.95)
     if rng.chance(0.6):
         place_plants(layout, 1)
 
@@ -104,26 +115,25 @@ def furnish_open_office(layout: RoomLayout) -> None:
             place_table(layout, office_equipment.meeting_table(rng, palette, 6), seat, pose)
         else:
             _place_lounge(layout, pose)
-    for maker, count in rng.shuffled(
-        (
-            (storage.filing_cabinet, 2),
-            (office_equipment.locker, 1),
-            (storage.bookshelf, 2),
-            (storage.cabinet, 1),
-            (office_equipment.copier, 1 if rng.chance(0.3) else 0),
-            (storage.coat_rack, 1),
-            (household.trash_can, 2),
-            (office_equipment.paper_shredder, 1 if rng.chance(0.4) else 0),
-            (devices.fan, 1 if rng.chance(0.3) else 0),
-        )
-    ):
+    things = (
+        (storage.filing_cabinet, 2),
+        (office_equipment.locker, 1),
+        (storage.bookshelf, 2),
+        (storage.cabinet, 1),
+        (office_equipment.copier, 1 if rng.chance(0.3) else 0),
+        (storage.coat_rack, 1),
+        (household.trash_can, 2),
+        (office_equipment.paper_shredder, 1 if rng.chance(0.4) else 0),
+        (devices.fan, 1 if rng.chance(0.3) else 0),
+    )
+    for maker, count in rng.shuffled(things):
         model = maker(rng, palette)
         for _ in range(rng.integer(0, count)):
             piece = layout.place_at_wall(model, front=0.3, access=True)
             scatter(layout, piece, (plants.small_plant, devices.printer, decor.books), 1)
     for maker, chance in ((office_equipment.whiteboard, 0.8), (office_equipment.notice_board, 0.5)):
         if rng.chance(chance):
-            layout.hang_on_wall(maker(rng, palette), sides=SIDES, z=0.95)
+            layout.hang_on_wall(maker(rng, palette), z=0.95)
     place_plants(layout, rng.integer(1, 3))
 
 
@@ -169,16 +179,12 @@ def _place_island(
         x = (k - (count - 1) / 2) * (desk.width + 0.004)
         pair = []
         for side, turn in ((1.0, 0.0), (-1.0, 180.0)):
-            dx, dy = turned_point(x, side * _BACK_TO_BACK_M / 2, middle.yaw_deg)
-            pose = ModelPose(middle.x + dx, middle.y + dy, middle.yaw_deg + turn)
+            pose = beside(middle, x, side * _BACK_TO_BACK_M / 2, turn)
             if layout.fits(desk, pose, tight=True):
                 pair.append(layout.place(desk, pose))
         if screen is not None and len(pair) == 2:
-            dx, dy = turned_point(x, 0.0, middle.yaw_deg)
-            z = office_equipment.TABLE_M + 0.001
-            layout.place(
-                screen, ModelPose(middle.x + dx, middle.y + dy, middle.yaw_deg, z), on_top=True
-            )
+            pose = beside(middle, x, 0.0, z=office_equipment.TABLE_M + 0.001)
+            layout.place(screen, pose, on_top=True)
         for piece in pair:
             _equip(layout, piece, seat)
 
@@ -187,10 +193,8 @@ def _equip(layout: RoomLayout, desk: PlacedModel, seat: Model) -> None:
     """Place a chair before a desk, and a computer and small things on it."""
     rng, palette = layout.rng, layout.palette
     y = (desk.model.depth + seat.depth) / 2 - _TUCK_M
-    dx, dy = turned_point(0.0, y, desk.yaw_deg)
-    pose = ModelPose(desk.x + dx, desk.y + dy, desk.yaw_deg + 180.0)
-    if layout.fits(seat, pose, over=[layout.obstacle_of(desk)]):
-        layout.place(seat, pose)
+    pose = beside(desk, 0.0, y, 180.0)
+    layout.place_if_fits(seat, pose, over=[layout.obstacle_of(desk)])
     if rng.chance(0.25):
         layout.place_on_top(desk, devices.laptop(rng, palette), facing=0.0, where=(0.5, 0.6))
     else:
@@ -209,10 +213,8 @@ def place_table(layout: RoomLayout, table: Model, seat: Model, pose: ModelPose) 
         x = (k + 0.5 - per_side / 2) * (table.width - 0.2) / per_side
         for side, turn in ((1.0, 180.0), (-1.0, 0.0)):
             y = side * ((table.depth + seat.depth) / 2 - _TUCK_M)
-            dx, dy = turned_point(x, y, pose.yaw_deg)
-            chair = ModelPose(pose.x + dx, pose.y + dy, pose.yaw_deg + turn)
-            if layout.fits(seat, chair, over=[layout.obstacle_of(placed)]):
-                layout.place(seat, chair)
+            chair = beside(pose, x, y, turn)
+            layout.place_if_fits(seat, chair, over=[layout.obstacle_of(placed)])
     scatter(layout, placed, (devices.laptop, kitchenware.cup, decor.books, kitchenware.bottle), 2)
     return True
 
@@ -222,10 +224,8 @@ def _place_lounge(layout: RoomLayout, pose: ModelPose) -> None:
     rng, palette = layout.rng, layout.palette
     sofa, table = seating.sofa(rng, palette), tables.coffee_table(rng, palette)
     for model, y in ((sofa, 0.0), (table, sofa.depth / 2 + 0.4 + table.depth / 2)):
-        dx, dy = turned_point(0.0, y, pose.yaw_deg)
-        own = ModelPose(pose.x + dx, pose.y + dy, pose.yaw_deg)
-        if layout.fits(model, own):
-            layout.place(model, own)
+        own = beside(pose, 0.0, y)
+        layout.place_if_fits(model, own)
 
 
 def furnish_meeting_room(layout: RoomLayout) -> None:
@@ -252,7 +252,7 @@ def furnish_meeting_room(layout: RoomLayout) -> None:
         pose = ModelPose(*i.centre, hung.yaw_deg + 180.0, layout.height - 0.001)
         layout.place(office_equipment.projector(rng, palette), pose)
     if rng.chance(0.75):
-        layout.hang_on_wall(office_equipment.whiteboard(rng, palette), sides=SIDES, z=0.95)
+        layout.hang_on_wall(office_equipment.whiteboard(rng, palette), z=0.95)
     if rng.chance(0.5):
         base = layout.place_at_wall(storage.cabinet(rng, palette), front=0.4)
         scatter(layout, base, (plants.flower_vase, devices.phone, decor.books), 1)
@@ -264,22 +264,19 @@ def furnish_meeting_room(layout: RoomLayout) -> None:
 
 def furnish_lounge(layout: RoomLayout) -> None:
     """Furnish with sofas before a screen, shelves, and something to play with."""
-    rng, palette = layout.rng, layout.palette
+    rng = layout.rng
     place_seating_group(layout)
-    for maker, chance in rng.shuffled(
-        (
-            (storage.bookshelf, 0.5),
-            (seating.bean_bag, 0.5),
-            (seating.armchair, 0.4),
-            (seating.ottoman, 0.3),
-            (devices.floor_lamp, 0.5),
-            (leisure.guitar, 0.15),
-            (leisure.piano, 0.12),
-            (office_equipment.vending_machine, 0.4),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette))
+    things = (
+        (storage.bookshelf, 0.5),
+        (seating.bean_bag, 0.5),
+        (seating.armchair, 0.4),
+        (seating.ottoman, 0.3),
+        (devices.floor_lamp, 0.5),
+        (leisure.guitar, 0.15),
+        (leisure.piano, 0.12),
+        (office_equipment.vending_machine, 0.4),
+    )
+    stand_some(layout, rng.shuffled(things))
     place_plants(layout, rng.integer(1, 2))
 
 
@@ -291,24 +288,20 @@ def furnish_reception(layout: RoomLayout) -> None:
     if sofa is not None:
         table = tables.coffee_table(rng, palette)
         y = sofa.model.depth / 2 + 0.4 + table.depth / 2
-        dx, dy = turned_point(0.0, y, sofa.yaw_deg)
-        pose = ModelPose(sofa.x + dx, sofa.y + dy, sofa.yaw_deg)
+        pose = beside(sofa, 0.0, y)
         if layout.fits(table, pose):
             scatter(layout, layout.place(table, pose), (decor.magazine, plants.flower_vase), 2)
-    for maker, chance in rng.shuffled(
-        (
-            (seating.armchair, 0.6),
-            (storage.coat_rack, 0.6),
-            (office_equipment.water_dispenser, 0.4),
-            (luggage_and_tools.umbrella, 0.5),
-            (storage.display_cabinet, 0.2),
-            (office_equipment.vending_machine, 0.15),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette))
+    things = (
+        (seating.armchair, 0.6),
+        (storage.coat_rack, 0.6),
+        (office_equipment.water_dispenser, 0.4),
+        (luggage_and_tools.umbrella, 0.5),
+        (storage.display_cabinet, 0.2),
+        (office_equipment.vending_machine, 0.15),
+    )
+    stand_some(layout, rng.shuffled(things))
     if rng.chance(0.5):
-        layout.hang_on_wall(devices.wall_tv(rng, palette), sides=SIDES, z=1.2)
+        layout.hang_on_wall(devices.wall_tv(rng, palette), z=1.2)
     place_plants(layout, rng.integer(1, 3))
 
 
@@ -321,10 +314,8 @@ def place_counter(layout: RoomLayout) -> None:
         piece = layout.place_at_wall(desk, gap=gap, front=0.8, access=True, where="middle")
         if piece is None:
             continue
-        dx, dy = turned_point(0.0, -desk.depth / 2 - 0.36, piece.yaw_deg)
-        pose = ModelPose(piece.x + dx, piece.y + dy, piece.yaw_deg)
-        if layout.fits(seat, pose):
-            layout.place(seat, pose)
+        pose = beside(piece, 0.0, -desk.depth / 2 - 0.36)
+        layout.place_if_fits(seat, pose)
         layout.place_on_top(piece, devices.monitor(rng, palette), facing=180.0, where=(0.3, 0.9))
         layout.place_on_top(piece, devices.keyboard(rng, palette), facing=180.0, where=(0.3, 0.2))
         scatter(layout, piece, (devices.phone, decor.pen_cup), 2)
@@ -341,18 +332,15 @@ def furnish_pantry(layout: RoomLayout) -> None:
     scatter(layout, base, (kitchenware.coffee_machine, kitchenware.microwave), 2)
     for _ in range(1 + (layout.inner.area > 22.0)):
         place_dining(layout, seats=rng.choice((2, 4, 4)))
-    for maker, chance in rng.shuffled(
-        (
-            (office_equipment.water_dispenser, 0.7),
-            (office_equipment.vending_machine, 0.4),
-            (household.trash_can, 0.9),
-            (storage.wine_rack, 0.05),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner")
+    things = (
+        (office_equipment.water_dispenser, 0.7),
+        (office_equipment.vending_machine, 0.4),
+        (household.trash_can, 0.9),
+        (storage.wine_rack, 0.05),
+    )
+    stand_some(layout, rng.shuffled(things), where="corner")
     if rng.chance(0.4):
-        layout.hang_on_wall(office_equipment.notice_board(rng, palette), sides=SIDES, z=1.0)
+        layout.hang_on_wall(office_equipment.notice_board(rng, palette), z=1.0)
     if rng.chance(0.4):
         place_plants(layout, 1)
 
@@ -368,14 +356,12 @@ def furnish_restroom(layout: RoomLayout) -> None:
         for _ in range(3):
             piece = layout.place_at_wall(basin, front=0.55, access=True)
             if piece is not None:
-                layout.hang_on_wall(decor.mirror(rng, palette), sides=SIDES, z=1.15, near=piece)
+                layout.hang_on_wall(decor.mirror(rng, palette), z=1.15, near=piece)
                 scatter(layout, piece, (household.soap_dispenser,), 1)
                 break
-    layout.hang_on_wall(decor.toilet_paper(rng, palette), sides=SIDES, z=0.65)
+    layout.hang_on_wall(decor.toilet_paper(rng, palette), z=0.65)
     layout.place_at_wall(household.trash_can(rng, palette), where="corner")
-    for maker, chance in ((household.toilet_brush, 0.6), (plants.leafy_plant, 0.2)):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner")
+    stand_some(layout, ((household.toilet_brush, 0.6), (plants.leafy_plant, 0.2)), where="corner")
 
 
 def furnish_copy_room(layout: RoomLayout) -> None:
@@ -390,18 +376,15 @@ def furnish_copy_room(layout: RoomLayout) -> None:
     base = layout.place_at_wall(storage.filing_cabinet(rng, palette), front=0.5, access=True)
     if base is not None:
         layout.place_on_top(base, devices.printer(rng, palette), facing=0.0)
-    for maker, chance in rng.shuffled(
-        (
-            (storage.metal_shelf, 0.8),
-            (office_equipment.paper_shredder, 0.7),
-            (household.trash_can, 0.7),
-            (luggage_and_tools.cardboard_boxes, 0.6),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner")
+    things = (
+        (storage.metal_shelf, 0.8),
+        (office_equipment.paper_shredder, 0.7),
+        (household.trash_can, 0.7),
+        (luggage_and_tools.cardboard_boxes, 0.6),
+    )
+    stand_some(layout, rng.shuffled(things), where="corner")
     if rng.chance(0.5):
-        layout.hang_on_wall(office_equipment.notice_board(rng, palette), sides=SIDES, z=1.0)
+        layout.hang_on_wall(office_equipment.notice_board(rng, palette), z=1.0)
 
 
 def furnish_storage(layout: RoomLayout) -> None:
@@ -410,21 +393,16 @@ def furnish_storage(layout: RoomLayout) -> None:
     rack = storage.metal_shelf(rng, palette)
     for _ in range(max(int(layout.inner.area / 3.5), 1)):
         layout.place_at_wall(rack, front=0.5, access=True)
-    stand_some(
-        layout,
-        rng.shuffled(
-            (
-                (luggage_and_tools.cardboard_boxes, 0.9),
-                (office_equipment.locker, 0.4),
-                (devices.vacuum_cleaner, 0.6),
-                (luggage_and_tools.ladder, 0.5),
-                (luggage_and_tools.toolbox, 0.5),
-                (household.broom, 0.6),
-                (household.bucket, 0.6),
-            )
-        ),
-        corner_chance=0.6,
+    things = (
+        (luggage_and_tools.cardboard_boxes, 0.9),
+        (office_equipment.locker, 0.4),
+        (devices.vacuum_cleaner, 0.6),
+        (luggage_and_tools.ladder, 0.5),
+        (luggage_and_tools.toolbox, 0.5),
+        (household.broom, 0.6),
+        (household.bucket, 0.6),
     )
+    stand_some(layout, rng.shuffled(things), corner_chance=0.6)
 
 
 def furnish_server_room(layout: RoomLayout) -> None:
@@ -433,13 +411,12 @@ def furnish_server_room(layout: RoomLayout) -> None:
     rack = office_equipment.server_rack(rng, palette)
     for _ in range(max(int(layout.inner.area / 4.0), 2)):
         layout.place_at_wall(rack, front=0.7, access=True, where="corner")
-    for maker, chance in (
+    things = (
         (luggage_and_tools.cardboard_boxes, 0.5),
         (luggage_and_tools.fire_extinguisher, 0.8),
         (seating.stool, 0.3),
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), where="corner")
+    )
+    stand_some(layout, things, where="corner")
 
 
 def furnish_corridor(layout: RoomLayout) -> None:
@@ -448,24 +425,21 @@ def furnish_corridor(layout: RoomLayout) -> None:
     long = max(layout.inner.width, layout.inner.depth)
     for _ in range(1 + int(long / 15.0)):
         layout.place_at_wall(luggage_and_tools.fire_extinguisher(rng, palette))
-    for maker, chance in rng.shuffled(
-        (
-            (office_equipment.water_dispenser, 0.35),
-            (office_equipment.copier, 0.15),
-            (seating.bench_seat, 0.3),
-            (plants.snake_plant, 0.5),
-            (plants.leafy_plant, 0.4),
-            (office_equipment.locker, 0.2),
-            (office_equipment.vending_machine, 0.12),
-            (household.trash_can, 0.3),
-        )
-    ):
-        if rng.chance(chance):
-            layout.place_at_wall(maker(rng, palette), access=True)
+    things = (
+        (office_equipment.water_dispenser, 0.35),
+        (office_equipment.copier, 0.15),
+        (seating.bench_seat, 0.3),
+        (plants.snake_plant, 0.5),
+        (plants.leafy_plant, 0.4),
+        (office_equipment.locker, 0.2),
+        (office_equipment.vending_machine, 0.12),
+        (household.trash_can, 0.3),
+    )
+    stand_some(layout, rng.shuffled(things), access=True)
     for maker, chance in ((office_equipment.notice_board, 0.6), (decor.wall_clock, 0.4)):
         if rng.chance(chance):
             model = maker(rng, palette)
-            layout.hang_on_wall(model, sides=SIDES, z=round(1.5 - model.height / 2, 3))
+            layout.hang_on_wall(model, z=round(1.5 - model.height / 2, 3))
 
 
 FURNISHERS: dict[str, Callable[[RoomLayout], None]] = {
@@ -483,23 +457,6 @@ FURNISHERS: dict[str, Callable[[RoomLayout], None]] = {
     "corridor": furnish_corridor,
 }
 """Function that furnishes each kind of room."""
-
-REQUIRED: dict[str, RequiredGroups] = {
-    "office": (("desk",), ("chair",)),
-    "open office": (("desk",), ("chair",)),
-    "meeting room": (("meeting table",), ("chair",)),
-    "conference room": (("meeting table",), ("chair",)),
-    "lounge": (("sofa", "armchair"),),
-    "reception": (("reception desk",),),
-    "pantry": (("refrigerator",), ("sink",)),
-    "restroom": (("toilet",), ("sink",)),
-    "copy room": (("copier",),),
-    "storage": (("storage rack",),),
-    "server room": (("server rack",),),
-}
-"""Categories that each kind of room must hold: at least one of each group."""
-
-_PICTURES = {"office": 1, "meeting room": 1, "reception": 1, "lounge": 2, "corridor": 2}
 
 
 def _required(plan: FloorPlan, number: int) -> RequiredGroups:

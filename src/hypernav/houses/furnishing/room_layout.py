@@ -1,6 +1,6 @@
 """Layout of a room while it is furnished: placed models, and where others fit."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,12 @@ GAP_M = 0.02
 
 SKIRTING_M = 0.018
 """Gap between furniture and a wall, for the skirting board, metres."""
+
+_OVERHEAD_M = 1.05
+"""Smallest height of models that a robot drives under, metres."""
+
+_DRIVABLE_M = 0.08
+"""Largest height of models that a robot drives over, metres."""
 
 SIDES = ("south", "east", "north", "west")
 YAW = {"south": 0.0, "east": 90.0, "north": 180.0, "west": -90.0}
@@ -55,20 +61,24 @@ def footprint(model: Model, pose: ModelPose) -> Rect:
     return Rect(pose.x - w / 2, pose.y - d / 2, pose.x + w / 2, pose.y + d / 2)
 
 
-def turned_point(x: float, y: float, yaw_deg: float) -> Point:
-    """Point of a model's frame rotated by the model's yaw; exact for quarter turns."""
-    r = rotation_matrix(yaw_deg)
-    return float(x * r[0, 0] + y * r[0, 1]), float(x * r[1, 0] + y * r[1, 1])
+def beside(
+    base: PlacedModel | ModelPose, x: float, y: float, turn_deg: float = 0.0, *, z: float = 0.0
+) -> ModelPose:
+    """Pose at a point of another model's frame; exact for quarter turns.
+
+    Args:
+        base: The other model, or its pose.
+        x: Distance to its right, metres.
+        y: Distance to its front, metres.
+        turn_deg: Yaw relative to it, degrees.
+        z: Height, metres.
+    """
+    r = rotation_matrix(base.yaw_deg)
+    dx, dy = float(x * r[0, 0] + y * r[0, 1]), float(x * r[1, 0] + y * r[1, 1])
+    return ModelPose(base.x + dx, base.y + dy, base.yaw_deg + turn_deg, z)
 
 
-_OVERHEAD_M = 1.05
-"""Smallest height of models that a robot drives under, metres."""
-
-_DRIVABLE_M = 0.08
-"""Largest height of models that a robot drives over, metres."""
-
-
-class RoomSpace:
+class RoomLayout:
     """Room with its free floor, its walls and all models placed so far."""
 
     def __init__(self, plan: FloorPlan, number: int, rng: RandomStream, palette: Palette) -> None:
@@ -174,21 +184,10 @@ class RoomSpace:
             return False
         if self._covers_opening(rect, low, high):
             return False
-        for obstacle in self.obstacles:
-            if (
-                obstacle not in over
-                and low < obstacle.high - 1e-4
-                and obstacle.low < high - 1e-4
-                and rect.overlaps(obstacle.rect, 0.0 if tight else GAP_M)
-            ):
-                return False
-        if front > 0.0:
-            zone = self.front_zone(model, pose, front)
-            if any(
-                s.low < 1.0 and s.high > 0.1 and zone.overlaps(s.rect) and s not in over
-                for s in self.obstacles
-            ):
-                return False
+        if any(s not in over for s in self._in_space(rect, low, high, 0.0 if tight else GAP_M)):
+            return False
+        if front > 0.0 and not self.is_free(self.front_zone(model, pose, front), over):
+            return False
         if low >= _OVERHEAD_M or high < _DRIVABLE_M or not floor:
             return True
         return self._floor.allows([rect], [self._access_point(model, pose)] if access else [])
@@ -216,26 +215,30 @@ class RoomSpace:
         )[quarter]
 
     def _access_point(self, model: Model, pose: ModelPose) -> Point:
-        zone = self.front_zone(model, pose, 0.84)
-        return zone.centre
+        return self.front_zone(model, pose, 0.84).centre
 
     def is_taken(self, model: Model, pose: ModelPose) -> bool:
         """Whether a model at a pose would overlap an obstacle."""
-        rect = footprint(model, pose)
         low, high = pose.z + model.low[2], pose.z + model.height
-        return any(
-            low < s.high - 1e-4 and s.low < high - 1e-4 and rect.overlaps(s.rect, 0.01)
+        return any(self._in_space(footprint(model, pose), low, high, 0.01))
+
+    def _in_space(self, rect: Rect, low: float, high: float, gap: float) -> Iterator[Obstacle]:
+        """Obstacles that come closer than a gap to a rectangle, in a range of heights."""
+        return (
+            s
             for s in self.obstacles
+            if low < s.high - 1e-4 and s.low < high - 1e-4 and rect.overlaps(s.rect, gap)
         )
 
     def keeps_floor_connected(self, model: Model, pose: ModelPose) -> bool:
         """Whether all of the floor stays connected with a model at a pose."""
         return self._floor.allows([footprint(model, pose)], [])
 
-    def is_free(self, zone: Rect) -> bool:
-        """Whether no obstacle overlaps a rectangle on the floor."""
+    def is_free(self, zone: Rect, over: Sequence[Obstacle] = ()) -> bool:
+        """Whether no obstacle, except for those in ``over``, overlaps a rectangle on the floor."""
         return not any(
-            s.low < 1.0 and s.high > 0.1 and zone.overlaps(s.rect) for s in self.obstacles
+            s.low < 1.0 and s.high > 0.1 and zone.overlaps(s.rect) and s not in over
+            for s in self.obstacles
         )
 
     def reserve(self, zone: Rect) -> None:
@@ -277,6 +280,20 @@ class RoomSpace:
             self._clear_zones.append(self.front_zone(model, pose, front))
         return piece
 
+    def place_if_fits(
+        self,
+        model: Model,
+        pose: ModelPose,
+        *,
+        over: Sequence[Obstacle] = (),
+        in_clear_zone: bool = False,
+        tight: bool = False,
+    ) -> PlacedModel | None:
+        """Place a model if it can stand at a pose; see `fits` for the arguments."""
+        if self.fits(model, pose, over=over, in_clear_zone=in_clear_zone, tight=tight):
+            return self.place(model, pose)
+        return None
+
     def obstacle_of(self, piece: PlacedModel) -> Obstacle:
         """Space that a placed model occupies."""
         return self._obstacle_of[id(piece)]
@@ -305,10 +322,6 @@ class RoomSpace:
     def standing_points(self) -> Float64[np.ndarray, "n 2"]:
         """Positions where a slim robot may stand."""
         return self._floor.standing_points()
-
-
-class RoomLayout(RoomSpace):
-    """Layout of a room, which searches positions for models."""
 
     def place_at_wall(
         self,
@@ -357,21 +370,26 @@ class RoomLayout(RoomSpace):
         return self.rng.shuffled(grid)[:10]
 
     def hang_on_wall(
-        self, model: Model, *, sides: Sequence[str], z: float, near: PlacedModel | None = None
+        self,
+        model: Model,
+        *,
+        z: float,
+        sides: Sequence[str] = SIDES,
+        near: PlacedModel | None = None,
     ) -> PlacedModel | None:
         """Hang a model on a wall, above ``near`` if given, which stands at a wall.
 
         Args:
             model: Model to hang.
-            sides: Walls to try, in random order.
             z: Height of the model, metres.
+            sides: Walls to try, in random order.
             near: Placed model to hang it above.
         """
         if near is not None:
             side = next(s for s in SIDES if (YAW[s] - near.yaw_deg) % 360.0 == 0.0)
             t = near.x if side in ("south", "north") else near.y
             pose = self.pose_at_wall(model, side, t, 0.004, z)
-            return self.place(model, pose) if self.fits(model, pose, in_clear_zone=True) else None
+            return self.place_if_fits(model, pose, in_clear_zone=True)
         for side in self.rng.shuffled(sides):
             start, end, _ = self.wall_line(side)
             half = model.width / 2 + 0.1
@@ -401,21 +419,16 @@ class RoomLayout(RoomSpace):
             if model.height > top.clearance_m:
                 continue
             for _ in range(8 if where is None else 1):
-                turn = (
-                    facing
-                    if facing is not None
-                    else float(self.rng.choice((0, 0, 0, 90, 180, 270)))
-                )
+                turn = facing
+                if turn is None:
+                    turn = float(self.rng.choice((0, 0, 0, 90, 180, 270)))
                 pose = self._pose_on_top(base, model, top, turn, where)
                 if pose is None:
                     continue
                 rect = footprint(model, pose)
                 low, high = pose.z, pose.z + model.height
-                if any(
-                    low < s.high - 1e-4 and s.low < high - 1e-4 and rect.overlaps(s.rect, 0.012)
-                    for s in self.obstacles
-                    if s is not self.obstacle_of(base)
-                ):
+                touched = self._in_space(rect, low, high, 0.012)
+                if any(s is not self.obstacle_of(base) for s in touched):
                     continue
                 if self._covers_opening(rect, low, high):
                     continue
@@ -439,5 +452,4 @@ class RoomLayout(RoomSpace):
             return None
         fx, fy = where if where is not None else (self.rng.unit(), self.rng.unit())
         x, y = top.x_min + w / 2 + fx * room_x, top.y_min + d / 2 + fy * room_y
-        px, py = turned_point(x, y, base.yaw_deg)
-        return ModelPose(base.x + px, base.y + py, base.yaw_deg + turn, base.z + top.z + 0.001)
+        return beside(base, x, y, turn, z=base.z + top.z + 0.001)

@@ -3,7 +3,13 @@
 from collections.abc import Callable, Sequence
 
 from hypernav.houses.assembly import PlacedModel
-from hypernav.houses.furnishing.room_layout import SIDES, ModelPose, RoomLayout, footprint
+from hypernav.houses.furnishing.room_layout import (
+    SIDES,
+    SKIRTING_M,
+    ModelPose,
+    RoomLayout,
+    footprint,
+)
 from hypernav.houses.modelling.materials import Palette
 from hypernav.houses.modelling.model import Model
 from hypernav.houses.objects.belongings import decor, plants
@@ -11,6 +17,8 @@ from hypernav.houses.objects.furniture import office_equipment
 from hypernav.houses.random_stream import RandomStream
 
 Maker = Callable[[RandomStream, Palette], Model]
+
+_LAMP_EVERY_M = 3.6
 
 
 def hang_curtains(layout: RoomLayout) -> None:
@@ -57,18 +65,42 @@ def hang_pictures(layout: RoomLayout, count: int) -> None:
             ((decor.framed_picture, 6.0), (decor.wall_clock, 1.0), (decor.mirror, 1.0))
         )
         model = maker(layout.rng, layout.palette)
-        layout.hang_on_wall(model, sides=SIDES, z=round(1.62 - model.height / 2, 3))
+        layout.hang_on_wall(model, z=round(1.62 - model.height / 2, 3))
 
 
 def stand_some(
-    layout: RoomLayout, choices: Sequence[tuple[Maker, float]], *, corner_chance: float
+    layout: RoomLayout,
+    choices: Sequence[tuple[Maker, float]],
+    *,
+    corner_chance: float | None = None,
+    where: str = "any",
+    access: bool = False,
+    gap: float = SKIRTING_M,
 ) -> None:
-    """Stand things at walls, each with a chance of its own, in a corner with another."""
+    """Stand things at walls, each with a chance of its own.
+
+    Args:
+        layout: Layout of the room.
+        choices: What makes the things, and their chances.
+        corner_chance: Chance of each to stand in a corner; None if ``where`` says it for all.
+        where: Order of positions, see `RoomLayout.place_at_wall`.
+        access: Whether their fronts must be reached with full walking width.
+        gap: Distance to the wall, metres.
+    """
     rng = layout.rng
     for maker, chance in choices:
         if rng.chance(chance):
             model = maker(rng, layout.palette)
-            layout.place_at_wall(model, where="corner" if rng.chance(corner_chance) else "any")
+            if corner_chance is not None:
+                where = "corner" if rng.chance(corner_chance) else "any"
+            layout.place_at_wall(model, where=where, access=access, gap=gap)
+
+
+def stand_each(layout: RoomLayout, choices: Sequence[tuple[Maker, int]], *, least: int = 0) -> None:
+    """Stand between ``least`` and so many of each thing at walls."""
+    for maker, most in choices:
+        for _ in range(layout.rng.integer(least, most)):
+            layout.place_at_wall(maker(layout.rng, layout.palette))
 
 
 def scatter(
@@ -114,9 +146,6 @@ def place_plants(layout: RoomLayout, count: int) -> None:
         layout.place_at_wall(
             maker(layout.rng, layout.palette), where="corner" if layout.rng.chance(0.7) else "any"
         )
-
-
-_LAMP_EVERY_M = 3.6
 
 
 def hang_lamps_in_rows(layout: RoomLayout) -> None:

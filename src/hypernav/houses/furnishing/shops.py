@@ -12,6 +12,7 @@ from hypernav.houses.furnishing.set_dressing import (
     dress_public_room,
     place_plants,
     scatter,
+    stand_each,
     stand_some,
 )
 from hypernav.houses.modelling.model import Model
@@ -35,6 +36,23 @@ from hypernav.houses.plan.floor_plan import FloorPlan, Rect
 _CROSS_AISLE_M = 1.5
 _LONGEST_RUN = 7
 """Greatest number of shelves in a row without a gap to walk through."""
+
+_FRONT_M = 3.4
+"""Depth of the zone at the front of a large hall that has no aisles, metres."""
+
+_SHOPS = ("supermarket", "hardware store", "clothes shop", "bookshop")
+_TILLS = ("checkout counter", "sales counter")
+_REQUIRED: dict[str, RequiredGroups] = {
+    "supermarket": (("grocery shelf",),),
+    "hardware store": (("storage rack",),),
+    "clothes shop": (("clothes rack",),),
+    "bookshop": (("bookshelf",),),
+    "library": (("bookshelf",), ("reception desk",), ("chair",)),
+    "reading room": (("meeting table",), ("chair",)),
+    "study room": (("meeting table",), ("chair",)),
+    "staff room": REQUIRED["pantry"],
+    **{kind: REQUIRED[kind] for kind in ("office", "restroom")},
+}
 
 
 def front_side(layout: RoomLayout) -> str:
@@ -129,10 +147,6 @@ def grid_points(zone: Rect, every_m: float) -> list[tuple[float, float]]:
     ]
 
 
-_FRONT_M = 3.4
-"""Depth of the zone at the front of a large hall that has no aisles, metres."""
-
-
 def furnish_supermarket(layout: RoomLayout) -> None:
     """Furnish with checkouts at the front, aisles of goods, cooled shelves at the back."""
     rng, palette = layout.rng, layout.palette
@@ -150,16 +164,14 @@ def furnish_supermarket(layout: RoomLayout) -> None:
         place_aisles(layout, rows, zone, rng.uniform(1.5, 2.0))
     if rng.chance(0.6):
         place_tables(layout, [shop_fittings.chest_freezer(rng, palette)], rng.integer(1, 2))
-    _place_each(
-        layout,
-        (
-            (shop_fittings.shopping_cart, 3),
-            (shop_fittings.basket_stack, 1),
-            (household.trash_can, 1),
-            (shop_fittings.magazine_rack, 1),
-            (luggage_and_tools.cardboard_boxes, 1),
-        ),
+    things = (
+        (shop_fittings.shopping_cart, 3),
+        (shop_fittings.basket_stack, 1),
+        (household.trash_can, 1),
+        (shop_fittings.magazine_rack, 1),
+        (luggage_and_tools.cardboard_boxes, 1),
     )
+    stand_each(layout, rng.shuffled(things))
 
 
 def furnish_hardware_store(layout: RoomLayout) -> None:
@@ -174,20 +186,18 @@ def furnish_hardware_store(layout: RoomLayout) -> None:
     line_walls(
         layout, [storage.metal_shelf(rng, palette) for _ in range(3)], rng.shuffled(SIDES)[:2]
     )
-    _place_each(
-        layout,
-        (
-            (luggage_and_tools.ladder, 2),
-            (luggage_and_tools.toolbox, 2),
-            (household.bucket, 2),
-            (household.broom, 2),
-            (luggage_and_tools.watering_can, 1),
-            (sports.bicycle, 1),
-            (luggage_and_tools.cardboard_boxes, 2),
-            (plants.hedge_box, 2),
-            (shop_fittings.shopping_cart, 1),
-        ),
+    things = (
+        (luggage_and_tools.ladder, 2),
+        (luggage_and_tools.toolbox, 2),
+        (household.bucket, 2),
+        (household.broom, 2),
+        (luggage_and_tools.watering_can, 1),
+        (sports.bicycle, 1),
+        (luggage_and_tools.cardboard_boxes, 2),
+        (plants.hedge_box, 2),
+        (shop_fittings.shopping_cart, 1),
     )
+    stand_each(layout, rng.shuffled(things))
 
 
 def furnish_clothes_shop(layout: RoomLayout) -> None:
@@ -210,21 +220,18 @@ def furnish_clothes_shop(layout: RoomLayout) -> None:
         for x, y in grid_points(zone, every):
             model = rng.choice(models[rng.weighted(choices)])
             pose = ModelPose(x, y, rng.choice((0.0, 90.0)))
-            if layout.fits(model, pose):
-                layout.place(model, pose)
+            layout.place_if_fits(model, pose)
     rails = models[shop_fittings.clothes_rail]
     line_walls(layout, rails, rng.shuffled([s for s in SIDES if s != front])[:2])
-    _place_each(
-        layout,
-        (
-            (shop_fittings.mannequin, 2),
-            (storage.shoe_rack, 2),
-            (seating.armchair, 1),
-            (seating.bench_seat, 1),
-            (luggage_and_tools.handbag, 1),
-            (luggage_and_tools.suitcase, 1),
-        ),
+    things = (
+        (shop_fittings.mannequin, 2),
+        (storage.shoe_rack, 2),
+        (seating.armchair, 1),
+        (seating.bench_seat, 1),
+        (luggage_and_tools.handbag, 1),
+        (luggage_and_tools.suitcase, 1),
     )
+    stand_each(layout, rng.shuffled(things))
     place_plants(layout, rng.integer(0, 2))
 
 
@@ -240,16 +247,14 @@ def furnish_bookshop(layout: RoomLayout) -> None:
     if min(zone.width, zone.depth) > 0.6:
         place_aisles(layout, rows, zone, rng.uniform(1.4, 1.9))
     place_tables(layout, [shop_fittings.book_table(rng, palette)], 2)
-    _place_each(
-        layout,
-        (
-            (seating.armchair, 2),
-            (seating.dining_chair, 1),
-            (shop_fittings.magazine_rack, 2),
-            (seating.step_stool, 1),
-            (shop_fittings.book_cart, 1),
-        ),
+    things = (
+        (seating.armchair, 2),
+        (seating.dining_chair, 1),
+        (shop_fittings.magazine_rack, 2),
+        (seating.step_stool, 1),
+        (shop_fittings.book_cart, 1),
     )
+    stand_each(layout, rng.shuffled(things))
     place_plants(layout, rng.integer(0, 2))
 
 
@@ -307,13 +312,6 @@ def _place_till(layout: RoomLayout) -> None:
             return
 
 
-def _place_each(layout: RoomLayout, choices: Sequence[tuple[Maker, int]]) -> None:
-    """Place up to so many of each model along the walls."""
-    for maker, most in layout.rng.shuffled(choices):
-        for _ in range(layout.rng.integer(0, most)):
-            layout.place_at_wall(maker(layout.rng, layout.palette))
-
-
 def furnish_library(layout: RoomLayout) -> None:
     """Furnish with a desk and tables to read at in front, stacks behind, shelves at the walls."""
     rng, palette = layout.rng, layout.palette
@@ -327,7 +325,7 @@ def furnish_library(layout: RoomLayout) -> None:
         place_aisles(layout, rows, stacks, rng.uniform(1.3, 1.7))
     line_walls(layout, [storage.bookshelf(rng, palette) for _ in range(3)], rng.shuffled(SIDES)[:2])
     _place_reading_tables(layout, 1 + int(i.area / 45.0))
-    for maker, most in (
+    things = (
         (seating.armchair, 3),
         (office_equipment.copier, 1),
         (shop_fittings.book_cart, 2),
@@ -337,23 +335,16 @@ def furnish_library(layout: RoomLayout) -> None:
         (devices.floor_lamp, 2),
         (household.trash_can, 1),
         (seating.bean_bag, 2),
-    ):
-        for _ in range(rng.integer(0, most)):
-            layout.place_at_wall(maker(rng, palette))
+    )
+    stand_each(layout, things)
     place_plants(layout, rng.integer(1, 3))
 
 
 def furnish_reading_room(layout: RoomLayout) -> None:
     """Furnish with tables to read at, armchairs and shelves."""
-    rng, palette = layout.rng, layout.palette
     _place_reading_tables(layout, 1 + int(layout.inner.area / 16.0))
-    for maker, most in (
-        (storage.bookshelf, 2),
-        (seating.armchair, 2),
-        (devices.floor_lamp, 1),
-    ):
-        for _ in range(rng.integer(0, most)):
-            layout.place_at_wall(maker(rng, palette))
+    things = ((storage.bookshelf, 2), (seating.armchair, 2), (devices.floor_lamp, 1))
+    stand_each(layout, things)
     place_plants(layout, 1)
 
 
@@ -365,7 +356,7 @@ def furnish_study_room(layout: RoomLayout) -> None:
     for yaw in rng.shuffled((0.0, 90.0)):
         if place_table(layout, table, seat, ModelPose(*layout.inner.centre, yaw)):
             break
-    layout.hang_on_wall(office_equipment.whiteboard(rng, palette), sides=SIDES, z=0.95)
+    layout.hang_on_wall(office_equipment.whiteboard(rng, palette), z=0.95)
     layout.place_at_wall(household.trash_can(rng, palette), where="corner")
 
 
@@ -392,27 +383,22 @@ def furnish_stock_room(layout: RoomLayout) -> None:
     zone = layout.inner.grown(-1.4)
     if min(zone.width, zone.depth) > 0.8:
         place_aisles(layout, [shop_fittings.pallet_rack(rng, palette)], zone, 1.5)
-    stand_some(
-        layout,
-        rng.shuffled(
-            (
-                (luggage_and_tools.cardboard_boxes, 1.0),
-                (luggage_and_tools.cardboard_boxes, 0.6),
-                (luggage_and_tools.ladder, 0.6),
-                (luggage_and_tools.toolbox, 0.4),
-                (household.broom, 0.6),
-                (household.bucket, 0.5),
-            )
-        ),
-        corner_chance=0.6,
+    things = (
+        (luggage_and_tools.cardboard_boxes, 1.0),
+        (luggage_and_tools.cardboard_boxes, 0.6),
+        (luggage_and_tools.ladder, 0.6),
+        (luggage_and_tools.toolbox, 0.4),
+        (household.broom, 0.6),
+        (household.bucket, 0.5),
     )
+    stand_some(layout, rng.shuffled(things), corner_chance=0.6)
 
 
 def furnish_fitting_room(layout: RoomLayout) -> None:
     """Furnish with a mirror, hooks and a stool."""
     rng, palette = layout.rng, layout.palette
-    layout.hang_on_wall(decor.mirror(rng, palette), sides=SIDES, z=0.8)
-    layout.hang_on_wall(decor.wall_hooks(rng, palette), sides=SIDES, z=1.4)
+    layout.hang_on_wall(decor.mirror(rng, palette), z=0.8)
+    layout.hang_on_wall(decor.wall_hooks(rng, palette), z=1.4)
     layout.place_at_wall(seating.stool(rng, palette), where="corner")
 
 
@@ -422,14 +408,13 @@ def furnish_arcade(layout: RoomLayout) -> None:
     long = max(layout.inner.width, layout.inner.depth)
     middle = [seating.bench_seat(rng, palette), plants.indoor_tree(rng, palette)]
     place_tables(layout, middle, 1 + int(long / 6.0))
-    for maker, most in (
+    things = (
         (office_equipment.vending_machine, 2),
         (household.trash_can, 3),
         (luggage_and_tools.fire_extinguisher, 2),
         (plants.leafy_plant, 2),
-    ):
-        for _ in range(rng.integer(1, most)):
-            layout.place_at_wall(maker(rng, palette))
+    )
+    stand_each(layout, things, least=1)
     place_plants(layout, 1)
 
 
@@ -446,20 +431,6 @@ _FURNISHERS: dict[str, Callable[[RoomLayout], None]] = {
     "arcade": furnish_arcade,
     "staff room": FURNISHERS["pantry"],
     **{kind: FURNISHERS[kind] for kind in ("office", "restroom", "corridor")},
-}
-
-_SHOPS = ("supermarket", "hardware store", "clothes shop", "bookshop")
-_TILLS = ("checkout counter", "sales counter")
-_REQUIRED: dict[str, RequiredGroups] = {
-    "supermarket": (("grocery shelf",),),
-    "hardware store": (("storage rack",),),
-    "clothes shop": (("clothes rack",),),
-    "bookshop": (("bookshelf",),),
-    "library": (("bookshelf",), ("reception desk",), ("chair",)),
-    "reading room": (("meeting table",), ("chair",)),
-    "study room": (("meeting table",), ("chair",)),
-    "staff room": REQUIRED["pantry"],
-    **{kind: REQUIRED[kind] for kind in ("office", "restroom")},
 }
 
 

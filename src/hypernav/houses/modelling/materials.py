@@ -37,6 +37,23 @@ WOODS: dict[str, tuple[Vector, str]] = {
     "wenge": ((0.27, 0.18, 0.14), "dark brown"),
 }
 
+STEEL = Finish("brushed", (0.72, 0.73, 0.74), 0.6, "silver", "metal")
+CHROME = Finish("brushed", (0.86, 0.87, 0.88), 0.8, "silver", "metal")
+BLACK_METAL = Finish("", (0.1, 0.1, 0.105), 1.0, "black", "metal")
+WHITE_METAL = Finish("", (0.9, 0.9, 0.89), 1.0, "white", "metal")
+BRASS = Finish("brushed", (0.75, 0.58, 0.3), 0.6, "golden", "metal")
+CERAMIC = Finish("", (0.95, 0.95, 0.94), 1.0, "white", "ceramic")
+GLASS = Finish("", (0.74, 0.82, 0.83), 1.0, "clear", "glass")
+BLACK_GLASS = Finish("", (0.05, 0.05, 0.06), 1.0, "black", "glass")
+RUBBER = Finish("", (0.12, 0.12, 0.12), 1.0, "black", "rubber")
+SHADE = Finish("fabric", (1.0, 0.95, 0.82), 0.3, "cream", "fabric")
+GLOW = Finish("", (1.0, 0.98, 0.9), 1.0, "white", "glass", unlit=True)
+TERRACOTTA = Finish("concrete", (0.78, 0.42, 0.28), 0.6, "orange", "clay")
+MIRROR = Finish("", (0.78, 0.84, 0.88), 1.0, "silver", "glass")
+
+# A material whose image covers one metre square counts as fitted, and is not repeated.
+_TILE_M = 2.0
+
 
 def wood(kind: str) -> Finish:
     """Finish of furniture wood ("oak"), with the grain along u."""
@@ -67,21 +84,6 @@ def plastic(hue: str) -> Finish:
 def terry(hue: str) -> Finish:
     """Finish of terry cloth, wool or carpet."""
     return Finish("terry", HUES[hue], 0.25, hue, "fabric")
-
-
-STEEL = Finish("brushed", (0.72, 0.73, 0.74), 0.6, "silver", "metal")
-CHROME = Finish("brushed", (0.86, 0.87, 0.88), 0.8, "silver", "metal")
-BLACK_METAL = Finish("", (0.1, 0.1, 0.105), 1.0, "black", "metal")
-WHITE_METAL = Finish("", (0.9, 0.9, 0.89), 1.0, "white", "metal")
-BRASS = Finish("brushed", (0.75, 0.58, 0.3), 0.6, "golden", "metal")
-CERAMIC = Finish("", (0.95, 0.95, 0.94), 1.0, "white", "ceramic")
-GLASS = Finish("", (0.74, 0.82, 0.83), 1.0, "clear", "glass")
-BLACK_GLASS = Finish("", (0.05, 0.05, 0.06), 1.0, "black", "glass")
-RUBBER = Finish("", (0.12, 0.12, 0.12), 1.0, "black", "rubber")
-SHADE = Finish("fabric", (1.0, 0.95, 0.82), 0.3, "cream", "fabric")
-GLOW = Finish("", (1.0, 0.98, 0.9), 1.0, "white", "glass", unlit=True)
-TERRACOTTA = Finish("concrete", (0.78, 0.42, 0.28), 0.6, "orange", "clay")
-MIRROR = Finish("", (0.78, 0.84, 0.88), 1.0, "silver", "glass")
 
 
 def image_finish(key: str, *, unlit: bool = False) -> Finish:
@@ -189,10 +191,6 @@ def vary(palette: Palette, rng: RandomStream) -> Palette:
         if rng.chance(0.5)
         else palette.linen_hue,
     )
-
-
-# A material whose image covers one metre square counts as fitted, and is not repeated.
-_TILE_M = 2.0
 
 
 def repeated_image(key: str) -> Finish:

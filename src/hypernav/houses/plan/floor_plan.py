@@ -10,6 +10,9 @@ WALL_M = 0.12
 OUTER_M = 0.2
 """Additional thickness of an outer wall, towards the outside, metres."""
 
+Place = tuple[float, float]
+"""Position on the floor, metres."""
+
 
 @dataclass(frozen=True)
 class Rect:
@@ -152,10 +155,6 @@ class Opening:
         if self.along == "x":
             return Rect(a, self.at + low, b, self.at + high)
         return Rect(self.at + low, a, self.at + high, b)
-
-
-Place = tuple[float, float]
-"""Position on the floor, metres."""
 
 
 @dataclass(frozen=True)

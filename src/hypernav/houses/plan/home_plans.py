@@ -22,6 +22,24 @@ from hypernav.houses.plan.openings import (
 )
 from hypernav.houses.random_stream import RandomStream
 
+LIMITS: dict[str, tuple[float, float]] = {
+    # Least width between walls (metres) and greatest ratio of the sides.
+    "living room": (3.2, 2.0),
+    "kitchen": (2.1, 2.2),
+    "dining room": (2.6, 1.8),
+    "bedroom": (2.6, 1.9),
+    "bathroom": (1.65, 2.3),
+    "hall": (1.02, 99.0),
+    "office": (2.1, 2.0),
+    "laundry": (1.6, 2.4),
+    "storage": (1.2, 2.6),
+    "balcony": (1.2, 99.0),
+}
+
+_STEP_M = 0.05
+_ATTEMPTS = 400
+_KEPT = 12
+
 
 @dataclass(frozen=True)
 class RoomSpec:
@@ -56,21 +74,6 @@ class Program:
     def area(self) -> float:
         """Intended area of all rooms but the hall and the balcony, square metres."""
         return sum(w.area for w in (*self.public, *self.private))
-
-
-LIMITS: dict[str, tuple[float, float]] = {
-    # Least width between walls (metres) and greatest ratio of the sides.
-    "living room": (3.2, 2.0),
-    "kitchen": (2.1, 2.2),
-    "dining room": (2.6, 1.8),
-    "bedroom": (2.6, 1.9),
-    "bathroom": (1.65, 2.3),
-    "hall": (1.02, 99.0),
-    "office": (2.1, 2.0),
-    "laundry": (1.6, 2.4),
-    "storage": (1.2, 2.6),
-    "balcony": (1.2, 99.0),
-}
 
 
 def small_flat() -> Program:
@@ -121,10 +124,6 @@ def sample_program(rng: RandomStream) -> Program:
 def _within(value: float, low: float, high: float) -> float:
     return min(max(value, low), high)
 
-
-_STEP_M = 0.05
-_ATTEMPTS = 400
-_KEPT = 12
 
 Cells = list[tuple[RoomSpec, Rect]]
 

@@ -51,6 +51,9 @@ _WINDOWS = {
     "corridor": WindowRule(3.5, 1.2),
 }
 
+MEETING_ROOMS = ("meeting room", "conference room")
+_WIDE_M = 1.5
+
 
 def _service(area: float) -> list[str]:
     """Rooms that an office of an area needs besides desks, the most important first."""
@@ -223,10 +226,6 @@ OFFICE_PLANS = PlanRules(
     (2.6, 3.0),
 )
 """Rules of the floor plans of offices."""
-
-
-MEETING_ROOMS = ("meeting room", "conference room")
-_WIDE_M = 1.5
 
 
 def crowded_plan(rng: RandomStream, _number: int) -> FloorPlan:

@@ -7,6 +7,7 @@ or laundries. At least one bathroom can be reached without crossing a bedroom.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from hypernav.houses.plan.floor_plan import OUTER_M, WALL_M, Opening, Rect, Room
 from hypernav.houses.random_stream import RandomStream
@@ -15,6 +16,7 @@ CASING_M = 0.1
 """Least distance of a door from the corner of a room, metres."""
 
 DOOR_TOP_M = 2.05
+PASSAGE_TOP_M = 2.25
 APPROACH_M = 0.9
 LEAF_M = 0.04
 
@@ -66,6 +68,20 @@ class SharedWall:
     at: float
     start: float
     end: float
+
+    def opening(
+        self,
+        kind: str,
+        start: float,
+        wide: float,
+        top: float,
+        *,
+        leaf_room: int = -1,
+        hinge_low: bool = True,
+    ) -> Opening:
+        """Opening in this wall from the floor up, ``wide`` metres from ``start`` on."""
+        rooms, end = (self.low, self.high), round(start + wide, 3)
+        return Opening(kind, self.along, self.at, start, end, 0.0, top, rooms, leaf_room, hinge_low)
 
 
 def shared_walls(rooms: Sequence[Room]) -> list[SharedWall]:
@@ -198,18 +214,8 @@ def _fitted(
     public = kinds <= {"living room", "dining room", "kitchen"}
     if public and length > 1.9 and rng.chance(0.8):
         wide = min(rng.uniform(1.2, 2.4, 0.05), length - 0.5)
-        start = wall.start + (length - wide) * rng.uniform(0.35, 0.65)
-        start = round(start, 3)
-        return Opening(
-            "passage",
-            wall.along,
-            wall.at,
-            start,
-            round(start + wide, 3),
-            0.0,
-            2.25,
-            (wall.low, wall.high),
-        )
+        start = round(wall.start + (length - wide) * rng.uniform(0.35, 0.65), 3)
+        return wall.opening("passage", start, wide, PASSAGE_TOP_M)
     wide = door_width(rooms[b].kind)
     private = b if rooms[b].kind not in ("living room", "dining room", "kitchen", "hall") else -1
     with_leaf = private >= 0 and rng.chance(0.75)
@@ -239,20 +245,9 @@ def hang_door(
         room_left = length - wide - 2 * CASING_M
         where = rng.choice((0.0, 1.0)) if attempt < 8 and rng.chance(0.8) else rng.unit()
         start = round(wall.start + CASING_M + room_left * where, 3)
-        hinge_low = where < 0.5
         leaf = leaf_room if attempt < 9 else -1
-        door = Opening(
-            "door" if leaf >= 0 else "doorway",
-            wall.along,
-            wall.at,
-            start,
-            round(start + wide, 3),
-            0.0,
-            DOOR_TOP_M,
-            (wall.low, wall.high),
-            leaf,
-            hinge_low,
-        )
+        kind = "door" if leaf >= 0 else "doorway"
+        door = wall.opening(kind, start, wide, DOOR_TOP_M, leaf_room=leaf, hinge_low=where < 0.5)
         if not any(collide(door, other) for other in others) and _leaf_fits(door, rooms):
             return door
     return None
@@ -298,12 +293,41 @@ def _leaf_fits(door: Opening, rooms: Sequence[Room]) -> bool:
     return leaf is None or rooms[door.leaf_room].inner.grown(-0.004).holds(leaf)
 
 
-def outer_walls(rooms: Sequence[Room], number: int) -> list[tuple[str, float, float, float, int]]:
-    """Segments of a room's walls that face outside: ``(along, at, start, end, side)``.
+class OuterWall(NamedTuple):
+    """Segment of a room's wall that faces outside, between corners of the cell or of neighbours.
 
-    ``side`` is -1 if the outside is on the side of smaller coordinates, else 1. Start and end are
-    the corners of the cell or of the neighbours.
+    Attributes:
+        along: Axis that it runs along, "x" or "y".
+        at: Coordinate of its centre line.
+        start: Lower end along the wall.
+        end: Upper end along the wall.
+        side: -1 if the outside is on the side of smaller coordinates, else 1.
     """
+
+    along: str
+    at: float
+    start: float
+    end: float
+    side: int
+
+    def opening(
+        self,
+        kind: str,
+        room: int,
+        start: float,
+        wide: float,
+        bottom: float,
+        top: float,
+        outside: int = -1,
+    ) -> Opening:
+        """Opening in this wall of a room, ``wide`` metres from ``start`` on."""
+        rooms = (outside, room) if self.side < 0 else (room, outside)
+        end = round(start + wide, 3)
+        return Opening(kind, self.along, self.at, start, end, bottom, top, rooms)
+
+
+def outer_walls(rooms: Sequence[Room], number: int) -> list[OuterWall]:
+    """Segments of a room's walls that face outside."""
     c = rooms[number].cell
     result = []
     for along, at, start, end, side in (
@@ -327,7 +351,7 @@ def outer_walls(rooms: Sequence[Room], number: int) -> list[tuple[str, float, fl
                 for piece in ((a, min(b, lo)), (max(a, hi), b))
                 if piece[1] - piece[0] > 0.01
             ]
-        result += [(along, at, a, b, side) for a, b in free]
+        result += [OuterWall(along, at, a, b, side) for a, b in free]
     return result
 
 
@@ -338,7 +362,8 @@ def sample_balcony(
     hosts = [k for k, r in enumerate(rooms) if r.kind == "living room"]
     hosts += [k for k, r in enumerate(rooms) if r.kind == "bedroom"]
     for host in hosts:
-        for along, at, start, end, side in rng.shuffled(outer_walls(rooms, host)):
+        for wall in rng.shuffled(outer_walls(rooms, host)):
+            along, at, start, end, side = wall
             if end - start < 2.6:
                 continue
             long = min(end - start, rng.uniform(2.6, 4.2, 0.05))
@@ -355,10 +380,7 @@ def sample_balcony(
             if any(cell.grown(0.3).overlaps(r.cell) and k != host for k, r in enumerate(rooms)):
                 continue
             door_start = round(first + (long - 1.0) * rng.uniform(0.3, 0.7), 3)
-            ids = (len(rooms), host) if side < 0 else (host, len(rooms))
-            door = Opening(
-                "glass door", along, at, door_start, round(door_start + 0.95, 3), 0.0, 2.1, ids
-            )
+            door = wall.opening("glass door", host, door_start, 0.95, 0.0, 2.1, len(rooms))
             front_doors = [o for o in openings if o.kind == "entrance"]
             if not is_free(door, openings) or any(
                 cell.grown(0.2).overlaps(approach(o)) for o in front_doors
@@ -379,16 +401,13 @@ def sample_entrance(
         for number, room in enumerate(rooms):
             if room.kind != kind:
                 continue
-            for along, at, start, end, side in rng.shuffled(outer_walls(rooms, number)):
-                if end - start < 1.0 + 2 * WALL_M + 0.1:
+            for wall in rng.shuffled(outer_walls(rooms, number)):
+                if wall.end - wall.start < 1.0 + 2 * WALL_M + 0.1:
                     continue
-                low, high = start + WALL_M / 2 + 0.06, end - WALL_M / 2 - 1.01
+                low, high = wall.start + WALL_M / 2 + 0.06, wall.end - WALL_M / 2 - 1.01
                 for where in (0.5, 0.0, 1.0, 0.25, 0.75):
                     first = round(low + (high - low) * where, 3)
-                    ids = (-1, number) if side < 0 else (number, -1)
-                    door = Opening(
-                        "entrance", along, at, first, round(first + 0.95, 3), 0.0, 2.05, ids
-                    )
+                    door = wall.opening("entrance", number, first, 0.95, 0.0, DOOR_TOP_M)
                     if is_free(door, openings):
                         return door
     return None
@@ -404,7 +423,8 @@ def sample_windows(
             continue
         placed = 0
         most = {"living room": 3, "bathroom": 1, "laundry": 1}.get(room.kind, 2)
-        for along, at, start, end, side in outer_walls(rooms, number):
+        for wall in outer_walls(rooms, number):
+            start, end = wall.start, wall.end
             if placed >= most or end - start < 1.0:
                 continue
             if room.kind in ("bathroom", "laundry"):
@@ -420,10 +440,7 @@ def sample_windows(
             for k in range(count):
                 middle = start + (end - start) * (k + 0.5) / count
                 first = round(middle - wide / 2, 3)
-                ids = (-1, number) if side < 0 else (number, -1)
-                window = Opening(
-                    "window", along, at, first, round(first + wide, 3), bottom, top, ids
-                )
+                window = wall.opening("window", number, first, wide, bottom, top)
                 if is_free(window, (*openings, *windows)):
                     windows.append(window)
                     placed += 1

@@ -8,6 +8,7 @@ from hypernav.houses.plan.floor_plan import WALL_M, FloorPlan, Opening, Rect, Ro
 from hypernav.houses.plan.home_plans import centred
 from hypernav.houses.plan.openings import (
     CASING_M,
+    PASSAGE_TOP_M,
     SharedWall,
     collide,
     hang_door,
@@ -23,6 +24,16 @@ STEP_M = 0.05
 
 Cell = tuple[str, Rect]
 """Kind of a room, and its floor up to the centre lines of its walls."""
+
+_SPINES = {"corridor", "arcade"}
+_SECOND_ENTRY_M = 8.0
+"""Least length of a wall between two public rooms that gets two passages, metres."""
+
+LEAST_M2, MOST_M2 = 60.0, 800.0
+"""Least and greatest area of all rooms of a public building, walls included."""
+
+_ATTEMPTS = 60
+"""Number of attempts with one layout before the simplest replaces it."""
 
 
 @dataclass(frozen=True)
@@ -113,12 +124,6 @@ def _slice(strip: Rect, along: str, start: float, end: float) -> Rect:
     return Rect(strip.x0, round(strip.y0 + start, 4), strip.x1, round(strip.y0 + end, 4))
 
 
-_SPINES = {"corridor", "arcade"}
-_PASSAGE_TOP_M = 2.25
-_SECOND_ENTRY_M = 8.0
-"""Least length of a wall between two public rooms that gets two passages, metres."""
-
-
 @dataclass(frozen=True)
 class Circulation:
     """How people walk through a building.
@@ -195,16 +200,7 @@ def _passages(rng: RandomStream, wall: SharedWall, others: Sequence[Opening]) ->
         for _ in range(8):
             free = length - wide - 2 * CASING_M
             start = round(wall.start + CASING_M + free * rng.uniform(low, high), 3)
-            passage = Opening(
-                "passage",
-                wall.along,
-                wall.at,
-                start,
-                round(start + wide, 3),
-                0.0,
-                _PASSAGE_TOP_M,
-                (wall.low, wall.high),
-            )
+            passage = wall.opening("passage", start, wide, PASSAGE_TOP_M)
             if not any(collide(passage, other) for other in (*others, *found)):
                 found.append(passage)
                 break
@@ -238,32 +234,17 @@ def sample_window_rows(
         if room.kind not in rules:
             continue
         rule = rules[room.kind]
-        for along, at, start, end, side in outer_walls(rooms, number):
-            low, high = start + WALL_M, end - WALL_M
+        for wall in outer_walls(rooms, number):
+            low, high = wall.start + WALL_M, wall.end - WALL_M
             count = int((high - low - 0.3) / rule.every_m + 0.5)
             for k in range(count):
                 wide = min(rule.wide, (high - low) / count - 0.3) - 0.1 * rng.integer(0, 2)
                 first = round(low + (high - low) * (k + 0.5) / count - wide / 2.0, 3)
-                window = Opening(
-                    "window",
-                    along,
-                    at,
-                    first,
-                    round(first + wide, 3),
-                    rule.sill,
-                    min(2.3, height - 0.3),
-                    (-1, number) if side < 0 else (number, -1),
-                )
+                top = min(2.3, height - 0.3)
+                window = wall.opening("window", number, first, wide, rule.sill, top)
                 if wide > 0.5 and is_free(window, (*openings, *windows)):
                     windows.append(window)
     return windows
-
-
-LEAST_M2, MOST_M2 = 60.0, 800.0
-"""Least and greatest area of all rooms of a public building, walls included."""
-
-_ATTEMPTS = 60
-"""Number of attempts with one layout before the simplest replaces it."""
 
 
 @dataclass(frozen=True)

@@ -48,6 +48,21 @@ _RAMPS_SHARE = 0.12
 _RAMP_SLOPE = 0.27
 """Rise of a ramp per metre: 15 degrees."""
 
+SLAB_M = 0.2
+"""Thickness of the floors between storeys, metres."""
+
+_ATRIUM_SHARE = 0.25
+_GALLERY_M = 1.1
+"""Width of a gallery beside an atrium, metres."""
+_GALLERY_END_M = 2.2
+"""Length of the hall beyond an atrium, metres."""
+_ATTEMPTS = 1000
+_HEIGHTS_M = (2.4, 2.6, 2.8)
+"""Heights of rooms. With the slab they are multiples of 0.2 m, the height of the voxels of
+Habitat's navigation meshes, so that all storeys lie equally well on a mesh."""
+
+_Fillers = Sequence[tuple[str, float]]
+
 
 @dataclass(frozen=True)
 class StairShape:
@@ -184,22 +199,6 @@ def stairwell(shape: StairShape, room: int, place: Callable[[float, float], Plac
 def _up(metres: float) -> float:
     """Next length on the raster of walls, 5 cm, less a wall's thickness."""
     return round(math.ceil((metres + WALL_M) / 0.05 - 1e-6) * 0.05 - WALL_M, 4)
-
-
-SLAB_M = 0.2
-"""Thickness of the floors between storeys, metres."""
-
-_ATRIUM_SHARE = 0.25
-_GALLERY_M = 1.1
-"""Width of a gallery beside an atrium, metres."""
-_GALLERY_END_M = 2.2
-"""Length of the hall beyond an atrium, metres."""
-_ATTEMPTS = 1000
-_HEIGHTS_M = (2.4, 2.6, 2.8)
-"""Heights of rooms. With the slab they are multiples of 0.2 m, the height of the voxels of
-Habitat's navigation meshes, so that all storeys lie equally well on a mesh."""
-
-_Fillers = Sequence[tuple[str, float]]
 
 
 @dataclass(frozen=True)

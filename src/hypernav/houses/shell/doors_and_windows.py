@@ -28,12 +28,8 @@ def door_leaf(finish: Finish, wide: float, high: float) -> Model:
     for side in (-1.0, 1.0):
         y = side * (LEAF_M / 2 - 0.004)
         for x in (-1.0, 1.0):
-            builder.add(
-                finish,
-                box(
-                    rail, 0.008, high, at=(x * (wide - rail) / 2, y, 0.008), bevel=0.002
-                ).swapped_uv(),
-            )
+            part = box(rail, 0.008, high, at=(x * (wide - rail) / 2, y, 0.008), bevel=0.002)
+            builder.add(finish, part.swapped_uv())
         for z in (0.008, high * 0.42, high - rail):
             builder.add(finish, box(wide - 2 * rail, 0.008, rail, at=(0, y, z), bevel=0.002))
         x = wide / 2 - 0.06
@@ -135,43 +131,32 @@ def _window(plan: FloorPlan, opening: Opening, rng: RandomStream) -> PlacedModel
         builder.add(
             _FRAME, bar(opening.along, s, e, at - 0.03, at + 0.03, low_z, high_z, bevel=0.004)
         )
-    builder.add(
-        _pane(rng),
-        _facing(
-            panel(opening.width, z1 - z0),
-            opening.along,
-            (a + b) / 2,
-            at - inward * 0.005,
-            z0,
-            inward,
-        ),
+    part = _facing(
+        panel(opening.width, z1 - z0), opening.along, (a + b) / 2, at - inward * 0.005, z0, inward
     )
-    builder.add(
-        _FRAME,
-        bar(
-            opening.along,
-            a - 0.04,
-            b + 0.04,
-            at + inward * 0.03,
-            inner + inward * 0.035,
-            z0 - 0.025,
-            z0 + 0.004,
-            bevel=0.005,
-        ),
+    builder.add(_pane(rng), part)
+    part = bar(
+        opening.along,
+        a - 0.04,
+        b + 0.04,
+        at + inward * 0.03,
+        inner + inward * 0.035,
+        z0 - 0.025,
+        z0 + 0.004,
+        bevel=0.005,
     )
+    builder.add(_FRAME, part)
     if panes == 2:
-        builder.add(
-            STEEL,
-            bar(
-                opening.along,
-                (a + b) / 2 - 0.008,
-                (a + b) / 2 + 0.008,
-                at + inward * 0.03,
-                at + inward * 0.06,
-                (z0 + z1) / 2 - 0.05,
-                (z0 + z1) / 2 + 0.05,
-            ),
+        part = bar(
+            opening.along,
+            (a + b) / 2 - 0.008,
+            (a + b) / 2 + 0.008,
+            at + inward * 0.03,
+            at + inward * 0.06,
+            (z0 + z1) / 2 - 0.05,
+            (z0 + z1) / 2 + 0.05,
         )
+        builder.add(STEEL, part)
     piece = structural_model(builder, "window", plan.rooms[host].name)
     return PlacedModel(piece.model, piece.x, piece.y, 0.0, 0.0, piece.room)
 

@@ -37,6 +37,34 @@ _STONE_FLOORS: tuple[Vector, ...] = (
     (0.72, 0.55, 0.42),
 )
 
+_CARPETS: tuple[Vector, ...] = (
+    (0.36, 0.38, 0.42),
+    (0.5, 0.5, 0.5),
+    (0.3, 0.36, 0.45),
+    (0.46, 0.43, 0.4),
+    (0.33, 0.4, 0.37),
+)
+_HARD: tuple[Vector, ...] = (
+    (0.8, 0.79, 0.76),
+    (0.66, 0.66, 0.65),
+    (0.72, 0.68, 0.62),
+    (0.55, 0.56, 0.58),
+)
+_WALLS: tuple[Vector, ...] = ((0.94, 0.94, 0.93), (0.9, 0.9, 0.88), (0.92, 0.9, 0.86))
+_ACCENTS: tuple[Vector, ...] = (
+    (0.72, 0.8, 0.86),
+    (0.75, 0.83, 0.74),
+    (0.87, 0.8, 0.68),
+    (0.84, 0.76, 0.74),
+    (0.66, 0.72, 0.76),
+)
+
+FLOORS = {
+    **dict.fromkeys(("restroom", "copy room", "server room", "storage", "pantry"), "tiles"),
+    **dict.fromkeys(("staff room", "stock room", "fitting room"), "tiles"),
+}
+"""Floor of kinds of rooms that don't have the building's main floor."""
+
 
 @dataclass(frozen=True)
 class RoomFinish:
@@ -112,35 +140,6 @@ def room_finishes(rng: RandomStream, kinds: list[str]) -> list[RoomFinish]:
             wall = Finish("plaster", (0.85, 0.84, 0.8), 1.5)
         result.append(RoomFinish(floor, wall, ceiling, trim))
     return result
-
-
-_CARPETS: tuple[Vector, ...] = (
-    (0.36, 0.38, 0.42),
-    (0.5, 0.5, 0.5),
-    (0.3, 0.36, 0.45),
-    (0.46, 0.43, 0.4),
-    (0.33, 0.4, 0.37),
-)
-_HARD: tuple[Vector, ...] = (
-    (0.8, 0.79, 0.76),
-    (0.66, 0.66, 0.65),
-    (0.72, 0.68, 0.62),
-    (0.55, 0.56, 0.58),
-)
-_WALLS: tuple[Vector, ...] = ((0.94, 0.94, 0.93), (0.9, 0.9, 0.88), (0.92, 0.9, 0.86))
-_ACCENTS: tuple[Vector, ...] = (
-    (0.72, 0.8, 0.86),
-    (0.75, 0.83, 0.74),
-    (0.87, 0.8, 0.68),
-    (0.84, 0.76, 0.74),
-    (0.66, 0.72, 0.76),
-)
-
-FLOORS = {
-    **dict.fromkeys(("restroom", "copy room", "server room", "storage", "pantry"), "tiles"),
-    **dict.fromkeys(("staff room", "stock room", "fitting room"), "tiles"),
-}
-"""Floor of kinds of rooms that don't have the building's main floor."""
 
 
 def public_finishes(

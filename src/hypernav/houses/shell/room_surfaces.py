@@ -15,6 +15,11 @@ from hypernav.houses.shell.finishes import RoomFinish
 Hole = tuple[float, float, float, float]
 """Hole in a wall: ``(start, end, bottom, top)``, metres along the wall and in height."""
 
+_SKIRTING_M = 0.07
+_CASING_M = 0.065
+_FACADE = Finish("plaster", (0.86, 0.82, 0.75), 2.0)
+_CAP = Finish("", (0.25, 0.25, 0.27))
+
 
 def quad(corners: Sequence[tuple[float, float, float]], facing: tuple[float, float, float]) -> Mesh:
     """Rectangle from its four corners in order; texture coordinates are metres of the scene."""
@@ -107,12 +112,6 @@ def reveal(along: str, low: float, high: float, hole: Hole, *, sill: bool) -> Me
         ]
         meshes.append(quad(corners, (0.0, 0.0, side)))
     return join(meshes)
-
-
-_SKIRTING_M = 0.07
-_CASING_M = 0.065
-_FACADE = Finish("plaster", (0.86, 0.82, 0.75), 2.0)
-_CAP = Finish("", (0.25, 0.25, 0.27))
 
 
 def structural_model(builder: ModelBuilder, name: str, room: str) -> PlacedModel:

@@ -12,6 +12,13 @@ from hypernav.show.drawing.map_view import CellColors, MapView, rasterize_map
 _ROWS = (0.0, -1.0, 1.0, -2.0, 2.0)
 _SAME_NAME_ROWS = 6.0
 
+_OFFSETS = tuple(
+    sorted(
+        ((u / 4.0, v / 4.0) for u in range(-4, 5) for v in range(-4, 5)),
+        key=lambda offset: (math.hypot(*offset), offset),
+    )
+)
+
 
 class Label(NamedTuple):
     """A name and the position of its middle in an image, pixels.
@@ -68,14 +75,6 @@ def _covers_any(label: Label, others: Sequence[Label], height: float) -> bool:
         and abs(label.v - other.v) < height
         for other in others
     )
-
-
-_OFFSETS = tuple(
-    sorted(
-        ((u / 4.0, v / 4.0) for u in range(-4, 5) for v in range(-4, 5)),
-        key=lambda offset: (math.hypot(*offset), offset),
-    )
-)
 
 
 class Square(NamedTuple):

@@ -30,6 +30,12 @@ from hypernav.show.drawing.text import draw_text, text_width
 _MAP_SIZE = 1200
 _LEGEND_HEIGHT = 56
 
+_LOW: palette.Rgb = (38, 70, 160)
+_HIGH: palette.Rgb = (240, 200, 40)
+_OPACITY = 0.45
+_BAR = (96, 10)
+_WORDS = 12
+
 
 def draw_map(
     grid: OccupancyGrid,
@@ -188,13 +194,6 @@ def write_map_png(
     path.parent.mkdir(parents=True, exist_ok=True)
     Image.fromarray(image).save(path, optimize=True)
     return path
-
-
-_LOW: palette.Rgb = (38, 70, 160)
-_HIGH: palette.Rgb = (240, 200, 40)
-_OPACITY = 0.45
-_BAR = (96, 10)
-_WORDS = 12
 
 
 def _color_table() -> UInt8[np.ndarray, "256 3"]:

@@ -22,6 +22,11 @@ _EMPTY = (math.inf, math.inf, -math.inf, -math.inf)
 Bounds = tuple[float, float, float, float]
 """``(x_min, y_min, x_max, y_max)``, metres, ``map`` frame."""
 
+# Cells are drawn in one grey channel and coloured at the end. An edge between free and occupied
+# then passes through the grey of unknown for a fraction of a pixel, which is not visible.
+_SHADE_OCCUPIED, _SHADE_UNKNOWN, _SHADE_FREE = 0, 128, 255
+_SUPERSAMPLING = 2
+
 
 @dataclass(frozen=True)
 class MapView:
@@ -154,12 +159,6 @@ def _grown(bounds: Bounds, by: float) -> Bounds:
     if bounds[0] > bounds[2]:
         bounds = (0.0, 0.0, 0.0, 0.0)
     return bounds[0] - by, bounds[1] - by, bounds[2] + by, bounds[3] + by
-
-
-# Cells are drawn in one grey channel and coloured at the end. An edge between free and occupied
-# then passes through the grey of unknown for a fraction of a pixel, which is not visible.
-_SHADE_OCCUPIED, _SHADE_UNKNOWN, _SHADE_FREE = 0, 128, 255
-_SUPERSAMPLING = 2
 
 
 class CellColors(NamedTuple):

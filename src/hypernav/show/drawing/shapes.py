@@ -27,6 +27,15 @@ Image = UInt8[np.ndarray, "_ _ 3"]
 Points = Float64[np.ndarray, "_ 2"]
 """Pixel coordinates ``(u, v)``."""
 
+# Tip, left wing, notch, right wing, as shares of the arrow's radius; x is ahead.
+_ROBOT_CORNERS = np.array([[1.0, 0.0], [-0.76, 0.64], [-0.38, 0.0], [-0.76, -0.64]])
+
+_RED: palette.Rgb = (214, 32, 32)
+_LINES = 1080.0
+"""Height of the image that sizes are given for, pixels; they scale with the image."""
+_FARTHEST_FOOT = 4.0
+"""Image row, in image heights, beyond which the robot's foot counts as out of sight."""
+
 
 def _fixed(points: Points) -> Int32[np.ndarray, "_ 2"]:
     bounded = np.clip(points - _HALF, -_FARTHEST, _FARTHEST)
@@ -198,10 +207,6 @@ def _window(image: Image, points: Points) -> tuple[int, int, int, int]:
     )
 
 
-# Tip, left wing, notch, right wing, as shares of the arrow's radius; x is ahead.
-_ROBOT_CORNERS = np.array([[1.0, 0.0], [-0.76, 0.64], [-0.38, 0.0], [-0.76, -0.64]])
-
-
 def draw_robot(
     image: UInt8[np.ndarray, "_ _ 3"], at: tuple[float, float], yaw: float, radius: float
 ) -> None:
@@ -219,13 +224,6 @@ def draw_robot(
     polygon(image, [rim], palette.FREE)
     line(image, rim, palette.FREE, 3.0, closed=True)
     polygon(image, [np.array(at) + turned * (radius - 3.0)], palette.ROBOT)
-
-
-_RED: palette.Rgb = (214, 32, 32)
-_LINES = 1080.0
-"""Height of the image that sizes are given for, pixels; they scale with the image."""
-_FARTHEST_FOOT = 4.0
-"""Image row, in image heights, beyond which the robot's foot counts as out of sight."""
 
 
 @dataclass(frozen=True)

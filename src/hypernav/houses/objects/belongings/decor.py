@@ -156,15 +156,13 @@ def pen_cup(rng: RandomStream, palette: Palette) -> Model:
         body, lathe([(0, 0), (0.04, 0), (0.042, 0.1), (0.038, 0.1), (0.036, 0.01)], sides=16)
     )
     for k, hue in enumerate(("blue", "red", "yellow", "black")):
-        builder.add(
-            plastic(hue),
-            rod(
-                (0.008 * (k - 1.5), 0.006 * (k % 2), 0.01),
-                (0.02 * (k - 1.5), 0.015 * (k % 2), 0.17),
-                0.004,
-                sides=6,
-            ),
+        part = rod(
+            (0.008 * (k - 1.5), 0.006 * (k % 2), 0.01),
+            (0.02 * (k - 1.5), 0.015 * (k % 2), 0.17),
+            0.004,
+            sides=6,
         )
+        builder.add(plastic(hue), part)
     return builder.model("pen holder", "pencil cup", main=body)
 
 
@@ -310,17 +308,15 @@ def wall_clock(rng: RandomStream, palette: Palette) -> Model:
     builder = ModelBuilder()
     radius = rng.uniform(0.14, 0.19)
     frame = rng.choice((BLACK_METAL, palette.furniture_wood(rng), palette.metal, WHITE_METAL))
-    ring = lathe(
-        [
-            (0.0, 0.0),
-            (radius, 0.0),
-            (radius, 0.035),
-            (radius * 0.9, 0.04),
-            (radius * 0.88, 0.022),
-            (0.0, 0.022),
-        ],
-        sides=32,
-    )
+    profile = [
+        (0.0, 0.0),
+        (radius, 0.0),
+        (radius, 0.035),
+        (radius * 0.9, 0.04),
+        (radius * 0.88, 0.022),
+        (0.0, 0.022),
+    ]
+    ring = lathe(profile, sides=32)
     builder.add(frame, ring.turned(-90, "x").moved(0, 0, radius))
     r = radius * 0.89
     ring_points = [
@@ -349,14 +345,12 @@ def curtain(rng: RandomStream, palette: Palette, wide: float = 1.4, high: float 
     builder.add(metal, rod((-full / 2, 0, high - 0.03), (full / 2, 0, high - 0.03), 0.012))
     for s in (-1.0, 1.0):
         builder.add(metal, ball(0.045, 0.045, 0.045, at=(s * full / 2, 0, high - 0.03), sides=10))
-        builder.add(
-            metal,
-            rod(
-                (s * (full / 2 - 0.1), 0, high - 0.03),
-                (s * (full / 2 - 0.1), -0.055, high - 0.03),
-                0.008,
-            ),
+        part = rod(
+            (s * (full / 2 - 0.1), 0, high - 0.03),
+            (s * (full / 2 - 0.1), -0.055, high - 0.03),
+            0.008,
         )
+        builder.add(metal, part)
         builder.add(cloth, _drape(rng, 0.46, high - 0.06).moved(s * (full / 2 - 0.25), 0, 0.02))
     return builder.model("curtain", "window curtain", "drape", main=cloth)
 

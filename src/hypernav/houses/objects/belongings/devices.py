@@ -22,6 +22,10 @@ from hypernav.houses.random_stream import RandomStream
 
 _FRAME = Finish("", (0.045, 0.045, 0.05), 1.0, "black", "plastic")
 
+_LIT = Finish("fabric", (1.0, 0.96, 0.85), 0.3, "cream", "fabric", unlit=True)
+
+_GRILLE = Finish("fabric", (0.14, 0.14, 0.15), 0.2, "black", "fabric")
+
 
 def _screen(
     builder: ModelBuilder, rng: RandomStream, wide: float, high: float, z: float, y: float, key: str
@@ -114,9 +118,6 @@ def keyboard(rng: RandomStream, palette: Palette) -> Model:
     return builder.model("keyboard", "computer keyboard", main=body)
 
 
-_LIT = Finish("fabric", (1.0, 0.96, 0.85), 0.3, "cream", "fabric", unlit=True)
-
-
 def _shade(builder: ModelBuilder, radius: float, high: float, z: float, slope: float = 0.8) -> None:
     """A cloth shade, glowing, open below and above."""
     wall = [(radius, z), (radius * slope, z + high)]
@@ -125,15 +126,10 @@ def _shade(builder: ModelBuilder, radius: float, high: float, z: float, slope: f
         SHADE, lathe([(radius * 0.99, z), (radius * slope * 0.99, z + high)][::-1], sides=24)
     )
     builder.add(GLOW, ball(0.07, 0.07, 0.09, at=(0, 0, z + high * 0.5), sides=10))
-    builder.add(
-        BLACK_METAL,
-        rod(
-            (-radius * slope, 0, z + high - 0.01),
-            (radius * slope, 0, z + high - 0.01),
-            0.003,
-            sides=5,
-        ),
+    part = rod(
+        (-radius * slope, 0, z + high - 0.01), (radius * slope, 0, z + high - 0.01), 0.003, sides=5
     )
+    builder.add(BLACK_METAL, part)
 
 
 def floor_lamp(rng: RandomStream, palette: Palette) -> Model:
@@ -159,26 +155,22 @@ def floor_lamp(rng: RandomStream, palette: Palette) -> Model:
         _shade(builder, 0.2, 0.28, 1.28)
     else:
         builder.add(metal, cylinder(0.16, 0.03, sides=28, bevel=0.008))
-        builder.add(
-            metal,
-            tube(
-                [
-                    (0, 0, 0.02),
-                    (0, 0, 1.3),
-                    (0.05, 0, 1.5),
-                    (0.17, 0, 1.6),
-                    (0.33, 0, 1.56),
-                    (0.4, 0, 1.45),
-                ],
-                0.011,
-            ),
+        part = tube(
+            [
+                (0, 0, 0.02),
+                (0, 0, 1.3),
+                (0.05, 0, 1.5),
+                (0.17, 0, 1.6),
+                (0.33, 0, 1.56),
+                (0.4, 0, 1.45),
+            ],
+            0.011,
         )
-        builder.add(
-            metal,
-            lathe([(0.15, 1.28), (0.13, 1.37), (0.05, 1.44), (0, 1.45)], crease_deg=80).moved(
-                0.4, 0, 0
-            ),
+        builder.add(metal, part)
+        part = lathe([(0.15, 1.28), (0.13, 1.37), (0.05, 1.44), (0, 1.45)], crease_deg=80).moved(
+            0.4, 0, 0
         )
+        builder.add(metal, part)
         builder.add(GLOW, ball(0.1, 0.1, 0.1, at=(0.4, 0, 1.33), sides=12))
     return builder.model("floor lamp", "standing lamp", "lamp", main=metal, attributes=("tall",))
 
@@ -228,14 +220,9 @@ def ceiling_lamp(rng: RandomStream, palette: Palette) -> Model:
     builder = ModelBuilder()
     radius = rng.uniform(0.17, 0.26)
     builder.add(palette.metal, cylinder(radius, 0.03, at=(0, 0, -0.03), sides=28))
-    builder.add(
-        GLOW,
-        lathe(
-            [(0.0, -0.11), (radius * 0.6, -0.095), (radius * 0.92, -0.05), (radius * 0.95, -0.03)],
-            sides=28,
-            crease_deg=80,
-        ),
-    )
+    profile = [(0.0, -0.11), (radius * 0.6, -0.095), (radius * 0.92, -0.05), (radius * 0.95, -0.03)]
+    part = lathe(profile, sides=28, crease_deg=80)
+    builder.add(GLOW, part)
     return builder.model("ceiling lamp", "ceiling light", "lamp", main=palette.metal)
 
 
@@ -283,29 +270,20 @@ def pendant(rng: RandomStream, palette: Palette) -> Model:
         rod((0, 0, -drop), (0, 0, 0), 0.004, sides=6),
         cylinder(0.05, 0.025, at=(0, 0, -0.025)),
     )
-    builder.add(
-        shade,
-        lathe(
-            [
-                (0.2, -drop - 0.16),
-                (0.19, -drop - 0.12),
-                (0.12, -drop - 0.03),
-                (0.04, -drop),
-                (0.0, -drop),
-            ],
-            crease_deg=80,
-        ),
+    profile = [
+        (0.2, -drop - 0.16),
+        (0.19, -drop - 0.12),
+        (0.12, -drop - 0.03),
+        (0.04, -drop),
+        (0.0, -drop),
+    ]
+    part = lathe(profile, crease_deg=80)
+    builder.add(shade, part)
+    part = lathe(
+        [(0.0, -drop - 0.15), (0.06, -drop - 0.13), (0.06, -drop - 0.08), (0.0, -drop - 0.04)]
     )
-    builder.add(
-        GLOW,
-        lathe(
-            [(0.0, -drop - 0.15), (0.06, -drop - 0.13), (0.06, -drop - 0.08), (0.0, -drop - 0.04)]
-        ),
-    )
+    builder.add(GLOW, part)
     return builder.model("ceiling lamp", "pendant lamp", "pendant light", "lamp", main=shade)
-
-
-_GRILLE = Finish("fabric", (0.14, 0.14, 0.15), 0.2, "black", "fabric")
 
 
 def fan(rng: RandomStream, palette: Palette) -> Model:

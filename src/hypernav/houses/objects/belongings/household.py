@@ -26,21 +26,16 @@ def basket(rng: RandomStream, palette: Palette) -> Model:
     builder = ModelBuilder()
     cane = Finish("wicker", (0.76, 0.6, 0.4), 0.2, "light brown", "wicker")
     radius = rng.uniform(0.18, 0.24)
-    builder.add(
-        cane,
-        lathe(
-            [
-                (0, 0),
-                (radius * 0.85, 0),
-                (radius, 0.2),
-                (radius * 0.97, 0.34),
-                (radius * 0.92, 0.34),
-                (radius * 0.9, 0.1),
-            ],
-            sides=24,
-            crease_deg=60,
-        ),
-    )
+    profile = [
+        (0, 0),
+        (radius * 0.85, 0),
+        (radius, 0.2),
+        (radius * 0.97, 0.34),
+        (radius * 0.92, 0.34),
+        (radius * 0.9, 0.1),
+    ]
+    part = lathe(profile, sides=24, crease_deg=60)
+    builder.add(cane, part)
     builder.add(
         Finish("terry", HUES[palette.accent_hue], 0.25, palette.accent_hue, "fabric"),
         ball(radius * 1.7, radius * 1.7, 0.2, at=(0, 0, 0.28), sides=14),
@@ -56,32 +51,23 @@ def trash_can(rng: RandomStream, palette: Palette) -> Model:
     radius = 0.13 + high * 0.06
     builder.add(body, lathe([(0, 0), (radius * 0.9, 0), (radius, high)], sides=24))
     if rng.chance(0.6):
-        builder.add(
-            body.tinted(0.8),
-            lathe(
-                [
-                    (radius * 1.03, high - 0.02),
-                    (radius * 1.03, high + 0.02),
-                    (radius * 0.7, high + 0.06),
-                    (0, high + 0.07),
-                ],
-                sides=24,
-                crease_deg=60,
-            ),
-        )
+        profile = [
+            (radius * 1.03, high - 0.02),
+            (radius * 1.03, high + 0.02),
+            (radius * 0.7, high + 0.06),
+            (0, high + 0.07),
+        ]
+        part = lathe(profile, sides=24, crease_deg=60)
+        builder.add(body.tinted(0.8), part)
         builder.add(BLACK_METAL, box(0.1, 0.05, 0.02, at=(0, radius + 0.02, 0.01)))
     else:
-        builder.add(
-            plastic("white"),
-            lathe(
-                [
-                    (radius * 1.01, high - 0.06),
-                    (radius * 1.05, high + 0.006),
-                    (radius * 0.9, high - 0.05),
-                ],
-                sides=20,
-            ),
-        )
+        profile = [
+            (radius * 1.01, high - 0.06),
+            (radius * 1.05, high + 0.006),
+            (radius * 0.9, high - 0.05),
+        ]
+        part = lathe(profile, sides=20)
+        builder.add(plastic("white"), part)
         builder.add(plastic("dark gray"), cylinder(radius * 0.9, 0.01, at=(0, 0, high * 0.7)))
     return builder.model("trash can", "waste bin", "garbage can", main=body)
 
@@ -90,12 +76,10 @@ def soap_dispenser(rng: RandomStream, palette: Palette) -> Model:
     """A pump bottle."""
     builder = ModelBuilder()
     body = glazed(rng.choice(("white", palette.accent_hue, "teal")))
-    builder.add(
-        body,
-        lathe(
-            [(0, 0), (0.035, 0), (0.036, 0.11), (0.014, 0.13), (0, 0.13)], sides=18, crease_deg=50
-        ),
+    part = lathe(
+        [(0, 0), (0.035, 0), (0.036, 0.11), (0.014, 0.13), (0, 0.13)], sides=18, crease_deg=50
     )
+    builder.add(body, part)
     builder.add(
         CHROME,
         rod((0, 0, 0.13), (0, 0, 0.165), 0.006, sides=6),
@@ -155,26 +139,22 @@ def bucket(rng: RandomStream, palette: Palette) -> Model:
     """A bucket with a handle."""
     builder = ModelBuilder()
     body = plastic(rng.choice(("blue", "red", "green", palette.accent_hue)))
-    builder.add(
-        body,
-        lathe(
-            [(0, 0), (0.11, 0), (0.145, 0.27), (0.152, 0.28), (0.14, 0.27), (0.1, 0.01)], sides=24
-        ),
+    part = lathe(
+        [(0, 0), (0.11, 0), (0.145, 0.27), (0.152, 0.28), (0.14, 0.27), (0.1, 0.01)], sides=24
     )
-    builder.add(
-        CHROME,
-        tube(
-            [
-                (-0.145, 0, 0.26),
-                (-0.12, 0.09, 0.34),
-                (0, 0.13, 0.37),
-                (0.12, 0.09, 0.34),
-                (0.145, 0, 0.26),
-            ],
-            0.004,
-            sides=5,
-        ),
+    builder.add(body, part)
+    part = tube(
+        [
+            (-0.145, 0, 0.26),
+            (-0.12, 0.09, 0.34),
+            (0, 0.13, 0.37),
+            (0.12, 0.09, 0.34),
+            (0.145, 0, 0.26),
+        ],
+        0.004,
+        sides=5,
     )
+    builder.add(CHROME, part)
     return builder.model("bucket", main=body)
 
 
@@ -234,20 +214,17 @@ def _front_loader(body: Finish, glass: Finish, *, drawer: bool, names: tuple[str
         [(0.215, 0.0), (0.21, 0.035), (0.185, 0.045), (0.155, 0.03)], sides=32, crease_deg=70
     ).turned(-90, "x")
     builder.add(CHROME if drawer else body.tinted(0.94), ring.moved(0, y - 0.002, 0.4))
-    dome = lathe(
-        [
-            (0.158, 0.028),
-            (0.12, 0.042 if not drawer else 0.01),
-            (0.0, 0.05 if not drawer else -0.004),
-        ],
-        sides=32,
-        crease_deg=80,
-    )
+    profile = [
+        (0.158, 0.028),
+        (0.12, 0.042 if not drawer else 0.01),
+        (0.0, 0.05 if not drawer else -0.004),
+    ]
+    dome = lathe(profile, sides=32, crease_deg=80)
     builder.add(glass, dome.turned(-90, "x").moved(0, y - 0.002, 0.4))
     builder.add(plastic("gray"), box(0.035, 0.02, 0.1, at=(0.195, y + 0.035, 0.35), bevel=0.006))
     builder.add(plastic("dark gray"), box(wide - 0.06, 0.004, 0.05, at=(0, y, 0.02)))
-    top = SupportSurface(-0.26, -0.24, 0.26, 0.24, high, 0.5)
-    return builder.model(names[0], *names[1:], main=body, supports=(top,))
+    surface = SupportSurface(-0.26, -0.24, 0.26, 0.24, high, 0.5)
+    return builder.model(names[0], *names[1:], main=body, supports=(surface,))
 
 
 def iron(rng: RandomStream, palette: Palette) -> Model:
@@ -291,12 +268,10 @@ def laundry_basket(rng: RandomStream, palette: Palette) -> Model:
             Finish("wicker", (0.76, 0.62, 0.42), 0.2, "light brown", "wicker"),
         )
     )
-    builder.add(
-        body,
-        lathe(
-            [(0, 0), (0.18, 0), (0.23, 0.5), (0.235, 0.52), (0.22, 0.5), (0.17, 0.02)], sides=24
-        ).scaled(1.15, 0.85, 1),
-    )
+    part = lathe(
+        [(0, 0), (0.18, 0), (0.23, 0.5), (0.235, 0.52), (0.22, 0.5), (0.17, 0.02)], sides=24
+    ).scaled(1.15, 0.85, 1)
+    builder.add(body, part)
     for k in range(5):
         cloth = fabric(rng.choice(("white", "blue", "red", "gray", "yellow", palette.linen_hue)))
         builder.add(

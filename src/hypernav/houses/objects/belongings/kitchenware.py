@@ -27,29 +27,21 @@ def cup(rng: RandomStream, palette: Palette) -> Model:
     """A mug."""
     builder = ModelBuilder()
     glaze = glazed(rng.choice(("white", palette.accent_hue, "blue", "yellow", "red")))
-    builder.add(
-        glaze,
-        lathe(
-            [
-                (0, 0),
-                (0.036, 0),
-                (0.041, 0.01),
-                (0.041, 0.095),
-                (0.037, 0.095),
-                (0.036, 0.02),
-                (0, 0.018),
-            ],
-            sides=18,
-        ),
+    profile = [
+        (0, 0),
+        (0.036, 0),
+        (0.041, 0.01),
+        (0.041, 0.095),
+        (0.037, 0.095),
+        (0.036, 0.02),
+        (0, 0.018),
+    ]
+    part = lathe(profile, sides=18)
+    builder.add(glaze, part)
+    part = tube(
+        [(0.04, 0, 0.075), (0.068, 0, 0.072), (0.07, 0, 0.035), (0.04, 0, 0.022)], 0.006, sides=6
     )
-    builder.add(
-        glaze,
-        tube(
-            [(0.04, 0, 0.075), (0.068, 0, 0.072), (0.07, 0, 0.035), (0.04, 0, 0.022)],
-            0.006,
-            sides=6,
-        ),
-    )
+    builder.add(glaze, part)
     builder.add(plastic("brown"), cylinder(0.036, 0.002, at=(0, 0, 0.08)))
     return builder.model("cup", "mug", "coffee cup", main=glaze)
 
@@ -63,21 +55,18 @@ def bowl(rng: RandomStream, palette: Palette) -> Model:
 
 
 def _bowl(radius: float, high: float) -> Mesh:
-    return lathe(
-        [
-            (0, 0),
-            (radius * 0.45, 0),
-            (radius * 0.5, 0.008),
-            (radius * 0.85, high * 0.55),
-            (radius, high),
-            (radius * 0.96, high),
-            (radius * 0.8, high * 0.55),
-            (radius * 0.4, 0.016),
-            (0, 0.014),
-        ],
-        sides=28,
-        crease_deg=60,
-    )
+    profile = [
+        (0, 0),
+        (radius * 0.45, 0),
+        (radius * 0.5, 0.008),
+        (radius * 0.85, high * 0.55),
+        (radius, high),
+        (radius * 0.96, high),
+        (radius * 0.8, high * 0.55),
+        (radius * 0.4, 0.016),
+        (0, 0.014),
+    ]
+    return lathe(profile, sides=28, crease_deg=60)
 
 
 def fruit_bowl(rng: RandomStream, palette: Palette) -> Model:
@@ -112,14 +101,9 @@ def plate(rng: RandomStream, palette: Palette) -> Model:
     """A plate with knife and fork."""
     builder = ModelBuilder()
     glaze = glazed(rng.choice(("white", "white", "light blue", palette.accent_hue)))
-    builder.add(
-        glaze,
-        lathe(
-            [(0, 0), (0.08, 0), (0.13, 0.018), (0.128, 0.021), (0.085, 0.008), (0, 0.006)],
-            sides=28,
-            crease_deg=60,
-        ),
-    )
+    profile = [(0, 0), (0.08, 0), (0.13, 0.018), (0.128, 0.021), (0.085, 0.008), (0, 0.006)]
+    part = lathe(profile, sides=28, crease_deg=60)
+    builder.add(glaze, part)
     for x in (-0.165, 0.165):
         builder.add(CHROME, box(0.014, 0.19, 0.004, at=(x, 0, 0)))
     return builder.model("plate", "dish", main=glaze)
@@ -135,14 +119,9 @@ def bottle(rng: RandomStream, palette: Palette) -> Model:
         "",
         "glass",
     )
-    builder.add(
-        glass,
-        lathe(
-            [(0, 0), (0.037, 0), (0.038, 0.19), (0.014, 0.24), (0.014, 0.31), (0, 0.31)],
-            sides=18,
-            crease_deg=50,
-        ),
-    )
+    profile = [(0, 0), (0.037, 0), (0.038, 0.19), (0.014, 0.24), (0.014, 0.31), (0, 0.31)]
+    part = lathe(profile, sides=18, crease_deg=50)
+    builder.add(glass, part)
     builder.add(
         image_finish(f"label {rng.integer(0, 7)}"),
         lathe([(0.0385, 0.06), (0.0385, 0.15)], sides=18).textured(8.0, 11.0),
@@ -275,12 +254,10 @@ def coffee_machine(rng: RandomStream, palette: Palette) -> Model:
         box(0.2, 0.09, 0.33, at=(0, -0.075, 0), bevel=0.008),
         cushion(0.2, 0.22, 0.1, radius=0.02, at=(0, 0, 0.24)),
     )
-    builder.add(
-        GLASS.tinted(0.4),
-        lathe([(0, 0.045), (0.06, 0.045), (0.07, 0.1), (0.05, 0.17), (0.05, 0.19)], sides=20).moved(
-            0, 0.045, 0
-        ),
-    )
+    part = lathe(
+        [(0, 0.045), (0.06, 0.045), (0.07, 0.1), (0.05, 0.17), (0.05, 0.19)], sides=20
+    ).moved(0, 0.045, 0)
+    builder.add(GLASS.tinted(0.4), part)
     builder.add(
         BLACK_METAL,
         tube([(0, 0.1, 0.17), (0, 0.145, 0.16), (0, 0.14, 0.09), (0, 0.11, 0.08)], 0.008),

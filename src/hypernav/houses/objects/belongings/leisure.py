@@ -63,12 +63,8 @@ def piano(rng: RandomStream, palette: Palette) -> Model:
     builder.add(body, box(0.6, 0.015, 0.24, at=(0, 0.025, 0.82)).turned(0))
     builder.add(image_finish("label 0"), panel(0.3, 0.2, at=(0, 0.035, 0.84)))
     builder.add(BRASS, *[box(0.05, 0.1, 0.02, at=((k - 1) * 0.12, 0.1, 0.03)) for k in range(3)])
-    return builder.model(
-        "piano",
-        "upright piano",
-        main=body,
-        supports=(SupportSurface(-0.65, -0.26, 0.65, 0.0, 1.18),),
-    )
+    surface = SupportSurface(-0.65, -0.26, 0.65, 0.0, 1.18)
+    return builder.model("piano", "upright piano", main=body, supports=(surface,))
 
 
 def guitar(rng: RandomStream, palette: Palette) -> Model:
@@ -148,12 +144,8 @@ def fireplace(rng: RandomStream, palette: Palette) -> Model:
         builder.add(
             Finish("", ink, unlit=True), flame.moved((k - 3) * 0.06, 0.02 * (k % 3 - 1), 0.15)
         )
-    return builder.model(
-        "fireplace",
-        "hearth",
-        main=stone,
-        supports=(SupportSurface(-0.6, -0.12, 0.6, 0.16, high + 0.06),),
-    )
+    surface = SupportSurface(-0.6, -0.12, 0.6, 0.16, high + 0.06)
+    return builder.model("fireplace", "hearth", main=stone, supports=(surface,))
 
 
 def easel(rng: RandomStream, palette: Palette) -> Model:
@@ -390,12 +382,10 @@ def bird_cage(rng: RandomStream, palette: Palette) -> Model:
     for k in range(20):
         a = 2 * math.pi * k / 20
         c, s = 0.19 * math.cos(a), 0.19 * math.sin(a)
-        builder.add(
-            metal,
-            tube(
-                [(c, s, 0.94), (c, s, 1.3), (c * 0.7, s * 0.7, 1.42), (0, 0, 1.48)], 0.003, sides=4
-            ),
+        part = tube(
+            [(c, s, 0.94), (c, s, 1.3), (c * 0.7, s * 0.7, 1.42), (0, 0, 1.48)], 0.003, sides=4
         )
+        builder.add(metal, part)
     builder.add(
         plastic(palette.accent_hue),
         ball(0.05, 0.1, 0.07, at=(0.02, 0, 1.14), sides=10),

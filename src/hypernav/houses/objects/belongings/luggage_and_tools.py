@@ -75,18 +75,16 @@ def backpack(rng: RandomStream, palette: Palette) -> Model:
         tube([(-0.04, 0, 0.45), (-0.03, 0, 0.49), (0.03, 0, 0.49), (0.04, 0, 0.45)], 0.009),
     )
     for s in (-1.0, 1.0):
-        builder.add(
-            cloth.tinted(0.6),
-            tube(
-                [
-                    (s * 0.08, -0.08, 0.4),
-                    (s * 0.1, -0.13, 0.33),
-                    (s * 0.11, -0.12, 0.15),
-                    (s * 0.13, -0.08, 0.04),
-                ],
-                0.014,
-            ),
+        part = tube(
+            [
+                (s * 0.08, -0.08, 0.4),
+                (s * 0.1, -0.13, 0.33),
+                (s * 0.11, -0.12, 0.15),
+                (s * 0.13, -0.08, 0.04),
+            ],
+            0.014,
         )
+        builder.add(cloth.tinted(0.6), part)
     return builder.model("backpack", "rucksack", "school bag", main=cloth)
 
 
@@ -120,14 +118,12 @@ def umbrella(rng: RandomStream, palette: Palette) -> Model:
     for k, ink in enumerate((hue, "black")):
         x = 0.04 - 0.08 * k
         cloth = Finish("fabric", HUES[ink], 0.3, ink, "fabric")
-        builder.add(
-            cloth,
-            lathe(
-                [(0.006, 0.02), (0.02, 0.1), (0.035, 0.45), (0.03, 0.62), (0.008, 0.68)],
-                sides=10,
-                crease_deg=80,
-            ).moved(x, 0, 0),
-        )
+        part = lathe(
+            [(0.006, 0.02), (0.02, 0.1), (0.035, 0.45), (0.03, 0.62), (0.008, 0.68)],
+            sides=10,
+            crease_deg=80,
+        ).moved(x, 0, 0)
+        builder.add(cloth, part)
         builder.add(
             wood("walnut"),
             rod((x, 0, 0.66), (x, 0, 0.8), 0.008),
@@ -196,14 +192,9 @@ def fire_extinguisher(rng: RandomStream, palette: Palette) -> Model:
     """A red extinguisher."""
     builder = ModelBuilder()
     red = plastic("red")
-    builder.add(
-        red,
-        lathe(
-            [(0, 0), (0.08, 0), (0.082, 0.38), (0.06, 0.45), (0.03, 0.48), (0, 0.48)],
-            sides=20,
-            crease_deg=50,
-        ),
-    )
+    profile = [(0, 0), (0.08, 0), (0.082, 0.38), (0.06, 0.45), (0.03, 0.48), (0, 0.48)]
+    part = lathe(profile, sides=20, crease_deg=50)
+    builder.add(red, part)
     builder.add(
         BLACK_METAL,
         box(0.03, 0.14, 0.03, at=(0, 0.03, 0.5)),

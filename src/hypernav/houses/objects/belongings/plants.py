@@ -22,6 +22,9 @@ from hypernav.houses.random_stream import RandomStream
 
 _GREENS = ((0.2, 0.43, 0.16), (0.27, 0.5, 0.2), (0.16, 0.36, 0.17), (0.38, 0.56, 0.25))
 
+_SOIL = Finish("soil", (1.0, 1.0, 1.0), 0.2)
+_BARK = Finish("wood", (0.45, 0.34, 0.24), 0.3)
+
 
 def leaves(
     length: Sequence[float],
@@ -158,10 +161,6 @@ def green(rng: RandomStream, texture: str = "leaf") -> Finish:
     return Finish(texture, (r * lift, g * lift, b * lift), 1.0, "green", "")
 
 
-_SOIL = Finish("soil", (1.0, 1.0, 1.0), 0.2)
-_BARK = Finish("wood", (0.45, 0.34, 0.24), 0.3)
-
-
 def pot(
     builder: ModelBuilder, rng: RandomStream, palette: Palette, radius: float, high: float
 ) -> None:
@@ -233,17 +232,15 @@ def leafy_plant(rng: RandomStream, palette: Palette) -> Model:
         )
         turns = _spread(rng, 21)
         stem = [(0.0, 0.0, high + 0.05 + 0.028 * k) for k in range(21)]
-        builder.add(
-            foliage,
-            leaves(
-                [rng.uniform(0.2, 0.27) for _ in turns],
-                [0.11] * 21,
-                [40.0] * 21,
-                [50.0] * 21,
-                turns,
-                stem,
-            ),
+        part = leaves(
+            [rng.uniform(0.2, 0.27) for _ in turns],
+            [0.11] * 21,
+            [40.0] * 21,
+            [50.0] * 21,
+            turns,
+            stem,
         )
+        builder.add(foliage, part)
     return _named(builder, kind)
 
 
@@ -268,19 +265,17 @@ def monstera(rng: RandomStream, palette: Palette) -> Model:
         sizes.append(rng.uniform(0.24, 0.33))
     foliage = green(rng)
     builder.add(foliage.tinted(0.9), join(stalks))
-    builder.add(
-        foliage,
-        leaves(
-            sizes,
-            [0.85 * s for s in sizes],
-            [rng.uniform(30, 70) for _ in turns],
-            [rng.uniform(0, 30) for _ in turns],
-            turns,
-            tips,
-            fold=0.12,
-            shape="heart",
-        ),
+    part = leaves(
+        sizes,
+        [0.85 * s for s in sizes],
+        [rng.uniform(30, 70) for _ in turns],
+        [rng.uniform(0, 30) for _ in turns],
+        turns,
+        tips,
+        fold=0.12,
+        shape="heart",
     )
+    builder.add(foliage, part)
     return _named(builder, "monstera")
 
 
@@ -292,31 +287,27 @@ def indoor_tree(rng: RandomStream, palette: Palette) -> Model:
     foliage = green(rng)
     if rng.chance(0.5):
         trunk = rng.uniform(0.3, 0.45)
-        builder.add(
-            _BARK,
-            tube(
-                [(0, 0, high - 0.03), (0.02, 0.01, high + trunk * 0.5), (0, 0, high + trunk + 0.3)],
-                [0.02, 0.017, 0.01],
-            ),
+        part = tube(
+            [(0, 0, high - 0.03), (0.02, 0.01, high + trunk * 0.5), (0, 0, high + trunk + 0.3)],
+            [0.02, 0.017, 0.01],
         )
+        builder.add(_BARK, part)
         crown = high + trunk + 0.32
         turns, positions = _spread(rng, 190), []
         for turn in turns:
             rise = rng.uniform(-1.0, 1.0)
             reach = math.sqrt(max(1.0 - rise * rise, 0.0)) * rng.uniform(0.55, 1.0) * 0.3
             positions.append(_polar(turn, reach, crown + rise * 0.34))
-        builder.add(
-            foliage,
-            leaves(
-                [rng.uniform(0.09, 0.13) for _ in turns],
-                [0.05] * 190,
-                [40.0] * 190,
-                [rng.uniform(-25, 50) for _ in turns],
-                turns,
-                positions,
-                steps=3,
-            ),
+        part = leaves(
+            [rng.uniform(0.09, 0.13) for _ in turns],
+            [0.05] * 190,
+            [40.0] * 190,
+            [rng.uniform(-25, 50) for _ in turns],
+            turns,
+            positions,
+            steps=3,
         )
+        builder.add(foliage, part)
         return _named(builder, "ficus")
     fronds = []
     for turn in _spread(rng, 11):
@@ -359,22 +350,17 @@ def flower_vase(rng: RandomStream, palette: Palette) -> Model:
         "ceramic",
     )
     high = rng.uniform(0.18, 0.26)
-    builder.add(
-        glaze,
-        lathe(
-            [
-                (0.0, 0.0),
-                (0.045, 0.0),
-                (0.07, high * 0.35),
-                (0.06, high * 0.7),
-                (0.03, high * 0.9),
-                (0.042, high),
-                (0.03, high - 0.01),
-            ],
-            sides=20,
-            crease_deg=60,
-        ),
-    )
+    profile = [
+        (0.0, 0.0),
+        (0.045, 0.0),
+        (0.07, high * 0.35),
+        (0.06, high * 0.7),
+        (0.03, high * 0.9),
+        (0.042, high),
+        (0.03, high - 0.01),
+    ]
+    part = lathe(profile, sides=20, crease_deg=60)
+    builder.add(glaze, part)
     ink = rng.choice(
         (
             (0.85, 0.2, 0.25),

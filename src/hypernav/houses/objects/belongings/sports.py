@@ -74,12 +74,10 @@ def bicycle(rng: RandomStream, palette: Palette) -> Model:
         cushion(0.27, 0.15, 0.06, radius=0.028, at=(-0.25, 0, 0.9)),
         cylinder(0.09, 0.006, sides=24).turned(90, "x").moved(-0.06, 0.05, 0.31),
     )
-    builder.add(
-        BLACK_METAL,
-        tube(
-            [(0.22, -0.28, 1.0), (0.32, -0.12, 1.02), (0.32, 0.12, 1.02), (0.22, 0.28, 1.0)], 0.013
-        ),
+    part = tube(
+        [(0.22, -0.28, 1.0), (0.32, -0.12, 1.02), (0.32, 0.12, 1.02), (0.22, 0.28, 1.0)], 0.013
     )
+    builder.add(BLACK_METAL, part)
     for s in (-1.0, 1.0):
         builder.add(
             CHROME,

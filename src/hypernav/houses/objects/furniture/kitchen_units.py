@@ -52,16 +52,10 @@ def refrigerator(rng: RandomStream, palette: Palette) -> Model:
     if style == "french door":
         half = wide / 2
         for s in (-1.0, 1.0):
-            builder.add(
-                body,
-                box(
-                    half - 0.004,
-                    door,
-                    top - cut - 0.01,
-                    at=(s * half / 2, y, cut + 0.008),
-                    bevel=0.012,
-                ),
+            part = box(
+                half - 0.004, door, top - cut - 0.01, at=(s * half / 2, y, cut + 0.008), bevel=0.012
             )
+            builder.add(body, part)
             _grip(
                 builder, grip, (s * 0.045, deep / 2, cut + 0.12), (s * 0.045, deep / 2, top - 0.16)
             )
@@ -98,16 +92,11 @@ def refrigerator(rng: RandomStream, palette: Palette) -> Model:
         )
         if rng.chance(0.4):
             _magnets(builder, rng, wide, deep / 2, cut + 0.1, top - 0.1, side)
+    surface = SupportSurface(
+        -wide / 2 + 0.06, -deep / 2 + 0.08, wide / 2 - 0.06, deep / 2 - 0.12, top, 0.4
+    )
     return builder.model(
-        "refrigerator",
-        "fridge",
-        style + " refrigerator",
-        main=body,
-        supports=(
-            SupportSurface(
-                -wide / 2 + 0.06, -deep / 2 + 0.08, wide / 2 - 0.06, deep / 2 - 0.12, top, 0.4
-            ),
-        ),
+        "refrigerator", "fridge", style + " refrigerator", main=body, supports=(surface,)
     )
 
 
@@ -145,14 +134,12 @@ def _magnets(
                 Finish("painting 4", (1, 1, 1)),
             )
         )
-        builder.add(
-            paper,
-            panel(
-                rng.uniform(0.08, 0.15),
-                rng.uniform(0.09, 0.16),
-                at=(x, y + 0.003, rng.uniform(low, high - 0.2)),
-            ),
+        part = panel(
+            rng.uniform(0.08, 0.15),
+            rng.uniform(0.09, 0.16),
+            at=(x, y + 0.003, rng.uniform(low, high - 0.2)),
         )
+        builder.add(paper, part)
 
 
 def oven(rng: RandomStream, palette: Palette) -> Model:
@@ -230,12 +217,8 @@ def dishwasher(rng: RandomStream, palette: Palette) -> Model:
         worktop(rng.fork("top"), palette),
         box(0.6, DEEP_M, 0.04, at=(0, 0, COUNTER_M - 0.04), bevel=0.004),
     )
-    return builder.model(
-        "dishwasher",
-        "dish washer",
-        main=body,
-        supports=(SupportSurface(-0.27, -0.25, 0.27, 0.25, COUNTER_M),),
-    )
+    surface = SupportSurface(-0.27, -0.25, 0.27, 0.25, COUNTER_M)
+    return builder.model("dishwasher", "dish washer", main=body, supports=(surface,))
 
 
 def range_hood(rng: RandomStream, palette: Palette) -> Model:
@@ -318,13 +301,14 @@ def kitchen_cabinet(
         top or worktop(rng, palette),
         box(wide, DEEP_M, 0.04, at=(0, 0, COUNTER_M - 0.04), bevel=0.004),
     )
+    surface = SupportSurface(-wide / 2 + 0.02, -0.27, wide / 2 - 0.02, 0.25, COUNTER_M, 0.45)
     return builder.model(
         "kitchen cabinet",
         "kitchen counter",
         "counter",
         "base cabinet",
         main=body,
-        supports=(SupportSurface(-wide / 2 + 0.02, -0.27, wide / 2 - 0.02, 0.25, COUNTER_M, 0.45),),
+        supports=(surface,),
     )
 
 

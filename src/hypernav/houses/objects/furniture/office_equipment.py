@@ -24,6 +24,11 @@ from hypernav.houses.random_stream import RandomStream
 
 TABLE_M = 0.74
 
+_WATER = Finish("", (0.55, 0.72, 0.86), 1.0, "blue", "plastic")
+_LED = Finish("", (0.3, 0.95, 0.45), 1.0, unlit=True)
+
+_CORK = Finish("cardboard", (0.74, 0.55, 0.36), 0.5, "brown", "cork")
+
 
 def _table_top(rng: RandomStream, palette: Palette) -> Finish:
     return rng.weighted(
@@ -52,13 +57,8 @@ def work_desk(rng: RandomStream, palette: Palette, wide: float = 1.6) -> Model:
             )
     builder.add(frame, box(wide - 0.3, 0.03, 0.06, at=(0, -0.06, TABLE_M - 0.09)))
     builder.add(top.tinted(0.92), box(wide - 0.2, 0.016, 0.32, at=(0, -deep / 2 + 0.06, 0.37)))
-    return builder.model(
-        "desk",
-        "office desk",
-        "workstation",
-        main=top,
-        supports=(full_support(wide, deep, TABLE_M, 0.9),),
-    )
+    surface = full_support(wide, deep, TABLE_M, 0.9)
+    return builder.model("desk", "office desk", "workstation", main=top, supports=(surface,))
 
 
 def desk_screen(rng: RandomStream, palette: Palette, wide: float = 1.6) -> Model:
@@ -81,12 +81,9 @@ def drawer_unit(rng: RandomStream, palette: Palette) -> Model:
     for x in (-0.15, 0.15):
         for y in (-0.2, 0.2):
             builder.add(BLACK_METAL, cylinder(0.02, 0.05, at=(x, y, 0), sides=8))
+    surface = SupportSurface(-0.18, -0.22, 0.18, 0.22, 0.55)
     return builder.model(
-        "drawer unit",
-        "pedestal",
-        "rolling drawers",
-        main=body,
-        supports=(SupportSurface(-0.18, -0.22, 0.18, 0.22, 0.55),),
+        "drawer unit", "pedestal", "rolling drawers", main=body, supports=(surface,)
     )
 
 
@@ -135,13 +132,14 @@ def reception_desk(rng: RandomStream, palette: Palette) -> Model:
     builder.add(stone, box(long - 0.08, 0.66, 0.03, at=(0, -0.02, 0.71)))
     accent = fabric(palette.accent_hue) if rng.chance(0.3) else plastic(palette.accent_hue)
     builder.add(accent, box(long - 0.3, 0.012, 0.12, at=(0, 0.374, 0.16)))
+    surface = SupportSurface(-long / 2 + 0.1, -0.32, long / 2 - 0.1, 0.1, 0.74, 0.5)
     return builder.model(
         "reception desk",
         "front desk",
         "reception counter",
         "counter",
         main=body,
-        supports=(SupportSurface(-long / 2 + 0.1, -0.32, long / 2 - 0.1, 0.1, 0.74, 0.5),),
+        supports=(surface,),
     )
 
 
@@ -176,10 +174,6 @@ def locker(rng: RandomStream, palette: Palette) -> Model:
         for j in range(3):
             builder.add(BLACK_METAL, box(0.14, 0.004, 0.008, at=(x, 0.24, 1.55 + 0.04 * j)))
     return builder.model("locker", "lockers", "steel cabinet", main=steel, attributes=("tall",))
-
-
-_WATER = Finish("", (0.55, 0.72, 0.86), 1.0, "blue", "plastic")
-_LED = Finish("", (0.3, 0.95, 0.45), 1.0, unlit=True)
 
 
 def copier(rng: RandomStream, palette: Palette) -> Model:
@@ -299,16 +293,10 @@ def desk_computer(rng: RandomStream, palette: Palette) -> Model:
     builder.add(body, box(0.19, 0.42, 0.4, at=(0, 0, 0.01), bevel=0.006))
     builder.add(plastic("gray"), box(0.15, 0.012, 0.1, at=(0, 0.212, 0.27)))
     builder.add(_LED, panel(0.012, 0.012, at=(0.05, 0.2185, 0.22)))
+    surface = SupportSurface(-0.08, -0.18, 0.08, 0.18, 0.41, 0.3)
     return builder.model(
-        "desktop computer",
-        "computer",
-        "computer tower",
-        main=body,
-        supports=(SupportSurface(-0.08, -0.18, 0.08, 0.18, 0.41, 0.3),),
+        "desktop computer", "computer", "computer tower", main=body, supports=(surface,)
     )
-
-
-_CORK = Finish("cardboard", (0.74, 0.55, 0.36), 0.5, "brown", "cork")
 
 
 def whiteboard(rng: RandomStream, palette: Palette) -> Model:

@@ -58,17 +58,15 @@ def toilet(rng: RandomStream, palette: Palette) -> Model:
         _ring(0.186, 0.362, back, rim),
     ]
     builder.add(CERAMIC, _loft(bowl))
-    builder.add(
-        _INSIDE,
-        _loft(
-            [
-                _ring(0.186, 0.362, back, rim),
-                _ring(0.13, 0.29, back + 0.07, rim - 0.005),
-                _ring(0.12, 0.27, back + 0.08, rim - 0.06),
-                _ring(0.07, 0.18, back + 0.12, rim - 0.17),
-            ]
-        ),
+    part = _loft(
+        [
+            _ring(0.186, 0.362, back, rim),
+            _ring(0.13, 0.29, back + 0.07, rim - 0.005),
+            _ring(0.12, 0.27, back + 0.08, rim - 0.06),
+            _ring(0.07, 0.18, back + 0.12, rim - 0.17),
+        ]
     )
+    builder.add(_INSIDE, part)
     builder.add(_WATER, _fan(_ring(0.085, 0.2, back + 0.11, rim - 0.14)))
     open_ = rng.chance(0.45)
     seat_inner, seat_outer = (0.12, 0.28, back + 0.085), (0.192, 0.372, back + 0.005)
@@ -114,21 +112,14 @@ def toilet(rng: RandomStream, palette: Palette) -> Model:
             CHROME, cylinder(0.022, 0.008, at=(0, tank_y, rim + tank_high + 0.014), bevel=0.003)
         )
     else:
-        builder.add(
-            CHROME,
-            rod(
-                (-tank_wide / 2 + 0.06, tank_y + 0.1, rim + tank_high - 0.07),
-                (-tank_wide / 2 + 0.14, tank_y + 0.105, rim + tank_high - 0.085),
-                0.008,
-            ),
+        part = rod(
+            (-tank_wide / 2 + 0.06, tank_y + 0.1, rim + tank_high - 0.07),
+            (-tank_wide / 2 + 0.14, tank_y + 0.105, rim + tank_high - 0.085),
+            0.008,
         )
-    return builder.model(
-        "toilet",
-        "lavatory",
-        "wc",
-        main=CERAMIC,
-        supports=(SupportSurface(-0.15, -0.33, 0.15, -0.22, rim + tank_high + 0.015, 0.4),),
-    )
+        builder.add(CHROME, part)
+    surface = SupportSurface(-0.15, -0.33, 0.15, -0.22, rim + tank_high + 0.015, 0.4)
+    return builder.model("toilet", "lavatory", "wc", main=CERAMIC, supports=(surface,))
 
 
 def _fan(ring: list[list[float]]) -> Mesh:
@@ -190,20 +181,18 @@ def bathroom_sink(rng: RandomStream, palette: Palette) -> Model:
             CERAMIC,
             lathe([(0.0, 0.0), (0.11, 0.0), (0.085, 0.1), (0.075, 0.4), (0.1, 0.66), (0.0, 0.66)]),
         )
-        builder.add(
-            CERAMIC,
-            _loft(
-                [
-                    _ring(0.1, 0.08, -0.16, 0.62),
-                    _ring(0.2, 0.18, -0.21, 0.7),
-                    _ring(0.27, 0.24, -0.23, 0.8),
-                    _ring(0.28, 0.25, -0.24, high),
-                    _ring(0.25, 0.22, -0.16, high + 0.004),
-                    _ring(0.23, 0.2, -0.13, high - 0.03),
-                    _ring(0.15, 0.12, -0.08, high - 0.12),
-                ]
-            ),
+        part = _loft(
+            [
+                _ring(0.1, 0.08, -0.16, 0.62),
+                _ring(0.2, 0.18, -0.21, 0.7),
+                _ring(0.27, 0.24, -0.23, 0.8),
+                _ring(0.28, 0.25, -0.24, high),
+                _ring(0.25, 0.22, -0.16, high + 0.004),
+                _ring(0.23, 0.2, -0.13, high - 0.03),
+                _ring(0.15, 0.12, -0.08, high - 0.12),
+            ]
         )
+        builder.add(CERAMIC, part)
         builder.add(_INSIDE, _fan(_ring(0.16, 0.13, -0.08, high - 0.11)))
         builder.add(CHROME, tap().moved(0, -0.19, high))
         return builder.model("sink", "bathroom sink", "washbasin", "basin", main=CERAMIC)

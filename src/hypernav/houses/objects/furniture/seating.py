@@ -50,16 +50,9 @@ def dining_chair(rng: RandomStream, palette: Palette) -> Model:
     for y in (front_y, back_y):
         builder.add(frame, box(wide - 2 * post, 0.02, 0.05, at=(0, y, SEAT_M - 0.07)))
     seat = fabric(palette.upholstery_hue) if rng.chance(0.4) else frame
-    builder.add(
-        seat,
-        cushion(
-            wide,
-            deep + 0.01,
-            0.035 if seat is frame else 0.06,
-            radius=0.016,
-            at=(0, 0.01, SEAT_M - 0.025),
-        ),
-    )
+    at = (0, 0.01, SEAT_M - 0.025)
+    part = cushion(wide, deep + 0.01, 0.035 if seat is frame else 0.06, radius=0.016, at=at)
+    builder.add(seat, part)
     _wooden_back(builder, frame, style, wide - post, back_y, lean, top, rng)
     return builder.model("chair", "dining chair", "wooden chair", main=frame)
 
@@ -130,15 +123,13 @@ def _shell_chair(rng: RandomStream, palette: Palette) -> Model:
         legs = palette.furniture_wood(rng)
         for sx in (-1.0, 1.0):
             for sy in (-1.0, 1.0):
-                builder.add(
-                    legs,
-                    rod(
-                        (sx * 0.22, sy * 0.21, 0.0),
-                        (sx * 0.12, sy * 0.11, SEAT_M - 0.01),
-                        0.012,
-                        end_radius=0.02,
-                    ),
+                part = rod(
+                    (sx * 0.22, sy * 0.21, 0.0),
+                    (sx * 0.12, sy * 0.11, SEAT_M - 0.01),
+                    0.012,
+                    end_radius=0.02,
                 )
+                builder.add(legs, part)
     else:
         legs = rng.choice((BLACK_METAL, CHROME))
         for s in (-1.0, 1.0):
@@ -225,17 +216,15 @@ def office_chair(rng: RandomStream, palette: Palette) -> Model:
     )
     if rng.chance(0.75):
         for s in (-1.0, 1.0):
-            builder.add(
-                BLACK_METAL,
-                tube(
-                    [
-                        (s * 0.2, 0.02, seat - 0.07),
-                        (s * 0.29, 0.02, seat - 0.04),
-                        (s * 0.29, 0.0, seat + 0.2),
-                    ],
-                    0.016,
-                ),
+            part = tube(
+                [
+                    (s * 0.2, 0.02, seat - 0.07),
+                    (s * 0.29, 0.02, seat - 0.04),
+                    (s * 0.29, 0.0, seat + 0.2),
+                ],
+                0.016,
             )
+            builder.add(BLACK_METAL, part)
             builder.add(
                 plastic("black"),
                 cushion(0.07, 0.26, 0.035, radius=0.015, at=(s * 0.29, 0.01, seat + 0.19)),
@@ -354,17 +343,10 @@ def _sofa(
     )
     back_thick = 0.2
     back_y = -deep / 2 + back_thick / 2
-    builder.add(
-        cloth,
-        cushion(
-            wide - 0.01,
-            back_thick,
-            top - 0.1 - base_z,
-            radius=0.06,
-            rounds=3,
-            at=(0, back_y, base_z),
-        ),
+    part = cushion(
+        wide - 0.01, back_thick, top - 0.1 - base_z, radius=0.06, rounds=3, at=(0, back_y, base_z)
     )
+    builder.add(cloth, part)
     _arms(builder, rng, cloth, wide, deep, arm, arm_top, base_z)
     # Seat cushions
     seat_deep = deep - back_thick + 0.02
@@ -373,19 +355,17 @@ def _sofa(
         x = (k + 0.5) * each - inner / 2
         long = chaise != 0.0 and (k == (0 if chaise < 0 else seats - 1))
         extra = 0.68 if long else 0.0
-        builder.add(
-            cloth,
-            cushion(
-                each - 0.008,
-                seat_deep + extra,
-                0.17,
-                radius=0.045,
-                puff=0.018,
-                flats=3,
-                rounds=3,
-                at=(x, deep / 2 - seat_deep / 2 + extra / 2, seat - 0.17),
-            ),
+        part = cushion(
+            each - 0.008,
+            seat_deep + extra,
+            0.17,
+            radius=0.045,
+            puff=0.018,
+            flats=3,
+            rounds=3,
+            at=(x, deep / 2 - seat_deep / 2 + extra / 2, seat - 0.17),
         )
+        builder.add(cloth, part)
         high = top - seat + 0.03
         pad = cushion(each - 0.012, high, 0.17, radius=0.065, puff=0.025, flats=3, rounds=3).turned(
             90, "x"
@@ -395,16 +375,9 @@ def _sofa(
             pad.moved(0, 0.085, high / 2).turned(10, "x").moved(x, -deep / 2 + 0.17, seat - 0.02),
         )
         if long:
-            builder.add(
-                cloth,
-                cushion(
-                    each + arm * 0.0,
-                    extra,
-                    seat - 0.15 - base_z,
-                    radius=0.02,
-                    at=(x, deep / 2 + extra / 2 - 0.03, base_z),
-                ),
-            )
+            at = (x, deep / 2 + extra / 2 - 0.03, base_z)
+            part = cushion(each + arm * 0.0, extra, seat - 0.15 - base_z, radius=0.02, at=at)
+            builder.add(cloth, part)
     legs = BLACK_METAL if rng.chance(0.4) else palette.furniture_wood(rng)
     builder.add(
         legs, *four_legs(wide - 0.08, deep - 0.1, leg + 0.01, thick=0.05, round_=rng.chance(0.5))
@@ -458,22 +431,19 @@ def bean_bag(rng: RandomStream, palette: Palette) -> Model:
     """A soft sack to sit in."""
     builder = ModelBuilder()
     cloth = fabric(rng.choice((palette.accent_hue, palette.upholstery_hue, "red", "blue")))
-    sack = lathe(
-        [
-            (0.0, 0.0),
-            (0.3, 0.0),
-            (0.4, 0.06),
-            (0.44, 0.18),
-            (0.41, 0.32),
-            (0.33, 0.45),
-            (0.24, 0.56),
-            (0.14, 0.64),
-            (0.05, 0.68),
-            (0.0, 0.69),
-        ],
-        sides=24,
-        crease_deg=80,
-    )
+    profile = [
+        (0.0, 0.0),
+        (0.3, 0.0),
+        (0.4, 0.06),
+        (0.44, 0.18),
+        (0.41, 0.32),
+        (0.33, 0.45),
+        (0.24, 0.56),
+        (0.14, 0.64),
+        (0.05, 0.68),
+        (0.0, 0.69),
+    ]
+    sack = lathe(profile, sides=24, crease_deg=80)
     lean = sack.positions.copy()
     rise = np.clip(lean[:, 2] / 0.69, 0.0, 1.0)
     lean[:, 1] -= 0.16 * rise**2
@@ -521,15 +491,13 @@ def stool(rng: RandomStream, palette: Palette) -> Model:
     for k in range(count):
         a = math.radians(360 / count * k + 45)
         c, s = math.cos(a), math.sin(a)
-        builder.add(
-            frame,
-            rod(
-                (c * radius, s * radius, 0),
-                (c * radius * 0.62, s * radius * 0.62, high - 0.03),
-                0.014,
-                end_radius=0.018,
-            ),
+        part = rod(
+            (c * radius, s * radius, 0),
+            (c * radius * 0.62, s * radius * 0.62, high - 0.03),
+            0.014,
+            end_radius=0.018,
         )
+        builder.add(frame, part)
     return builder.model("stool", main=seat, attributes=("round",))
 
 

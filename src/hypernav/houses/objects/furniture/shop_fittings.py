@@ -30,6 +30,8 @@ _PRICE = Finish("", (0.95, 0.9, 0.35))
 _CARD = Finish("cardboard", (0.72, 0.55, 0.37), 0.5, "brown", "cardboard")
 _FILL = Finish("", (0.55, 0.53, 0.5))
 
+_HUES = ("red", "navy", "black", "gray", "cream", "teal", "green", "white", "pink", "brown", "blue")
+
 
 def _row(
     builder: ModelBuilder,
@@ -414,9 +416,6 @@ def chest_freezer(rng: RandomStream, palette: Palette) -> Model:
     return builder.model("chest freezer", "freezer", "ice cream freezer", main=body)
 
 
-_HUES = ("red", "navy", "black", "gray", "cream", "teal", "green", "white", "pink", "brown", "blue")
-
-
 def _cloth(rng: RandomStream) -> Finish:
     return fabric(rng.choice(_HUES))
 
@@ -461,19 +460,17 @@ def round_rack(rng: RandomStream, palette: Palette) -> Model:
         piece = cushion(0.06, 0.4, long, radius=0.02, rounds=1, at=(0, 0, high - 0.06 - long))
         turned = piece.turned(math.degrees(angle) + 90.0)
         builder.add(cloth, turned.moved(radius * math.cos(angle), radius * math.sin(angle), 0))
-        builder.add(
-            CHROME,
-            rod(
-                (radius * math.cos(angle), radius * math.sin(angle), high),
-                (
-                    radius * math.cos(angle + 2.0 * math.pi / 22),
-                    radius * math.sin(angle + 2.0 * math.pi / 22),
-                    high,
-                ),
-                0.012,
-                sides=6,
+        part = rod(
+            (radius * math.cos(angle), radius * math.sin(angle), high),
+            (
+                radius * math.cos(angle + 2.0 * math.pi / 22),
+                radius * math.sin(angle + 2.0 * math.pi / 22),
+                high,
             ),
+            0.012,
+            sides=6,
         )
+        builder.add(CHROME, part)
     return builder.model(
         "clothes rack", "round rack", "garment rack", main=CHROME, attributes=("round",)
     )
@@ -501,19 +498,16 @@ def mannequin(rng: RandomStream, palette: Palette) -> Model:
                 low, rod((s * 0.09, 0, 0.08), (s * 0.08, 0, 0.9), 0.065, end_radius=0.085, sides=10)
             )
         builder.add(low, ball(0.34, 0.24, 0.3, at=(0, 0, 0.92), sides=14))
-    torso = lathe(
-        [
-            (0.13, 0.9),
-            (0.12, 1.05),
-            (0.16, 1.25),
-            (0.19, 1.38),
-            (0.1, 1.47),
-            (0.05, 1.49),
-            (0.0, 1.5),
-        ],
-        sides=16,
-        crease_deg=80,
-    )
+    profile = [
+        (0.13, 0.9),
+        (0.12, 1.05),
+        (0.16, 1.25),
+        (0.19, 1.38),
+        (0.1, 1.47),
+        (0.05, 1.49),
+        (0.0, 1.5),
+    ]
+    torso = lathe(profile, sides=16, crease_deg=80)
     builder.add(top, torso.scaled(1.0, 0.68, 1.0))
     for s in (-1.0, 1.0):
         builder.add(

@@ -44,14 +44,9 @@ def wardrobe(rng: RandomStream, palette: Palette) -> Model:
         if drawer:
             front(builder, wood, palette.metal, each, drawer, at=(x, deep / 2 - 0.02, 0.08))
         if mirrored and k == doors // 2:
-            builder.add(
-                MIRROR,
-                panel(
-                    each * 0.6,
-                    high - 0.5 - drawer,
-                    at=(x - side * 0.03, deep / 2 + 0.003, 0.25 + drawer),
-                ),
-            )
+            at = (x - side * 0.03, deep / 2 + 0.003, 0.25 + drawer)
+            part = panel(each * 0.6, high - 0.5 - drawer, at=at)
+            builder.add(MIRROR, part)
     return builder.model("wardrobe", "armoire", "closet", main=wood)
 
 
@@ -70,25 +65,12 @@ def dresser(rng: RandomStream, palette: Palette) -> Model:
     for row in range(rows):
         for column in range(columns):
             x = (column + 0.5 - columns / 2) * each
-            front(
-                builder,
-                wood,
-                palette.metal,
-                each - 0.01,
-                tall,
-                at=(x, deep / 2 - 0.02, 0.07 + row * tall),
-                grip=grip,
-            )
-    return builder.model(
-        "dresser",
-        "chest of drawers",
-        main=wood,
-        supports=(
-            SupportSurface(
-                -wide / 2 + 0.05, -deep / 2 + 0.04, wide / 2 - 0.05, deep / 2 - 0.05, high + 0.005
-            ),
-        ),
+            at = (x, deep / 2 - 0.02, 0.07 + row * tall)
+            front(builder, wood, palette.metal, each - 0.01, tall, at=at, grip=grip)
+    surface = SupportSurface(
+        -wide / 2 + 0.05, -deep / 2 + 0.04, wide / 2 - 0.05, deep / 2 - 0.05, high + 0.005
     )
+    return builder.model("dresser", "chest of drawers", main=wood, supports=(surface,))
 
 
 def cabinet(rng: RandomStream, palette: Palette) -> Model:
@@ -119,26 +101,12 @@ def cabinet(rng: RandomStream, palette: Palette) -> Model:
             framed=framed,
         )
         if drawers:
-            front(
-                builder,
-                wood,
-                palette.metal,
-                each - 0.006,
-                drawers,
-                at=(x, deep / 2 - 0.02, high - 0.03 - drawers),
-                grip="knob",
-            )
-    return builder.model(
-        "cabinet",
-        "sideboard",
-        "buffet",
-        main=wood,
-        supports=(
-            SupportSurface(
-                -wide / 2 + 0.05, -deep / 2 + 0.05, wide / 2 - 0.05, deep / 2 - 0.05, high
-            ),
-        ),
+            at = (x, deep / 2 - 0.02, high - 0.03 - drawers)
+            front(builder, wood, palette.metal, each - 0.006, drawers, at=at, grip="knob")
+    surface = SupportSurface(
+        -wide / 2 + 0.05, -deep / 2 + 0.05, wide / 2 - 0.05, deep / 2 - 0.05, high
     )
+    return builder.model("cabinet", "sideboard", "buffet", main=wood, supports=(surface,))
 
 
 def tv_stand(rng: RandomStream, palette: Palette) -> Model:
@@ -167,16 +135,11 @@ def tv_stand(rng: RandomStream, palette: Palette) -> Model:
         )
     builder.add(wood, box(third, deep - 0.02, 0.018, at=(0, 0, leg + (high - leg) / 2)))
     builder.add(plastic("black"), box(0.32, 0.22, 0.06, at=(0, 0.02, leg + 0.023), bevel=0.006))
+    surface = SupportSurface(
+        -wide / 2 + 0.05, -deep / 2 + 0.03, wide / 2 - 0.05, deep / 2 - 0.03, high, 1.3
+    )
     return builder.model(
-        "tv stand",
-        "media console",
-        "television stand",
-        main=wood,
-        supports=(
-            SupportSurface(
-                -wide / 2 + 0.05, -deep / 2 + 0.03, wide / 2 - 0.05, deep / 2 - 0.03, high, 1.3
-            ),
-        ),
+        "tv stand", "media console", "television stand", main=wood, supports=(surface,)
     )
 
 
@@ -196,12 +159,8 @@ def filing_cabinet(rng: RandomStream, palette: Palette) -> Model:
     for k in range(rows):
         front(builder, steel, BLACK_METAL, 0.4, 0.3, at=(0, 0.25, 0.04 + k * 0.31), grip="cup")
         builder.add(lacquer("white"), panel(0.08, 0.04, at=(0, 0.27, 0.24 + k * 0.31)))
-    return builder.model(
-        "filing cabinet",
-        "file cabinet",
-        main=steel,
-        supports=(SupportSurface(-0.21, -0.25, 0.21, 0.25, high),),
-    )
+    surface = SupportSurface(-0.21, -0.25, 0.21, 0.25, high)
+    return builder.model("filing cabinet", "file cabinet", main=steel, supports=(surface,))
 
 
 def display_cabinet(rng: RandomStream, palette: Palette) -> Model:
@@ -236,12 +195,8 @@ def display_cabinet(rng: RandomStream, palette: Palette) -> Model:
                 (cup if rng.chance(0.5) else plate).moved(x, 0.0, z),
             )
     for s in (-1.0, 0.0, 1.0):
-        builder.add(
-            wood,
-            box(
-                0.03, 0.02, high - 0.84, at=(s * (wide / 2 - 0.02), deep / 2 - 0.01, 0.82)
-            ).swapped_uv(),
-        )
+        part = box(0.03, 0.02, high - 0.84, at=(s * (wide / 2 - 0.02), deep / 2 - 0.01, 0.82))
+        builder.add(wood, part.swapped_uv())
     return builder.model(
         "cabinet", "display cabinet", "china cabinet", main=wood, attributes=("tall",)
     )
@@ -300,14 +255,12 @@ def _ornament(
     if kind == "box":
         builder.add(ink, box(wide * 0.8, 0.2, high * 0.6, at=(x, 0, z), bevel=0.006))
     elif kind == "vase":
-        builder.add(
-            ink,
-            lathe(
-                [(0, 0), (0.035, 0), (0.055, 0.07), (0.03, 0.14), (0.035, 0.17)],
-                sides=16,
-                crease_deg=60,
-            ).moved(x, 0.02, z),
-        )
+        part = lathe(
+            [(0, 0), (0.035, 0), (0.055, 0.07), (0.03, 0.14), (0.035, 0.17)],
+            sides=16,
+            crease_deg=60,
+        ).moved(x, 0.02, z)
+        builder.add(ink, part)
     elif kind == "ball":
         builder.add(ink, ball(0.12, 0.12, 0.12, at=(x, 0.02, z + 0.06)))
     else:
@@ -332,12 +285,8 @@ def shoe_rack(rng: RandomStream, palette: Palette) -> Model:
             if rng.chance(0.8):
                 builder.extend(shoe_parts(rng, (k - 1) * 0.23, z + 0.015))
     builder.add(wood, box(wide + 0.03, 0.32, 0.02, at=(0, 0, 0.48), bevel=0.004))
-    return builder.model(
-        "shoe rack",
-        "shoe shelf",
-        main=wood,
-        supports=(SupportSurface(-0.3, -0.12, 0.3, 0.12, 0.5),),
-    )
+    surface = SupportSurface(-0.3, -0.12, 0.3, 0.12, 0.5)
+    return builder.model("shoe rack", "shoe shelf", main=wood, supports=(surface,))
 
 
 def shoe_parts(rng: RandomStream, x: float, z: float) -> list[Part]:
@@ -376,11 +325,8 @@ def coat_rack(rng: RandomStream, palette: Palette) -> Model:
         builder.add(wood, rod((0, 0, 1.6), (0.15, 0, 1.7), 0.01, sides=6).turned(turn))
         if k < 2 and rng.chance(0.8):
             cloth = fabric(rng.choice(("navy", "beige", "black", "red", "green", "gray")))
-            coat = lathe(
-                [(0.13, 0.0), (0.115, 0.3), (0.1, 0.7), (0.07, 0.86), (0.02, 0.93)],
-                sides=12,
-                crease_deg=80,
-            )
+            profile = [(0.13, 0.0), (0.115, 0.3), (0.1, 0.7), (0.07, 0.86), (0.02, 0.93)]
+            coat = lathe(profile, sides=12, crease_deg=80)
             builder.add(cloth, coat.scaled(1.0, 0.7, 1.0).moved(0.15, 0, 0.76).turned(turn))
     return builder.model("coat rack", "coat stand", "hat stand", main=wood)
 
@@ -428,17 +374,15 @@ def wine_rack(rng: RandomStream, palette: Palette) -> Model:
                 glass = Finish(
                     "", rng.choice(((0.1, 0.2, 0.1), (0.18, 0.06, 0.07), (0.12, 0.12, 0.1)))
                 )
-                bottle = lathe(
-                    [
-                        (0, -0.14),
-                        (0.037, -0.14),
-                        (0.037, 0.04),
-                        (0.014, 0.09),
-                        (0.014, 0.15),
-                        (0, 0.15),
-                    ],
-                    sides=12,
-                )
+                profile = [
+                    (0, -0.14),
+                    (0.037, -0.14),
+                    (0.037, 0.04),
+                    (0.014, 0.09),
+                    (0.014, 0.15),
+                    (0, 0.15),
+                ]
+                bottle = lathe(profile, sides=12)
                 builder.add(glass, bottle.turned(90, "x").moved((j - 1.5) * 0.13, 0, z + 0.068))
     for sx in (-1.0, 1.0):
         for y in (-0.1, 0.1):
