@@ -10,7 +10,7 @@ from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
 from hypernav.core.labels import canonical
 from hypernav.houses.building import Building
-from hypernav.houses.episodes.building_truth import HouseGroundTruth
+from hypernav.houses.episodes.building_truth import HouseGroundTruth, StoreyTruth
 from hypernav.houses.episodes.house_episodes import (
     GOALS_OF_A_LIFE,
     LIVES_PER_BUILDING,
@@ -19,7 +19,6 @@ from hypernav.houses.episodes.house_episodes import (
 )
 from hypernav.houses.episodes.queries import RULES
 from hypernav.houses.episodes.splits import SPLITS, load_split
-from hypernav.houses.episodes.start_poses import StoreyTruth
 from hypernav.houses.house_cache import cached_building
 from hypernav.houses.random_stream import RandomStream
 
