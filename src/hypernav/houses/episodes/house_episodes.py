@@ -12,7 +12,6 @@ before. A real robot stands elsewhere, so every goal can be reached from everywh
 import math
 from collections.abc import Iterator, Sequence
 from itertools import chain, islice
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float64
@@ -20,6 +19,7 @@ from jaxtyping import Float64
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.world import Instance, Position
+from hypernav.datasets.building_splits import EPISODES_PER_HOUSE, LIVES_PER_BUILDING, GoalStyle
 from hypernav.datasets.habitat_format import (
     AgentState,
     EpisodeDataset,
@@ -53,14 +53,8 @@ from hypernav.worlds.surface.goal_regions import GoalRegion
 
 EPISODES_VERSION = 2
 """Version of the episodes; increased whenever the same house gives others than before."""
-
-EPISODES_PER_HOUSE = 28
-LIVES_PER_BUILDING = 4
 GOALS_OF_A_LIFE = (5, 10)
 """Least and greatest number of goals of a life."""
-
-GoalStyle = Literal["categories", "phrases", "lives"]
-"""What episodes ask for; the goals of a life are categories and phrases in turn."""
 
 QueryWithStart = tuple[Query, Start]
 LifeGoals = list[QueryWithStart]
