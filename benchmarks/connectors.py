@@ -164,7 +164,7 @@ def measures(done: Walk, ends: Sequence[TrueEnd]) -> dict[str, int]:
     for climb in climbs(done.traces):
         end = _begun_at(climb, done, ends)
         kind = "stray" if end is None else end.goes
-        counts[f"{kind} tried"] += climb.other_floor is not None or climb.in_vain
+        counts[f"{kind} tried"] += climb.other_floor is not None or climb.given_up
         counts[f"{kind} taken"] += climb.other_floor is not None
     return dict(counts)
 
