@@ -33,7 +33,7 @@ from hypernav.core.episodes.episode import Episode
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog, StepTrace
 from hypernav.houses.building import Building
-from hypernav.houses.episodes.start_poses import CLIMBING_BODY
+from hypernav.houses.episodes.building_truth import CLIMBING_BODY
 from hypernav.houses.generator import storeys_of
 from hypernav.houses.house_cache import cached_building
 from hypernav.houses.plan.floor_plan import FloorPlan, Rect, Stairwell
@@ -164,7 +164,7 @@ def measures(done: Walk, ends: Sequence[TrueEnd]) -> dict[str, int]:
     for climb in climbs(done.traces):
         end = _begun_at(climb, done, ends)
         kind = "stray" if end is None else end.goes
-        counts[f"{kind} tried"] += climb.other_floor is not None or climb.in_vain
+        counts[f"{kind} tried"] += climb.other_floor is not None or climb.given_up
         counts[f"{kind} taken"] += climb.other_floor is not None
     return dict(counts)
 

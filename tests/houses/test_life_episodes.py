@@ -11,20 +11,14 @@ from hypernav.core.goal import Goal
 from hypernav.core.labels import canonical
 from hypernav.datasets.building_splits import LIVES_PER_BUILDING, SPLITS
 from hypernav.houses.building import Building
-from hypernav.houses.episodes.building_truth import HouseGroundTruth
+from hypernav.houses.episodes.building_truth import truth_of
 from hypernav.houses.episodes.house_episodes import GOALS_OF_A_LIFE, draw_lives, house_episodes
 from hypernav.houses.episodes.queries import RULES
 from hypernav.houses.episodes.splits import load_split
-from hypernav.houses.episodes.start_poses import StoreyTruth
 from hypernav.houses.house_cache import cached_building
 from hypernav.houses.random_stream import RandomStream
 
 SEED = RandomStream(1, "test")
-
-
-def truth_of(kind, number):
-    scene = cached_building(Building(kind, number))
-    return StoreyTruth.of(scene) if scene.storeys else HouseGroundTruth.of(scene)
 
 
 @pytest.fixture(
@@ -33,7 +27,7 @@ def truth_of(kind, number):
 )
 def drawn(request):
     """A building's truth, its rules and its lives."""
-    truth, rules = truth_of(request.param, 1), RULES[request.param]
+    truth, rules = truth_of(cached_building(Building(request.param, 1))), RULES[request.param]
     return truth, rules, draw_lives(SEED, truth, rules)
 
 

@@ -66,5 +66,5 @@ def test_equal_streams_make_equal_models(name: str):
 
 
 def test_styles_differ():
-    sizes = {(m.width, m.height, m.attributes) for m in (make("sofas.sofa", k) for k in range(6))}
+    sizes = {(m.width, m.height, m.attributes) for m in (make("seating.sofa", k) for k in range(6))}
     assert len(sizes) > 3

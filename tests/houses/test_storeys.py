@@ -11,8 +11,8 @@ import pytest
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.world import Position
 from hypernav.houses.building import Building
+from hypernav.houses.episodes.building_truth import CLIMBING_BODY
 from hypernav.houses.episodes.house_episodes import house_episodes
-from hypernav.houses.episodes.start_poses import CLIMBING_BODY
 from hypernav.houses.export.building_files import export_building
 from hypernav.houses.generator import generate, storeys_of
 from hypernav.houses.plan.storey_plans import LEAST_RISER_M, MOST_RISER_M, SLAB_M

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 from hypernav.houses.assembly import CompactScene, PlacedModel, compact, name_and_label, to_scene
 from hypernav.houses.building import BUILTIN_HOUSE, VERSION, Building
@@ -16,12 +17,7 @@ from hypernav.houses.plan.home_plans import sample_plan, small_flat
 from hypernav.houses.plan.office_plans import OFFICE_PLANS, crowded_plan
 from hypernav.houses.plan.public_plans import sample_public_plan
 from hypernav.houses.plan.shop_plans import SHOP_PLANS
-from hypernav.houses.plan.storey_plans import (
-    HOME_STOREYS,
-    OFFICE_STOREYS,
-    StoreyProgram,
-    sample_storeys,
-)
+from hypernav.houses.plan.storey_plans import HOME_STOREYS, OFFICE_STOREYS, sample_storeys
 from hypernav.houses.random_stream import RandomStream
 from hypernav.houses.shell.doors_and_windows import build_openings
 from hypernav.houses.shell.finishes import RoomFinish, public_finishes, room_finishes
@@ -58,65 +54,40 @@ class BuildingKind:
     furnishing: Furnishing
 
 
-def _home_plan(rng: RandomStream, number: int) -> FloorPlan:
-    return sample_plan(rng, small_flat() if number == BUILTIN_HOUSE else None)
-
-
-HOMES = BuildingKind(_home_plan, room_finishes, HOME_FURNISHING)
-
-
-def _office_plan(rng: RandomStream, _number: int) -> FloorPlan:
-    return sample_public_plan(rng, OFFICE_PLANS)
-
-
-def _office_finishes(rng: RandomStream, kinds: list[str]) -> list[RoomFinish]:
-    return public_finishes(rng, kinds, _OFFICE_CARPETS)
-
-
-OFFICES = BuildingKind(_office_plan, _office_finishes, OFFICE_FURNISHING)
-
-
-CROWDED = replace(OFFICES, sample_plan=crowded_plan, furnishing=CROWDED_FURNISHING)
-
-
-def _shop_plan(rng: RandomStream, _number: int) -> FloorPlan:
-    return sample_public_plan(rng, SHOP_PLANS)
-
-
-def _shop_finishes(rng: RandomStream, kinds: list[str]) -> list[RoomFinish]:
-    return public_finishes(rng, kinds, _SHOP_CARPETS)
-
-
-SHOPS = BuildingKind(_shop_plan, _shop_finishes, SHOP_FURNISHING)
-
-
-def _storeyed_kind(number: int) -> BuildingKind:
-    """Finishes and furniture of the building with a number."""
-    return OFFICES if number % 2 else HOMES
-
-
-def _storeyed_program(number: int) -> StoreyProgram:
-    """Rooms of the building with a number."""
-    return OFFICE_STOREYS if number % 2 else HOME_STOREYS
-
-
+HOMES = BuildingKind(
+    lambda rng, number: sample_plan(rng, small_flat() if number == BUILTIN_HOUSE else None),
+    room_finishes,
+    HOME_FURNISHING,
+)
+OFFICES = BuildingKind(
+    lambda rng, _: sample_public_plan(rng, OFFICE_PLANS),
+    partial(public_finishes, soft=_OFFICE_CARPETS),
+    OFFICE_FURNISHING,
+)
+SHOPS = BuildingKind(
+    lambda rng, _: sample_public_plan(rng, SHOP_PLANS),
+    partial(public_finishes, soft=_SHOP_CARPETS),
+    SHOP_FURNISHING,
+)
 _KINDS: dict[str, BuildingKind] = {
     "houses": HOMES,
     "offices": OFFICES,
     "shops": SHOPS,
-    "crowded": CROWDED,
+    "crowded": replace(OFFICES, sample_plan=crowded_plan, furnishing=CROWDED_FURNISHING),
 }
 
 
 def _kind_of(building: Building) -> BuildingKind:
-    return _storeyed_kind(building.number) if building.kind == "storeys" else _KINDS[building.kind]
+    if building.kind == "storeys":  # even numbers are homes
+        return OFFICES if building.number % 2 else HOMES
+    return _KINDS[building.kind]
 
 
 def storeys_of(building: Building) -> tuple[FloorPlan, ...]:
     """Floor plans of a building, the lowest storey first."""
     rng = RandomStream(VERSION, *building.key, "plan")
     if building.kind == "storeys":
-        return sample_storeys(rng, _storeyed_program(building.number))
+        return sample_storeys(rng, OFFICE_STOREYS if building.number % 2 else HOME_STOREYS)
     return (_kind_of(building).sample_plan(rng, building.number),)
 
 

@@ -1,6 +1,8 @@
-"""Ground truth of a house, from which its episodes are generated."""
+"""Ground truth of a building, from which its episodes are generated."""
 
 import math
+from bisect import bisect
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -9,20 +11,28 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.embodiment import BodyConfig, CameraConfig
+from hypernav.core.embodiment import STAIR_CLIMB_M, BodyConfig, CameraConfig
+from hypernav.core.errors import SceneError
 from hypernav.core.goal import Goal
 from hypernav.core.world import Instance
 from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
+from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.goal_regions import GoalRegions
+from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 EXTRA_CLEARANCE_M = 0.1
 """Additional clearance on both sides of a path from start to goal, metres: an episode that begins
 inside a shower cabin would test steering, not searching."""
 
+CLIMBING_BODY = BodyConfig(max_step_m=STAIR_CLIMB_M)
+"""The default robot with Habitat's step."""
+
 _FLOOR = "floor_"
 _PATH_STEP_M = 0.1
+_ON_FLOOR_M = 0.1
+_NEAR_FLOOR_M = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +58,16 @@ class BuildingTruth:
 
     @cached_property
     def _satisfying(self) -> dict[str, tuple[Instance, ...]]:
+        return {}
+
+    def region(self, text: str) -> GoalRegion:
+        """Region where a goal text counts as reached."""
+        if text not in self._regions:
+            self._regions[text] = self.regions.of(Goal(text))
+        return self._regions[text]
+
+    @cached_property
+    def _regions(self) -> dict[str, GoalRegion]:
         return {}
 
 
@@ -130,3 +150,69 @@ class HouseGroundTruth(BuildingTruth):
             if x0 <= x <= x1 and y0 <= y <= y1:
                 return floor.name
         return None
+
+
+@dataclass(frozen=True, eq=False)
+class StoreyTruth(BuildingTruth):
+    """Scene of several storeys with the surface of a robot that climbs stairs.
+
+    Attributes:
+        surface: Where the robot can stand.
+        wide: Where a robot with more clearance could stand, see `EXTRA_CLEARANCE_M`.
+        starts: Positions on the largest part of the wide surface, storey by storey.
+    """
+
+    surface: NavmeshSurface
+    wide: NavmeshSurface
+    starts: tuple[Float64[np.ndarray, "n 3"], ...]
+
+    @staticmethod
+    def of(scene: Scene) -> "StoreyTruth":
+        """Compute the ground truth of a scene.
+
+        Raises:
+            SceneError: The robot fits nowhere.
+        """
+        surface = _surface(scene, CLIMBING_BODY)
+        radius_m = CLIMBING_BODY.radius_m + EXTRA_CLEARANCE_M
+        wide = _surface(scene, CLIMBING_BODY.model_copy(update={"radius_m": radius_m}))
+        floor = wide.floor
+        eye_height_m = CameraConfig().height_m
+        return StoreyTruth(
+            scene,
+            GoalRegions(scene, surface, RayCaster(scene), eye_height_m=eye_height_m),
+            surface,
+            wide,
+            tuple(floor[np.abs(floor[:, 2] - z) < _ON_FLOOR_M] for z in scene.storeys),
+        )
+
+    @property
+    def places(self) -> Float64[np.ndarray, "n 3"]:
+        """The starts of all storeys."""
+        return np.concatenate(self.starts)
+
+    def touches_wide_area(self, points: Float64[np.ndarray, "n 3"]) -> bool:
+        """Whether one of the points lies on the part of the wide surface that starts lie on."""
+        return any(self.wide.component_of(*point) == 0 for point in points.tolist())
+
+    def storey_of(self, instances: Sequence[Instance]) -> int | None:
+        """The storey that holds all of several things; None if they are on different ones."""
+        heights = (i.box_min[2] + _NEAR_FLOOR_M for i in instances)
+        found = {bisect(self.scene.storeys, z) - 1 for z in heights}
+        return found.pop() if len(found) == 1 else None
+
+
+def _surface(scene: Scene, body: BodyConfig) -> NavmeshSurface:
+    navmesh = robot_navmesh(scene, body, "auto")
+    if navmesh is None:
+        raise SceneError(f"{scene.name}: expected a scene with several storeys")
+    return NavmeshSurface(navmesh)
+
+
+def truth_of(scene: Scene) -> HouseGroundTruth | StoreyTruth:
+    """The ground truth of a building with one storey or several.
+
+    Raises:
+        SceneError: The robot fits nowhere.
+    """
+    return StoreyTruth.of(scene) if scene.storeys else HouseGroundTruth.of(scene)

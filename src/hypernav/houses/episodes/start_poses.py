@@ -5,43 +5,23 @@ on the storey of the goal, below it and above it, as far as the building has suc
 """
 
 import math
-from bisect import bisect
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
 
 import numpy as np
-from jaxtyping import Float64
 
-from hypernav.core.embodiment import STAIR_CLIMB_M, BodyConfig, CameraConfig
-from hypernav.core.errors import SceneError
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
-from hypernav.core.world import Instance
-from hypernav.houses.episodes.building_truth import (
-    EXTRA_CLEARANCE_M,
-    BuildingTruth,
-    HouseGroundTruth,
-)
+from hypernav.houses.episodes.building_truth import HouseGroundTruth, StoreyTruth
 from hypernav.houses.episodes.queries import EpisodeRules, Query, category_queries
 from hypernav.houses.random_stream import RandomStream
-from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
-from hypernav.worlds.navmesh.surface import NavmeshSurface
-from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions
+from hypernav.worlds.surface.goal_regions import GoalRegion
 
 _START_SAMPLES = 60
 _STRAIGHT_RATIO = 1.05
 _STRAIGHT_KEPT_SHARE = 0.2
 """Share that is kept of starts with a straight path to the goal, as in Habitat's generator."""
 
-CLIMBING_BODY = BodyConfig(max_step_m=STAIR_CLIMB_M)
-"""The default robot with Habitat's step."""
-
 _DIRECTIONS = ("same", "above", "below")
-_ON_FLOOR_M = 0.1
-_NEAR_FLOOR_M = 0.3
 _STOREY_START_SAMPLES = 40
 
 
@@ -127,56 +107,6 @@ def _euclidean_m(region: GoalRegion, x: float, y: float) -> float:
     return float(np.sqrt((gaps**2).sum(axis=1).min()))
 
 
-@dataclass(frozen=True, eq=False)
-class StoreyTruth(BuildingTruth):
-    """Scene of several storeys with the surface of a robot that climbs stairs.
-
-    Attributes:
-        surface: Where the robot can stand.
-        wide: Where a robot with more clearance could stand, see `EXTRA_CLEARANCE_M`.
-        starts: Positions on the largest part of the wide surface, storey by storey.
-    """
-
-    surface: NavmeshSurface
-    wide: NavmeshSurface
-    starts: tuple[Float64[np.ndarray, "n 3"], ...]
-
-    @staticmethod
-    def of(scene: Scene) -> "StoreyTruth":
-        """Compute the ground truth of a scene.
-
-        Raises:
-            SceneError: The robot fits nowhere.
-        """
-        surface = _surface(scene, CLIMBING_BODY)
-        radius_m = CLIMBING_BODY.radius_m + EXTRA_CLEARANCE_M
-        wide = _surface(scene, CLIMBING_BODY.model_copy(update={"radius_m": radius_m}))
-        floor = wide.floor
-        eye_height_m = CameraConfig().height_m
-        return StoreyTruth(
-            scene,
-            GoalRegions(scene, surface, RayCaster(scene), eye_height_m=eye_height_m),
-            surface,
-            wide,
-            tuple(floor[np.abs(floor[:, 2] - z) < _ON_FLOOR_M] for z in scene.storeys),
-        )
-
-    @property
-    def places(self) -> Float64[np.ndarray, "n 3"]:
-        """The starts of all storeys."""
-        return np.concatenate(self.starts)
-
-    def touches_wide_area(self, points: Float64[np.ndarray, "n 3"]) -> bool:
-        """Whether one of the points lies on the part of the wide surface that starts lie on."""
-        return any(self.wide.component_of(*point) == 0 for point in points.tolist())
-
-    def storey_of(self, instances: Sequence[Instance]) -> int | None:
-        """The storey that holds all of several things; None if they are on different ones."""
-        heights = (i.box_min[2] + _NEAR_FLOOR_M for i in instances)
-        found = {bisect(self.scene.storeys, z) - 1 for z in heights}
-        return found.pop() if len(found) == 1 else None
-
-
 def across_storeys(
     rng: RandomStream, truth: StoreyTruth, rules: EpisodeRules, count: int
 ) -> list[tuple[Query, Start]]:
@@ -190,7 +120,6 @@ def across_storeys(
     """
     queries = list(islice(category_queries(rng.fork("goals"), truth, rules), len(rules.categories)))
     queries = list({query.text: query for query in queries}.values())
-    regions = {query.text: truth.regions.of(Goal(query.text)) for query in queries}
     turns = {direction: list(queries) for direction in _DIRECTIONS}
     drawn: list[tuple[Query, Start]] = []
     for number in range(count):
@@ -198,9 +127,7 @@ def across_storeys(
         turn = turns[direction]
         for _ in range(len(turn)):
             query = turn.pop(0)
-            start = _storey_start(
-                own.fork(query.text), truth, query, regions[query.text], direction, rules
-            )
+            start = _storey_start(own.fork(query.text), truth, query, direction, rules)
             if start is not None:
                 turn.append(query)
                 drawn.append((query, start))
@@ -208,23 +135,15 @@ def across_storeys(
     return drawn
 
 
-def _surface(scene: Scene, body: BodyConfig) -> NavmeshSurface:
-    navmesh = robot_navmesh(scene, body, "auto")
-    if navmesh is None:
-        raise SceneError(f"{scene.name}: expected a scene with several storeys")
-    return NavmeshSurface(navmesh)
-
-
 def _storey_start(
     rng: RandomStream,
     truth: StoreyTruth,
     query: Query,
-    region: GoalRegion,
     direction: str,
     rules: EpisodeRules,
 ) -> Start | None:
     """The farther of two random starts from which a wide path leads to the goal."""
-    storey = truth.storey_of(query.instances)
+    storey, region = truth.storey_of(query.instances), truth.region(query.text)
     if storey is None or not truth.touches_wide_area(region.view_points):
         return None
     numbers = range(len(truth.starts))

@@ -22,38 +22,20 @@ from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 _FILLS = {
-    "living room": "#fdebd3",
-    "kitchen": "#fdf6cf",
-    "dining room": "#fbe0cf",
-    "bedroom": "#dfe8f6",
-    "bathroom": "#d8f0f0",
-    "hall": "#eeeeee",
-    "office": "#e2f1de",
-    "laundry": "#ece0f2",
-    "storage": "#e4e0da",
-    "balcony": "#dcecd6",
-    "corridor": "#eeeeee",
-    "reception": "#fdebd3",
-    "open office": "#e2f1de",
-    "meeting room": "#dfe8f6",
-    "conference room": "#dfe8f6",
-    "lounge": "#fbe0cf",
-    "pantry": "#fdf6cf",
-    "restroom": "#d8f0f0",
-    "copy room": "#ece0f2",
-    "server room": "#ece0f2",
-    "arcade": "#eeeeee",
-    "supermarket": "#e2f1de",
-    "hardware store": "#e4e0da",
-    "clothes shop": "#fbe0cf",
-    "bookshop": "#fdebd3",
-    "library": "#fdebd3",
-    "reading room": "#fdf6cf",
-    "study room": "#dfe8f6",
-    "staff room": "#fdf6cf",
-    "stock room": "#e4e0da",
-    "fitting room": "#ece0f2",
-    "stairwell": "#eeeeee",
+    kind: color
+    for color, kinds in {
+        "#fdebd3": ("living room", "reception", "bookshop", "library"),
+        "#fdf6cf": ("kitchen", "pantry", "reading room", "staff room"),
+        "#fbe0cf": ("dining room", "lounge", "clothes shop"),
+        "#dfe8f6": ("bedroom", "meeting room", "conference room", "study room"),
+        "#d8f0f0": ("bathroom", "restroom"),
+        "#eeeeee": ("hall", "corridor", "arcade", "stairwell"),
+        "#e2f1de": ("office", "open office", "supermarket"),
+        "#ece0f2": ("laundry", "copy room", "server room", "fitting room"),
+        "#e4e0da": ("storage", "hardware store", "stock room"),
+        "#dcecd6": ("balcony",),
+    }.items()
+    for kind in kinds
 }
 _LEAST_HEIGHT_M = 0.12
 

@@ -23,7 +23,6 @@ _MAKERS: dict[str, Callable[[RandomStream], Image]] = {
     "large tiles": partial(patterns.tiles, columns=2, rows=2, joint=0.008, spread=0.04),
     "subway tiles": partial(patterns.tiles, columns=4, rows=8, brick=True, joint=0.008),
     "mosaic": partial(patterns.tiles, columns=12, rows=12, joint=0.008, spread=0.35),
-    "checker": partial(patterns.tiles, columns=2, rows=2, joint=0.006, spread=0.6),
     "marble": patterns.marble,
     "granite": patterns.granite,
     "plaster": patterns.plaster,

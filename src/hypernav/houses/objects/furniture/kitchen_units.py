@@ -1,5 +1,7 @@
 """Models of fitted kitchen units and large kitchen appliances."""
 
+from functools import partial
+
 from hypernav.houses.modelling.curves import cylinder, lathe, rod, rounded_outline
 from hypernav.houses.modelling.joinery import front
 from hypernav.houses.modelling.materials import (
@@ -265,29 +267,20 @@ def base_cabinet(
     framed: bool = False,
 ) -> None:
     """A floor cabinet without its worktop, centred at ``at_x``."""
+    fit = partial(front, builder, body, metal)
     high = COUNTER_M - 0.04
     builder.add(body, box(wide, DEEP_M - 0.04, high - 0.1, at=(at_x, -0.02, 0.1), bevel=0.002))
     builder.add(_GAP, box(wide, DEEP_M - 0.12, 0.1, at=(at_x, -0.04, 0)))
     y = DEEP_M / 2 - 0.04
     if drawers:
         for z, h in ((0.11, 0.28), (0.39, 0.26), (0.65, 0.2)):
-            front(builder, body, metal, wide, h, at=(at_x, y, z), framed=framed)
+            fit(wide, h, at=(at_x, y, z), framed=framed)
         return
     doors = 1 if wide < 0.5 else 2
     for k in range(doors):
         x = at_x + (k + 0.5 - doors / 2) * wide / doors
         side = 1.0 if k == 0 else -1.0
-        front(
-            builder,
-            body,
-            metal,
-            wide / doors,
-            high - 0.115,
-            at=(x, y, 0.11),
-            upright=True,
-            side=side,
-            framed=framed,
-        )
+        fit(wide / doors, high - 0.115, at=(x, y, 0.11), upright=True, side=side, framed=framed)
 
 
 def kitchen_cabinet(
@@ -356,15 +349,13 @@ def wall_cabinet(rng: RandomStream, palette: Palette, wide: float = 0.8) -> Mode
     """A cupboard that hangs above a worktop."""
     builder = ModelBuilder()
     body = lacquer(palette.paint_hue)
+    fit = partial(front, builder, body, palette.metal)
     deep, high = 0.34, 0.68
     builder.add(body, box(wide, deep - 0.02, high, at=(0, -0.01, 0), bevel=0.002))
     doors = 1 if wide < 0.5 else 2
     for k in range(doors):
         x = (k + 0.5 - doors / 2) * wide / doors
-        front(
-            builder,
-            body,
-            palette.metal,
+        fit(
             wide / doors,
             high,
             at=(x, deep / 2 - 0.02, 0),

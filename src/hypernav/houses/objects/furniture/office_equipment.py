@@ -1,5 +1,7 @@
 """Models of office furniture, machines and boards."""
 
+from functools import partial
+
 from hypernav.houses.modelling.curves import cylinder, rounded_outline
 from hypernav.houses.modelling.joinery import four_legs, front
 from hypernav.houses.modelling.materials import (
@@ -156,21 +158,12 @@ def locker(rng: RandomStream, palette: Palette) -> Model:
     count = rng.choice((3, 4))
     wide, high = 0.3 * count, 1.8
     door = plastic(palette.accent_hue) if rng.chance(0.3) else steel
+    fit = partial(front, builder, door, BLACK_METAL)
     builder.add(steel, box(wide, 0.46, high, at=(0, -0.01, 0.02), bevel=0.003))
     builder.add(BLACK_METAL, box(wide - 0.04, 0.4, 0.03, at=(0, -0.01, 0)))
     for k in range(count):
         x = (k + 0.5 - count / 2) * 0.3
-        front(
-            builder,
-            door,
-            BLACK_METAL,
-            0.295,
-            high - 0.1,
-            at=(x, 0.22, 0.07),
-            grip="knob",
-            upright=True,
-            side=1.0,
-        )
+        fit(0.295, high - 0.1, at=(x, 0.22, 0.07), grip="knob", upright=True, side=1.0)
         for j in range(3):
             builder.add(BLACK_METAL, box(0.14, 0.004, 0.008, at=(x, 0.24, 1.55 + 0.04 * j)))
     return builder.model("locker", "lockers", "steel cabinet", main=steel, attributes=("tall",))

@@ -1,6 +1,7 @@
 """Models of toilets, basins, bathtubs and showers."""
 
 import math
+from functools import partial
 
 import numpy as np
 
@@ -197,21 +198,14 @@ def bathroom_sink(rng: RandomStream, palette: Palette) -> Model:
         builder.add(CHROME, tap().moved(0, -0.19, high))
         return builder.model("sink", "bathroom sink", "washbasin", "basin", main=CERAMIC)
     body = lacquer(palette.paint_hue) if rng.chance(0.6) else palette.furniture_wood(rng)
+    fit = partial(front, builder, body, CHROME)
     wide, deep = rng.choice((0.6, 0.8, 1.0)), 0.46
     builder.add(body, box(wide - 0.01, deep - 0.02, high - 0.3, at=(0, -0.01, 0.24), bevel=0.003))
     builder.add(body, box(wide - 0.08, deep - 0.1, 0.24, at=(0, -0.03, 0)))
     count = 2
     for k in range(count):
-        front(
-            builder,
-            body,
-            CHROME,
-            wide / count - 0.01,
-            high - 0.33,
-            at=((k - 0.5) * wide / count, deep / 2 - 0.02, 0.25),
-            upright=True,
-            side=1.0 - 2.0 * k,
-        )
+        at = ((k - 0.5) * wide / count, deep / 2 - 0.02, 0.25)
+        fit(wide / count - 0.01, high - 0.33, at=at, upright=True, side=1.0 - 2.0 * k)
     rim, oval = 0.05, (min(wide - 0.14, 0.5), 0.34)
     outline = rounded_outline(wide, deep, 0.015, 2)
     builder.add(CERAMIC, prism(outline, rim, z=high - rim - 0.004))

@@ -1,5 +1,7 @@
 """Models of wardrobes, dressers, cabinets, shelves and racks."""
 
+from functools import partial
+
 from hypernav.houses.modelling.curves import ball, cylinder, lathe, rod
 from hypernav.houses.modelling.joinery import case, four_legs, front
 from hypernav.houses.modelling.materials import (
@@ -20,6 +22,7 @@ def wardrobe(rng: RandomStream, palette: Palette) -> Model:
     """A tall closet for clothes with two or three doors, perhaps one with a mirror."""
     builder = ModelBuilder()
     wood = palette.furniture_wood(rng)
+    fit = partial(front, builder, wood, palette.metal)
     doors = rng.choice((2, 2, 3))
     wide, deep, high = doors * 0.5, 0.58, rng.uniform(1.95, 2.15)
     builder.add(wood, box(wide, deep - 0.02, high, at=(0, -0.01, 0), bevel=0.004).swapped_uv())
@@ -30,19 +33,10 @@ def wardrobe(rng: RandomStream, palette: Palette) -> Model:
     for k in range(doors):
         x = (k + 0.5 - doors / 2) * each
         side = 1.0 if k % 2 == 0 else -1.0
-        front(
-            builder,
-            wood,
-            palette.metal,
-            each,
-            high - 0.1 - drawer,
-            at=(x, deep / 2 - 0.02, 0.08 + drawer),
-            upright=True,
-            side=side,
-            framed=framed,
-        )
+        at = (x, deep / 2 - 0.02, 0.08 + drawer)
+        fit(each, high - 0.1 - drawer, at=at, upright=True, side=side, framed=framed)
         if drawer:
-            front(builder, wood, palette.metal, each, drawer, at=(x, deep / 2 - 0.02, 0.08))
+            fit(each, drawer, at=(x, deep / 2 - 0.02, 0.08))
         if mirrored and k == doors // 2:
             at = (x - side * 0.03, deep / 2 + 0.003, 0.25 + drawer)
             part = panel(each * 0.6, high - 0.5 - drawer, at=at)
@@ -77,6 +71,7 @@ def cabinet(rng: RandomStream, palette: Palette) -> Model:
     """A sideboard with doors."""
     builder = ModelBuilder()
     wood = palette.furniture_wood(rng)
+    fit = partial(front, builder, wood, palette.metal)
     doors = rng.choice((2, 3))
     wide, deep, leg = doors * 0.45, 0.42, rng.choice((0.08, 0.16))
     high = rng.uniform(0.78, 0.9)
@@ -88,10 +83,7 @@ def cabinet(rng: RandomStream, palette: Palette) -> Model:
     drawers = 0.16 if rng.chance(0.5) else 0.0
     for k in range(doors):
         x = (k + 0.5 - doors / 2) * each
-        front(
-            builder,
-            wood,
-            palette.metal,
+        fit(
             each - 0.006,
             high - leg - 0.04 - drawers,
             at=(x, deep / 2 - 0.02, leg + 0.01),
@@ -102,7 +94,7 @@ def cabinet(rng: RandomStream, palette: Palette) -> Model:
         )
         if drawers:
             at = (x, deep / 2 - 0.02, high - 0.03 - drawers)
-            front(builder, wood, palette.metal, each - 0.006, drawers, at=at, grip="knob")
+            fit(each - 0.006, drawers, at=at, grip="knob")
     surface = SupportSurface(
         -wide / 2 + 0.05, -deep / 2 + 0.05, wide / 2 - 0.05, deep / 2 - 0.05, high
     )
@@ -113,6 +105,7 @@ def tv_stand(rng: RandomStream, palette: Palette) -> Model:
     """A low cabinet under a television."""
     builder = ModelBuilder()
     wood = palette.furniture_wood(rng)
+    fit = partial(front, builder, wood, palette.metal)
     wide, deep, leg = rng.uniform(1.45, 1.75), 0.42, rng.choice((0.05, 0.12))
     high = rng.uniform(0.45, 0.55)
     case(builder, wood, wide, deep, high - leg, at=(0, 0, leg), board=0.022)
@@ -122,17 +115,8 @@ def tv_stand(rng: RandomStream, palette: Palette) -> Model:
         builder.add(
             wood, box(0.018, deep - 0.01, high - leg - 0.04, at=(s * third / 2, 0, leg + 0.02))
         )
-        front(
-            builder,
-            wood,
-            palette.metal,
-            third - 0.02,
-            high - leg - 0.05,
-            at=(s * third, deep / 2 - 0.02, leg + 0.025),
-            grip="knob",
-            upright=True,
-            side=-s,
-        )
+        at = (s * third, deep / 2 - 0.02, leg + 0.025)
+        fit(third - 0.02, high - leg - 0.05, at=at, grip="knob", upright=True, side=-s)
     builder.add(wood, box(third, deep - 0.02, 0.018, at=(0, 0, leg + (high - leg) / 2)))
     builder.add(plastic("black"), box(0.32, 0.22, 0.06, at=(0, 0.02, leg + 0.023), bevel=0.006))
     surface = SupportSurface(
@@ -167,22 +151,13 @@ def display_cabinet(rng: RandomStream, palette: Palette) -> Model:
     """A cabinet with lit shelves above and doors below."""
     builder = ModelBuilder()
     wood = palette.furniture_wood(rng)
+    fit = partial(front, builder, wood, palette.metal)
     wide, deep, high = 0.9, 0.4, 1.85
     case(builder, wood, wide, deep, high - 0.8, at=(0, 0, 0.8), back=lacquer("white"))
     builder.add(wood, box(wide, deep - 0.02, 0.8, at=(0, -0.01, 0), bevel=0.004))
     for s in (-1.0, 1.0):
-        front(
-            builder,
-            wood,
-            palette.metal,
-            wide / 2,
-            0.7,
-            at=(s * wide / 4, deep / 2 - 0.02, 0.06),
-            grip="knob",
-            upright=True,
-            side=-s,
-            framed=True,
-        )
+        at = (s * wide / 4, deep / 2 - 0.02, 0.06)
+        fit(wide / 2, 0.7, at=at, grip="knob", upright=True, side=-s, framed=True)
     for k in range(3):
         z = 0.82 + k * 0.34
         builder.add(wood, box(wide - 0.04, deep - 0.03, 0.015, at=(0, 0, z - 0.015)))

@@ -1,6 +1,7 @@
 """Models of tables, nightstands, desks, consoles and worktops."""
 
 import math
+from functools import partial
 from itertools import pairwise
 
 from hypernav.houses.modelling.curves import cylinder, lathe, rod, rounded_outline, tube
@@ -283,6 +284,7 @@ def kitchen_island(rng: RandomStream, palette: Palette) -> Model:
     """A free-standing worktop with cabinets below."""
     builder = ModelBuilder()
     body = lacquer(palette.paint_hue)
+    fit = partial(front, builder, body, palette.metal)
     long, deep, high = rng.uniform(1.2, 1.5), 0.75, 0.9
     builder.add(body, box(long - 0.08, deep - 0.14, high - 0.12, at=(0, 0.0, 0.08), bevel=0.003))
     builder.add(lacquer("dark gray"), box(long - 0.14, deep - 0.24, 0.08, at=(0, 0, 0)))
@@ -294,10 +296,7 @@ def kitchen_island(rng: RandomStream, palette: Palette) -> Model:
     builder.add(worktop, box(long, deep, 0.04, at=(0, 0, high - 0.04), bevel=0.006))
     each = (long - 0.1) / 3
     for k in range(3):
-        front(
-            builder,
-            body,
-            palette.metal,
+        fit(
             each,
             high - 0.16,
             at=((k - 1) * each, deep / 2 - 0.07, 0.1),
