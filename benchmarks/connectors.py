@@ -37,7 +37,7 @@ from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
 from hypernav.houses.generator import storeys_of
 from hypernav.houses.house_cache import cached_building
 from hypernav.houses.plan.shapes import FloorPlan, Rect, Stairwell
-from hypernav.mapping.memory.connectors import Passage
+from hypernav.mapping.stairs.connectors import Passage
 from hypernav.show.climbs import Climb, climbs
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.navmesh.surface import NavmeshSurface

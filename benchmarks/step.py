@@ -44,10 +44,9 @@ from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
 from hypernav.mapping.blocks import blocks_of
-from hypernav.mapping.frontiers import find_frontiers
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.reachable_area import ReachableArea
-from hypernav.mapping.top_down.integrate_kernels import count_points
+from hypernav.mapping.reachable_area import ReachableArea, find_frontiers
+from hypernav.mapping.top_down_kernels import count_points
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.local_perception import LocalPerception

@@ -20,12 +20,12 @@ from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, Mode, StepTrace
-from hypernav.mapping.memory.connectors import Connector, Passage, UnderWay, with_crossing
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.reading import read_memory
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import Things
-from hypernav.mapping.memory.writing import Writer
+from hypernav.mapping.stairs.connectors import Connector, Passage, UnderWay, with_crossing
+from hypernav.mapping.storage.memory_reader import read_memory
+from hypernav.mapping.storage.memory_writer import Writer
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
 from hypernav.perception.explorers.vlm_reasoner import VlmReasoner

@@ -9,9 +9,9 @@ from hypernav.core.exploring.exploration import Destination
 from hypernav.core.exploring.insight import Insight
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.mapping.memory.connectors import Connector
-from hypernav.planning.gaps import Gap
-from hypernav.planning.route import Route
+from hypernav.mapping.stairs.connectors import Connector
+from hypernav.planning.follower import Route
+from hypernav.planning.navigator import Gap
 
 Position = tuple[float, float]
 

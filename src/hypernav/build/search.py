@@ -15,7 +15,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.mapping.storage.memory_folder import MemoryFolder
 from hypernav.worlds.scenes.scene import Scene
 
 

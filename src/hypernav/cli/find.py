@@ -53,7 +53,7 @@ from hypernav.core.world import Simulator
 from hypernav.datasets.benchmarks import robot_in
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
 from hypernav.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
-from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.mapping.storage.memory_folder import MemoryFolder
 from hypernav.show.video.frame import EpisodeInfo
 from hypernav.warmup.background import warm_up_in_background
 from hypernav.worlds.simulated_robot import check_standable

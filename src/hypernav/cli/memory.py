@@ -16,10 +16,10 @@ from hypernav.core.files.whole_files import write_whole
 from hypernav.core.labels import canonical, same_name
 from hypernav.core.text.counted import number_of
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.memory_folder import MemoryFolder
-from hypernav.mapping.memory.reading import read_index
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import Things
+from hypernav.mapping.storage.memory_folder import MemoryFolder
+from hypernav.mapping.storage.memory_reader import read_index
 
 PAGE_NAME = "index.html"
 

@@ -111,8 +111,8 @@ def _check_memory(folder: Path) -> tuple[str, ...]:
         RunFolderError: Another program uses it, and may be saving to it.
     """
     from hypernav.core.files.folder_lock import folder_lock
-    from hypernav.mapping.memory.memory_folder import check_is_of_robot
-    from hypernav.mapping.memory.reading import (
+    from hypernav.mapping.storage.memory_folder import check_is_of_robot
+    from hypernav.mapping.storage.memory_reader import (
         check_not_inside_another,
         read_index,
         read_memory,

@@ -30,8 +30,8 @@ from hypernav.episodes.trial import Trial
 from hypernav.episodes.true_paths import true_paths
 from hypernav.episodes.unknown_start import find_start
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.memory_folder import MemoryFolder
-from hypernav.mapping.memory.unknown_start import FoundStart
+from hypernav.mapping.memory.relocalization import FoundStart
+from hypernav.mapping.storage.memory_folder import MemoryFolder
 
 
 @dataclass(frozen=True, eq=False)

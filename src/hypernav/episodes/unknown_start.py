@@ -8,7 +8,7 @@ from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.world import World
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.unknown_start import FoundStart, found_by_turn
+from hypernav.mapping.memory.relocalization import FoundStart, found_by_turn
 
 
 def find_start(

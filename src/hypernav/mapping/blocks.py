@@ -13,7 +13,7 @@ from hypernav.core.exploring.floors import Drop, WayOut
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.distance_kernels import nearest_open_cell
+from hypernav.mapping.grid_kernels import nearest_open_cell
 from hypernav.mapping.reachable_area import ReachableArea
 
 CLIMB_M = 8.0

@@ -9,7 +9,7 @@ from rich.markup import escape
 from hypernav.core.episodes.episode import Outcome
 from hypernav.core.goal import Goal
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeStep
-from hypernav.mapping.memory.unknown_start import FoundStart
+from hypernav.mapping.memory.relocalization import FoundStart
 from hypernav.show.captions import floor_prefix
 
 _ENDINGS = {

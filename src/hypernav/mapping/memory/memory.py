@@ -15,9 +15,10 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import UNEVEN_M, MappingConfig
-from hypernav.mapping.elevation_map import ElevationMap
-from hypernav.mapping.ground import Ground
-from hypernav.mapping.memory.connectors import (
+from hypernav.mapping.elevation_map import ElevationMap, Ground
+from hypernav.mapping.memory.floor import Floor, SearchMemory, counted_from
+from hypernav.mapping.memory.key_images import KeyImages
+from hypernav.mapping.stairs.connectors import (
     Connector,
     Passage,
     UnderWay,
@@ -25,12 +26,9 @@ from hypernav.mapping.memory.connectors import (
     with_crossing,
     with_sightings,
 )
-from hypernav.mapping.memory.floor import Floor, SearchMemory, counted_from
-from hypernav.mapping.memory.footing import ANOTHER_M, Footing
-from hypernav.mapping.memory.key_images import KeyImages
-from hypernav.mapping.memory.seen_connectors import connectors_in, reliable
-from hypernav.mapping.memory.stair_edges import without_sides
-from hypernav.mapping.top_down.top_down_map import TopDownMap
+from hypernav.mapping.stairs.footing import ANOTHER_M, Footing
+from hypernav.mapping.stairs.seen_connectors import connectors_in, reliable, without_sides
+from hypernav.mapping.top_down_map import TopDownMap
 
 
 class Memory:

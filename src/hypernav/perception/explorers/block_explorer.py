@@ -19,9 +19,8 @@ from hypernav.core.exploring.floors import KnownFloor
 from hypernav.core.exploring.overview import Block, Overview
 from hypernav.mapping.blocks import CLIMB_M, blocks_of, drop_blocks, stairs_blocks
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.frontiers import fresh_frontiers
-from hypernav.mapping.prospects import block_prospects, find_legs_m
-from hypernav.mapping.reachable_area import ReachableArea
+from hypernav.mapping.reachable_area import ReachableArea, fresh_frontiers
+from hypernav.mapping.sight_lines import block_prospects, find_legs_m
 from hypernav.perception.explorers.floor_panels import LEGEND, draw_floors
 from hypernav.perception.explorers.other_floors import (
     OtherFloor,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.frontiers import fresh_frontiers
+from hypernav.mapping.reachable_area import fresh_frontiers
 
 _VISITED_RADIUS_M = 0.5
 """Distance from a destination reached or given up within which frontiers are passed over."""

@@ -13,9 +13,8 @@ from hypernav.core.exploring.overview import Block, FloorBlocks
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.blocks import CLIMB_M, blocks_of, stairs_blocks
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.frontiers import frontiers_of
-from hypernav.mapping.prospects import block_prospects
-from hypernav.mapping.reachable_area import ReachableArea
+from hypernav.mapping.reachable_area import ReachableArea, frontiers_of
+from hypernav.mapping.sight_lines import block_prospects
 from hypernav.perception.explorers.floor_panels import FloorPanel
 
 

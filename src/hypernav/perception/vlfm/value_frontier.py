@@ -18,8 +18,8 @@ from hypernav.core.exploring.insight import Insight, ValueImage
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.frontiers import fresh_frontiers
-from hypernav.mapping.values.value_map import ValueMap
+from hypernav.mapping.reachable_area import fresh_frontiers
+from hypernav.perception.explorers.value_map import ValueMap
 
 _KEY = "vlfm"
 """Key of this explorer's notes."""

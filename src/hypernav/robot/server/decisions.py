@@ -17,7 +17,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, StepTrace, floor_of
-from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.mapping.storage.memory_folder import MemoryFolder
 from hypernav.robot.motion.config import DriveConfig
 from hypernav.robot.motion.obstacles import MapObstacles
 from hypernav.robot.motion.pure_pursuit import PurePursuit
