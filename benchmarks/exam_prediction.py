@@ -44,8 +44,13 @@ from hypernav.perception.explorers.map_question import VlmReasonerConfig, offere
 from hypernav.perception.explorers.noisy_reasoner import NoisyReasoner, RandomReasoner
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
 from hypernav.perception.local.noisy_detector import NoisyDetector, distance_to, resembles
-from hypernav.perception.local.persistence import STANDARD_NORMAL, normal, uniform, view_of
-from hypernav.perception.local.systematic_detector import SystematicDetector
+from hypernav.perception.local.systematic_detector import (
+    STANDARD_NORMAL,
+    SystematicDetector,
+    normal,
+    uniform,
+    view_of,
+)
 
 NEAR = 0.04
 """Difference of SPL up to which a prediction is right."""

@@ -32,7 +32,7 @@ from hypernav.core.episodes.episode import Episode
 from hypernav.core.labels import same_name
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
-from hypernav.models.vision.coco import COCO_CLASSES
+from hypernav.models.yolox import COCO_CLASSES
 
 KINDS = ("houses", "offices", "shops")
 SetName = Literal["known", "any"]

@@ -14,7 +14,7 @@ from hypernav.core.errors import ConfigError, GoalError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.evaluation.checks.agents import check_agent
-from hypernav.models.policies.architecture import PIRLNAV, ZSON
+from hypernav.models.policy_network import PIRLNAV, ZSON
 from hypernav.worlds.box_room import BoxRoom
 
 CAMERA = {"width": 640, "height": 480, "hfov_deg": 79.0, "height_m": 0.88, "pitch_deg": 0.0}

@@ -21,10 +21,14 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.mapping.memory.key_images import KeyImage, KeyImages
 from hypernav.mapping.memory.memory import Memory
-from hypernav.perception.image_ranking import NEUTRAL_WORDS, ImageRanking
-from hypernav.perception.image_recall import ImageRecall, ImageRecallConfig
+from hypernav.perception.exchanges import prompt_hash
+from hypernav.perception.image_recall import (
+    NEUTRAL_WORDS,
+    ImageRanking,
+    ImageRecall,
+    ImageRecallConfig,
+)
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.perception.prompt_text import prompt_hash
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 

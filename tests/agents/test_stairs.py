@@ -27,8 +27,7 @@ from hypernav.mapping.stairs.connectors import Connector, Passage, UnderWay, wit
 from hypernav.mapping.storage.memory_reader import read_memory
 from hypernav.mapping.storage.memory_writer import Writer
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.perception.explorers.map_question import VlmReasonerConfig
-from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
+from hypernav.perception.explorers.map_question import VlmReasoner, VlmReasonerConfig
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
 from searches import searched

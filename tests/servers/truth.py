@@ -25,17 +25,15 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import family_named
-from hypernav.perception.explorers import vlm_reasoner
+from hypernav.perception.explorers import map_question as vlm_reasoner
+from hypernav.perception.explorers.guides import ChatGuide, TruthGuide
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
-from hypernav.perception.local.crop_check import crop_of
+from hypernav.perception.explorers.scene_scorers import ChatScorer, chance_in_view
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.perception.local.presence import VlmPresenceCheck
 from hypernav.perception.local.vlm_detector import CROP_MARGIN, VlmDetector
-from hypernav.perception.navvlm.guides import ChatGuide, TruthGuide
+from hypernav.perception.local.yes_no_checks import VlmPresenceCheck, crop_of
 from hypernav.perception.visual_prompts.arrow_reasoners import ChatArrowReasoner
 from hypernav.perception.visual_prompts.stop_checks import ChatStopCheck, TruthStopCheck
-from hypernav.perception.vlfm.model_scorers import ChatScorer
-from hypernav.perception.vlfm.truth_scorer import chance_in_view
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.goal_regions import GoalRegion
 from servers.scripted import Asked

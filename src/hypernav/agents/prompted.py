@@ -28,8 +28,8 @@ from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.visual_prompts.arrow_explorer import VlmnavExplorer
-from hypernav.perception.visual_prompts.config import ArrowsConfig
 from hypernav.perception.visual_prompts.pivot import PivotExplorer
+from hypernav.perception.visual_prompts.proposals import ArrowsConfig
 from hypernav.perception.visual_prompts.stop_checks import (
     ChatStopCheck,
     StopCheck,

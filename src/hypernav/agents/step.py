@@ -24,8 +24,7 @@ from hypernav.mapping.memory.floor import Looked
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.sight_lines import unseen_by_bearing
 from hypernav.mapping.stairs.floor_exits import drops_to_look_at, known_floors, ways_to_new_floors
-from hypernav.perception.image_ranking import ImageRanking
-from hypernav.perception.image_recall import ImageRecall
+from hypernav.perception.image_recall import ImageRanking, ImageRecall
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.navigator import Navigator

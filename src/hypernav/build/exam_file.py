@@ -31,7 +31,7 @@ class Worth(_Part):
 
     Attributes:
         presence: Told and true probability that the goal is there, if it is there in half of all
-            cases (`hypernav.perception.local.presence.PresenceConfig.calibration`).
+            cases (`hypernav.perception.local.yes_no_checks.PresenceConfig.calibration`).
         boxes: Score of a box, and how much it shifts the log-odds that this is the goal
             (`hypernav.perception.local.config.LocalConfig.score_weights`).
     """

@@ -23,7 +23,7 @@ from hypernav.exam.sight import BoxAnswer, Sight, drawn
 from hypernav.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
 from hypernav.perception.local.noisy_detector import distance_to, resembles
-from hypernav.perception.local.persistence import (
+from hypernav.perception.local.systematic_detector import (
     STANDARD_NORMAL,
     is_cut_off,
     normal,

@@ -21,7 +21,7 @@ from hypernav.exam.pictures import picture_of
 from hypernav.exam.prediction import Prediction
 from hypernav.exam.questions import KINDS, STRATA, Answered
 from hypernav.exam.worth import worth_of
-from hypernav.models.chat.unwrapping import unwrapped
+from hypernav.models.chat.answer_parsing import unwrapped
 from hypernav.show.pages.templating import data_uri, page_environment, plain
 
 PAGE, RESULT = "index.html", "exam.json"

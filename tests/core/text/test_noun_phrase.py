@@ -5,7 +5,7 @@ from hypothesis import strategies as st
 from hypernav.core.labels import normalise
 from hypernav.core.other_names import _ALIKE, _KINDS
 from hypernav.core.text.noun_phrase import first_sentence, noun_phrase, without_lead_in
-from hypernav.models.vision.coco import COCO_CLASSES
+from hypernav.models.yolox import COCO_CLASSES
 
 DESCRIPTIONS = {
     "The couch is located near the window and is surrounded by two plants.": "couch",

@@ -15,13 +15,16 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.floor import SearchMemory
-from hypernav.perception.visual_prompts import object_graph
-from hypernav.perception.visual_prompts.arrow_explorer import DynavlmStyleExplorer, VlmnavExplorer
+from hypernav.perception.visual_prompts import arrow_explorer as object_graph
+from hypernav.perception.visual_prompts.arrow_explorer import (
+    DynavlmStyleExplorer,
+    ObjectGraph,
+    VlmnavExplorer,
+)
 from hypernav.perception.visual_prompts.arrow_reasoners import (
     ChatArrowReasoner,
     GeometricArrowReasoner,
 )
-from hypernav.perception.visual_prompts.object_graph import ObjectGraph
 from hypernav.perception.visual_prompts.pivot import PivotExplorer
 
 BED = Goal("bed")

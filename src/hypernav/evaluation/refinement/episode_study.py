@@ -25,7 +25,7 @@ from hypernav.evaluation.refinement.goal_position import judge_position
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.perception.local.refinement import eroded, projected
+from hypernav.perception.local.local_perception import eroded, projected
 
 
 @dataclass(frozen=True, eq=False)
