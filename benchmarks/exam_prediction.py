@@ -25,7 +25,7 @@ from hypernav.agents.search import SearchAgent
 from hypernav.build.agents import build_search
 from hypernav.build.presets import HyPerNavConfig, preset, with_changes
 from hypernav.core.components.protocols import BlockReasoner, Detector
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal

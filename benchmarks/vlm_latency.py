@@ -31,7 +31,7 @@ from cpu_torchvision import prepare
 from qwen25_vl import save_qwen25_vl
 
 from hypernav.core.chat import Answer, Question
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.errors import HyPerNavError
 from hypernav.core.exploring.overview import Block
 from hypernav.core.goal import Goal

@@ -7,7 +7,7 @@ import pytest
 
 from hypernav.agents.plan import Approaching, patience_of
 from hypernav.build.agents import build_search
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Ending, ExchangeLog, Mode
 from hypernav.episodes.episode_run import EpisodeRun

@@ -12,8 +12,7 @@ from hypernav.agents.config import SearchConfig
 from hypernav.agents.explore import explore, unexplored_boundary
 from hypernav.agents.plan import Plan
 from hypernav.agents.step import Decision, Phase, SearchComponents, Step, turn_towards
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, CameraConfig, Embodiment, MotionConfig
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2

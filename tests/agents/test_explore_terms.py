@@ -10,8 +10,7 @@ from hypernav.agents.config import SearchConfig
 from hypernav.agents.explore import explore
 from hypernav.agents.plan import Plan
 from hypernav.agents.step import Decision, SearchComponents, Step
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, CameraConfig, Embodiment, MotionConfig
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2

@@ -16,8 +16,8 @@ from hypernav.agents.step import Decision, Step
 from hypernav.build.agents import build_search
 from hypernav.build.component_specs import PresetName
 from hypernav.build.presets import preset, with_changes
-from hypernav.core.actions import Action
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog, Mode, ModuleClock

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hypernav.agents.policy import PirlnavAgent, PolicyAgent, PolicyConfig, check_robot, pose_input
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, CameraConfig, Embodiment, MotionConfig
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

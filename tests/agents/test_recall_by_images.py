@@ -13,7 +13,7 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.core.chat import Question
 from hypernav.core.components.door import through_door
 from hypernav.core.components.protocols import ImageTextModel
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.episode import Outcome
 from hypernav.core.errors import ComponentError, ModelUnavailableError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

@@ -12,9 +12,9 @@ from box_views import FLOOR, view_of
 from chat_models import Parrot
 from hypernav.build.agents import build_search
 from hypernav.build.presets import preset, with_changes
-from hypernav.core.actions import Action
 from hypernav.core.chat import Question
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Episode
 from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2

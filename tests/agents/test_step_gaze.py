@@ -7,8 +7,7 @@ import pytest
 
 from drawn_grids import drawn
 from hypernav.agents.step import Gaze
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import CameraConfig, Embodiment
+from hypernav.core.embodiment import Action, CameraConfig, Embodiment
 from hypernav.core.geometry.transforms import Pose2
 
 # A closed room but for an opening in the upper wall.

@@ -8,8 +8,8 @@ import pytest
 
 from box_scenes import room_boxes, scene_of
 from hypernav.build.agents import build_search
-from hypernav.core.actions import Action
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun

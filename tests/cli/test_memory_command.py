@@ -14,9 +14,9 @@ from box_scenes import room_glb
 from hypernav.cli.main import main
 from hypernav.cli.screen.memory_page import mark, ways
 from hypernav.core.errors import OutputError
-from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.io.folder_lock import folder_lock
 from hypernav.mapping.memory.key_images import KeyImage
 from hypernav.mapping.memory.thing import Thing
 from memory_folders import change_index, files_of
@@ -365,7 +365,7 @@ def read_only(home, monkeypatch) -> Path:
             raise OSError(errno.EROFS, os.strerror(errno.EROFS))
         path.write_text(content)
 
-    monkeypatch.setattr("hypernav.core.files.folder_lock.FileLock.acquire", refused)
+    monkeypatch.setattr("hypernav.io.folder_lock.FileLock.acquire", refused)
     monkeypatch.setattr("hypernav.cli.memory.write_whole", write)
     return home
 

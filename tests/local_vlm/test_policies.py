@@ -11,8 +11,7 @@ import pytest
 
 from chat_models import image
 from hypernav.agents.policy import PirlnavAgent, PolicyConfig, ZsonAgent
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, Embodiment, MotionConfig
 from hypernav.core.errors import ConfigError, GoalError, ModelError
 from hypernav.core.goal import Goal
 from hypernav.evaluation.checks.agents import check_agent

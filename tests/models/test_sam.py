@@ -9,7 +9,7 @@ from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
-from hypernav.models import sam as sam_onnx
+from hypernav.models import sam
 from hypernav.models.sam import OnnxSamConfig, OnnxSamSegmenter
 
 pytest.importorskip("onnxruntime", reason="needs the extra 'onnx'")
@@ -80,7 +80,7 @@ def observe(height: int = 480, width: int = 640) -> Observation:
 def networks(monkeypatch: pytest.MonkeyPatch) -> tuple[Encoder, Decoder]:
     pair = Encoder([1, 3, 1024, 1024]), Decoder()
     by_name = {"encoder.onnx": pair[0], "decoder.onnx": pair[1]}
-    monkeypatch.setattr(sam_onnx, "open_session", lambda path, threads: by_name[path.name])
+    monkeypatch.setattr(sam, "open_session", lambda path, threads: by_name[path.name])
     return pair
 
 

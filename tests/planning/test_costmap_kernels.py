@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from hypernav.planning.path_kernels import drop_first, push
+from hypernav.planning.costmap_kernels import drop_first, push
 
 
 @given(st.lists(st.one_of(st.none(), st.integers(0, 20)), max_size=40))

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 
 from certainty import certain
 from drawn_grids import drawn
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, Embodiment, MotionConfig
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.grid_kernels import travel_cells

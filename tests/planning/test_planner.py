@@ -13,7 +13,7 @@ from hypernav.core.embodiment import BodyConfig
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap
-from hypernav.planning.path_kernels import cost_of_line
+from hypernav.planning.costmap_kernels import cost_of_line
 from hypernav.planning.planner import PlannedPath, Planner, astar, costs_to_go, is_blocked
 
 CONFIG = PlanningConfig()

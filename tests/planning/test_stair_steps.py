@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import MotionConfig
+from hypernav.core.embodiment import Action, MotionConfig
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.elevation_map import Ground, UnseenGround

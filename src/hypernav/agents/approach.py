@@ -7,7 +7,7 @@ from jaxtyping import Float64
 
 from hypernav.agents.plan import Opening, Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.trace import Mode
 from hypernav.mapping.memory.candidate import Candidate
 from hypernav.mapping.memory.memory import Memory

@@ -9,7 +9,7 @@ from jaxtyping import Bool
 from hypernav.agents.get_free import closed_turns
 from hypernav.agents.plan import Climbing, Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.trace import Mode
 from hypernav.mapping.elevation_map import Ground
 from hypernav.mapping.memory.memory import Memory

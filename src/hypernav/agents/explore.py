@@ -13,8 +13,8 @@ from jaxtyping import Float64
 from hypernav.agents.plan import Climbing, Plan, patience_of
 from hypernav.agents.recall import errand, may_be_hidden, recalled, refutation, remembered
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
-from hypernav.core.actions import Action
 from hypernav.core.components.abilities import answers_at_once
+from hypernav.core.embodiment import Action
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Mode

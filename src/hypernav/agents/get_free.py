@@ -8,7 +8,7 @@ from jaxtyping import Float64
 
 from hypernav.agents.plan import STANDS_M, Plan
 from hypernav.agents.step import Decision, Phase, Step
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.core.trace import Mode
 from hypernav.mapping.memory.memory import Memory

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field, replace
 
 from hypernav.agents.config import SearchConfig
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.exploring.insight import Insight
 from hypernav.core.exploring.overview import Block

@@ -11,9 +11,8 @@ import numpy as np
 from jaxtyping import Float32, UInt8
 from pydantic import Field
 
-from hypernav.core.actions import Action
 from hypernav.core.config import MOST_SEED, RoomConfig
-from hypernav.core.embodiment import CameraConfig, Embodiment
+from hypernav.core.embodiment import Action, CameraConfig, Embodiment
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

@@ -11,11 +11,10 @@ from typing import Any
 
 from pydantic import Field
 
-from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Reports, warning_of
 from hypernav.core.components.protocols import ArrowReasoner, ChatModel, Explorer
 from hypernav.core.config import RoomConfig
-from hypernav.core.embodiment import Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, Embodiment, MotionConfig
 from hypernav.core.errors import WorldError
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.insight import Insight

@@ -14,8 +14,7 @@ from hypernav.agents.plan import STANDS_M, Climbing, Plan
 from hypernav.agents.recall import errand, is_nearer, leaves_for_recalled
 from hypernav.agents.step import Decision, Phase, SearchComponents, Step
 from hypernav.agents.verify import second_look, verify
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2

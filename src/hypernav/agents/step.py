@@ -9,10 +9,9 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from hypernav.agents.config import SearchConfig
-from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Learns
 from hypernav.core.components.protocols import Explorer, PresenceCheck
-from hypernav.core.embodiment import Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, Embodiment, MotionConfig
 from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2

@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float64
 
 from hypernav.agents.plan import Plan
 from hypernav.agents.step import Decision, Phase, Step, turn_towards
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Ending, Mode

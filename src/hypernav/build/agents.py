@@ -27,7 +27,7 @@ from hypernav.core.components.protocols import (
     Segmenter,
 )
 from hypernav.core.components.registry import Choice
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.errors import ConfigError
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.ledger import Ledger

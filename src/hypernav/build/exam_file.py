@@ -12,9 +12,9 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.curve import Curve
+from hypernav.core.config import Curve
 from hypernav.core.errors import ConfigError
-from hypernav.core.files.reading import read_file
+from hypernav.io.reading import read_file
 from hypernav.models.chat.vlm_spec import parse_vlm_spec
 
 AUTO = "auto"

@@ -12,7 +12,8 @@ from hypernav.build.component_specs import PresetName
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import ConfigError
-from hypernav.core.files.allowance import MOST_BYTES, megabytes
+from hypernav.core.words import megabytes
+from hypernav.io.reading import MOST_BYTES
 from hypernav.mapping.config import MappingConfig, memory_of
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.sam import OnnxSamConfig, SamConfig

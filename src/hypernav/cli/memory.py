@@ -11,10 +11,10 @@ from hypernav.cli.options.memory import Options
 from hypernav.cli.screen.memory_page import memory_page
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, MemoryFolderError, OutputError
-from hypernav.core.files.folder_lock import LOCK_NAME, folder_lock
-from hypernav.core.files.whole_files import write_whole
 from hypernav.core.labels import canonical, same_name
-from hypernav.core.text.counted import number_of
+from hypernav.core.words import number_of
+from hypernav.io.folder_lock import LOCK_NAME, folder_lock
+from hypernav.io.writing import write_whole
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import Things

@@ -7,12 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from hypernav.core.actions import Action
 from hypernav.core.components.abilities import BuiltForRobot, check_remembers, remembers
 from hypernav.core.components.protocols import Agent, ExplainsItself
-from hypernav.core.episodes.episode import Episode, Outcome
-from hypernav.core.episodes.metrics import EpisodeMetrics
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Episode, EpisodeMetrics, EpisodeTruth, Outcome
 from hypernav.core.errors import (
     ConfigError,
     MemoryStartError,

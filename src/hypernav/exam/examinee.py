@@ -30,7 +30,7 @@ from hypernav.core.components.protocols import (
     Segmenter,
 )
 from hypernav.core.components.registry import Choice, Registry
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.errors import ConfigError
 from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.goal import Goal

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hypernav.core.components.protocols import BlockReasoner
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.goal import Goal

@@ -7,8 +7,7 @@ import numpy as np
 from jaxtyping import Bool
 from pydantic import BaseModel, ConfigDict, Field
 
-from hypernav.core.exploring.arrows import ArrowView
-from hypernav.core.exploring.guidance import GuideView
+from hypernav.core.exploring.guidance import ArrowView, GuideView
 from hypernav.core.exploring.overview import Overview
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal

@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.errors import ConfigError, MissingExtraError, ModelError
-from hypernav.core.files.reading import check_file
+from hypernav.io.reading import check_file
 
 EXTRA = "local-vlm"
 

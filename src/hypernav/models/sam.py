@@ -26,7 +26,7 @@ from jaxtyping import Bool, Float32
 from pydantic import Field
 
 from hypernav.core.chat import Image
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.config import MOST_THREADS, RoomConfig
 from hypernav.core.errors import ModelError
 from hypernav.core.geometry.boxes import Box

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float32
 
 from hypernav.core.chat import Image
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelError
 from hypernav.models.network_loading import (

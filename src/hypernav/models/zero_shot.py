@@ -8,7 +8,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelError
 from hypernav.core.geometry.boxes import Box, Detection

@@ -7,8 +7,8 @@ from importlib.resources import files
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.files.yaml_text import parse_yaml
 from hypernav.core.labels import canonical, normalise
+from hypernav.io.parsing import parse_yaml
 
 _CHANCES = {"always": 0.85, "often": 0.5, "sometimes": 0.2, "rarely": 0.05}
 """Chances that a room of a kind holds a thing that the kind lists; ours."""

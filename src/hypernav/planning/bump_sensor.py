@@ -7,11 +7,9 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, Embodiment, MotionConfig
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.segments import distances_to_segment
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.geometry.transforms import Pose2, distances_to_segment
 from hypernav.mapping.inflation import inflate
 from hypernav.planning.config import PlanningConfig
 

@@ -10,7 +10,7 @@ from jaxtyping import Float32, UInt8
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.mapping.inflation import Escape, inflate
 from hypernav.planning.config import PlanningConfig
-from hypernav.planning.path_kernels import priced
+from hypernav.planning.costmap_kernels import priced
 
 _MARGIN_M = 1.0
 """Distance beyond the explored part up to which a path may lead, metres."""

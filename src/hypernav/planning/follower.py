@@ -8,13 +8,12 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float32, Float64
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import MotionConfig
+from hypernav.core.embodiment import Action, MotionConfig
 from hypernav.core.geometry.grid import has_cell
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import SURROUNDINGS_M, Costmap
-from hypernav.planning.path_kernels import plan_actions
+from hypernav.planning.costmap_kernels import plan_actions
 from hypernav.planning.planner import PlannedPath, costs_to_go, is_blocked
 
 _NEAR_M = 0.25

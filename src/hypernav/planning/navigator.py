@@ -6,8 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid, has_cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.mapping.inflation import disc

@@ -14,7 +14,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.mapping.inflation import distance_from
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap
-from hypernav.planning.path_kernels import cost_of_line, expand, path_back, shortcut
+from hypernav.planning.costmap_kernels import cost_of_line, expand, path_back, shortcut
 
 _BESIDE_M = 0.1
 """Gap up to which a path ends in the destination, since cells have a size, metres."""

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from numba.extending import is_jitted
 
-from hypernav.core.files.kernel_folder import kernels_are_kept, why_not_kept
+from hypernav.io.cache_folder import kernels_are_kept, why_not_kept
 from hypernav.mapping import top_down_kernels
 from hypernav.warmup.stale_kernels import forget_stale_kernels
 

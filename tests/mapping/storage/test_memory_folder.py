@@ -15,7 +15,7 @@ import pytest
 
 from hypernav.build.agents import build_search
 from hypernav.build.memories import open_memory
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.errors import MemoryFolderError, MemoryStartError, RunFolderError
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal

@@ -9,7 +9,7 @@ from chat_models import Parrot
 from exploration_views import exploration_view
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.errors import ModelUnavailableError
-from hypernav.core.exploring.arrows import ArrowChoice
+from hypernav.core.exploring.guidance import ArrowChoice
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog

@@ -16,7 +16,7 @@ import pytest
 
 from hypernav.build.memories import open_memory
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.errors import ModelUnavailableError, RunFolderError
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from box_scenes import room_boxes, scene_of
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode

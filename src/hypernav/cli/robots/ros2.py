@@ -25,9 +25,8 @@ from hypernav.cli.robots.recording import (
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.views import Views, check_views
 from hypernav.cli.screen.warnings_shown import warnings_on
-from hypernav.core.components.extras import require
-from hypernav.core.config import layered
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.components.registry import require
+from hypernav.core.episode import Outcome
 from hypernav.core.errors import (
     ConfigError,
     LinkLostError,
@@ -37,6 +36,7 @@ from hypernav.core.errors import (
 )
 from hypernav.core.goal import Goal
 from hypernav.episodes.recorder import OUTPUT_FILES
+from hypernav.io.layered_config import layered
 from hypernav.robot.client.links import HttpLink, HttpServer
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.server_address import ServerAddress

@@ -8,8 +8,8 @@ from typing import Any
 import cv2
 import numpy as np
 
-from hypernav.core.files.allowance import megabytes
 from hypernav.core.labels import names_of
+from hypernav.core.words import megabytes
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.key_images import KeyImage
 from hypernav.mapping.memory.memory import Memory

@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from hypernav.core.exploring.floors import Drop, KnownFloor, WayOut
+from hypernav.core.exploring.floors import Drop, KnownFloor, SeenThing, WayOut
 from hypernav.core.exploring.insight import Insight
 from hypernav.core.exploring.overview import Block
-from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

@@ -12,7 +12,7 @@ from jaxtyping import Bool
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.components.abilities import ChecksGoal
 from hypernav.core.components.protocols import Agent, Detector, Segmenter
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.errors import GoalError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.observation import Observation

@@ -6,12 +6,12 @@ from functools import lru_cache
 from pathlib import Path
 
 from hypernav.core.errors import EpisodeError
-from hypernav.core.files.cache_folder import cache_folder
 from hypernav.datasets.habitat_files import read_episodes, write_episodes
 from hypernav.datasets.habitat_format import EpisodeDataset
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.house_episodes import EPISODES_VERSION, GoalStyle, house_episodes
 from hypernav.houses.house_cache import cached_building, generator_version
+from hypernav.io.cache_folder import cache_folder
 
 
 def cached_episodes(

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.core.errors import EpisodeError
-from hypernav.core.text.whole_numbers import is_whole_number
+from hypernav.core.words import is_whole_number
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectNavEpisode
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.episode_cache import cached_episodes

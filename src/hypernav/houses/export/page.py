@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.whole_files import write_whole
 from hypernav.core.labels import ObjectLabel
 from hypernav.houses.assembly import to_scene
 from hypernav.houses.building import Building
@@ -15,6 +14,7 @@ from hypernav.houses.export.views import interior_views, views_from_above
 from hypernav.houses.export.walk import walk_data
 from hypernav.houses.export.walk_graph import walk_graph
 from hypernav.houses.generator import build_compact, storeys_of
+from hypernav.io.writing import write_whole
 from hypernav.show.pages.templating import image_uri, page_environment
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.surface.walkable import WalkableGrid

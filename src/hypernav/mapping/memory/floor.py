@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool
 
-from hypernav.core.exploring.sightings import Sightings
+from hypernav.core.exploring.floors import Sightings
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.core.goal import Goal

@@ -14,11 +14,11 @@ from pathlib import Path
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import MemoryFolderError, MemoryStartError
-from hypernav.core.files.allowance import megabytes
-from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
+from hypernav.core.words import megabytes
+from hypernav.io.folder_lock import folder_lock
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.key_images import MOST_BYTES, KeyImages
 from hypernav.mapping.memory.memory import Memory

@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploring.sightings import SeenThing, Sightings
+from hypernav.core.exploring.floors import SeenThing, Sightings
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.mapping.config import MappingConfig

@@ -13,9 +13,8 @@ from pydantic import ValidationError
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import CameraError, MapError, MemoryFolderError
-from hypernav.core.files.allowance import Allowance
-from hypernav.core.files.json_text import parse_json
-from hypernav.core.files.reading import path_below, read_file
+from hypernav.io.parsing import parse_json
+from hypernav.io.reading import Allowance, path_below, read_file
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.key_images import MOST_BYTES, KeyImages, with_patches

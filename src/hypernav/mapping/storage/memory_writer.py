@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from hypernav.core.errors import OutputError
-from hypernav.core.files.whole_files import write_whole
+from hypernav.io.writing import write_whole
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.key_images import KeyImage
 from hypernav.mapping.memory.memory import Memory

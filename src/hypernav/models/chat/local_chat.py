@@ -10,7 +10,7 @@ import time
 from typing import Any
 
 from hypernav.core.chat import Answer, Question, Usage
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.errors import ModelError, ModelUnavailableError
 from hypernav.models.chat.answer_parsing import parse_answer
 from hypernav.models.chat.config import ChatConfig

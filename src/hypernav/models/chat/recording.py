@@ -18,9 +18,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from hypernav.core.chat import Answer, Fault, Question, Usage
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.errors import ModelUnavailableError, OutputError, RecordingError
-from hypernav.core.files.allowance import Allowance
-from hypernav.core.files.json_text import check_json_size
-from hypernav.core.files.reading import read_file
+from hypernav.io.parsing import check_json_size
+from hypernav.io.reading import Allowance, read_file
 from hypernav.models.chat.answer_parsing import parse_answer, shortened
 from hypernav.models.chat.message_parts import content_hash
 

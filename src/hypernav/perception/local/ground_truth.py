@@ -8,7 +8,7 @@ import numpy as np
 from scipy import ndimage
 
 from hypernav.core.errors import LabelsMissingError
-from hypernav.core.exploring.sightings import SeenThing
+from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal

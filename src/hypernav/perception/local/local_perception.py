@@ -14,7 +14,7 @@ from jaxtyping import Bool
 from hypernav.core.components.abilities import NamesThings, SeesAllThings, SegmentsPoints
 from hypernav.core.components.protocols import Detector, Segmenter
 from hypernav.core.embodiment import CameraConfig
-from hypernav.core.exploring.sightings import Sightings
+from hypernav.core.exploring.floors import Sightings
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import Cell, OccupancyGrid

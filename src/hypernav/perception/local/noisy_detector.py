@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal

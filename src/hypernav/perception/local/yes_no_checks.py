@@ -10,8 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from hypernav.core.chat import Image, Question
-from hypernav.core.config import RoomConfig
-from hypernav.core.curve import Curve, along
+from hypernav.core.config import Curve, RoomConfig, along
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
 from hypernav.core.labels import same_name

@@ -15,10 +15,10 @@ import numpy as np
 
 from hypernav.core.components.protocols import ArrowReasoner
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploring.arrows import TURN_AROUND
 from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.floors import SeenThing
+from hypernav.core.exploring.guidance import TURN_AROUND
 from hypernav.core.exploring.insight import RememberedThing, ThingGraph
-from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import normalise, same_name

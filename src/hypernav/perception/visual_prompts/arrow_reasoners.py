@@ -10,7 +10,7 @@ import numpy as np
 from hypernav.core.chat import Question
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.errors import ModelUnavailableError
-from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice, ArrowView
+from hypernav.core.exploring.guidance import TURN_AROUND, ArrowChoice, ArrowView
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Exchange, ExchangeLog
 from hypernav.models.chat.answer_parsing import final_answer, shortened

@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploring.arrows import Arrow, ArrowView
 from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.guidance import Arrow, ArrowView
 from hypernav.core.exploring.insight import ImageMark, Insight
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation

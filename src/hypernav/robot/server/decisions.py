@@ -8,9 +8,8 @@ from typing import cast
 import numpy as np
 
 from hypernav.build.agents import BuiltAgent
-from hypernav.core.actions import Action
 from hypernav.core.components.protocols import ExplainsItself, Remembers
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import OutputError, WireError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2

@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 from jaxtyping import UInt8
 
+from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.exploring.insight import ThingGraph, ValueImage
-from hypernav.core.exploring.sightings import SeenThing
 from hypernav.show.drawing import palette, shapes
 from hypernav.show.drawing.map_painter import MapPainter
 from hypernav.show.drawing.map_view import MapView

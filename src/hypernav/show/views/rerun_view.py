@@ -15,10 +15,10 @@ from typing import Any
 import rerun as rr
 
 from hypernav.core.errors import ViewError
-from hypernav.core.files.output_file import OutputFile
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode, StepTrace
+from hypernav.io.writing import OutputFile
 from hypernav.show import captions
 from hypernav.show.drawing import palette
 from hypernav.show.video.frame import EpisodeInfo
@@ -110,7 +110,7 @@ class RrdView:
     def add(
         self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
     ) -> None:
-        """Write a step; see `hypernav.core.view.View`."""
+        """Write a step; see `hypernav.core.trace.View`."""
         self._entities.log(step, grid, observation)
         self._flush()
 
@@ -171,7 +171,7 @@ class RerunView:
     def add(
         self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
     ) -> None:
-        """Send a step; see `hypernav.core.view.View`. A closed viewer is no error."""
+        """Send a step; see `hypernav.core.trace.View`. A closed viewer is no error."""
         self._entities.log(step, grid, observation)
 
     def finish(self, result: Mapping[str, Any]) -> None:

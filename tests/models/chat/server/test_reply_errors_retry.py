@@ -11,7 +11,7 @@ from hypernav.core.errors import (
     ModelRejectedError,
     ModelUnavailableError,
 )
-from hypernav.core.network.bounded_http import Deadline
+from hypernav.io.bounded_http import Deadline
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.server.reply_errors import Retry, RetryLaterError
 

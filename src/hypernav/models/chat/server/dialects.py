@@ -29,7 +29,7 @@ from urllib.parse import urlsplit
 
 from hypernav.core.chat import Question
 from hypernav.core.errors import ConfigError, ModelRejectedError, ModelSetupError
-from hypernav.core.network.bounded_http import Deadline
+from hypernav.io.bounded_http import Deadline
 from hypernav.models.chat.config import ChatConfig, DialectName
 from hypernav.models.chat.server.http_client import HttpClient
 from hypernav.models.chat.server.reply_errors import NotFoundError, RefusedError, RetryLaterError

@@ -23,7 +23,7 @@ from hypernav.core.errors import (
     ModelSetupError,
     ModelUnavailableError,
 )
-from hypernav.core.network.bounded_http import Deadline
+from hypernav.io.bounded_http import Deadline
 from hypernav.models.chat.answer_parsing import final_answer, parse_answer, shortened
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.message_parts import jpeg_data_url, read_usage

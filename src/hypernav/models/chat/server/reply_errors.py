@@ -24,7 +24,7 @@ from hypernav.core.errors import (
     ModelSetupError,
     ModelUnavailableError,
 )
-from hypernav.core.network.bounded_http import Deadline, Reply
+from hypernav.io.bounded_http import Deadline, Reply
 from hypernav.models.chat.answer_parsing import shortened
 from hypernav.models.chat.config import ChatConfig
 
