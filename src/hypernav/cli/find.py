@@ -110,7 +110,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
         warnings_on(console),
         warm_up_in_background(console.print),
         console.status("loading the building …") as status,
-        closing(open_world(options.scene, config)) as world,
+        closing(open_world(options.scene, config, options.world)) as world,
         ExitStack() as opened,
     ):
         rng = np.random.default_rng(options.seed)
