@@ -193,15 +193,15 @@ def standing_free(forward_m: float) -> tuple[Step, Plan]:
     grid = Memory(config.mapping, config.embodiment).obstacles
     step = Step(0, Goal("bed"), frame, grid, agent.components, ModuleClock(), [])
     ordered = (here, Action.MOVE_FORWARD)
-    return step, replace(Plan.at_start(config.search, turns=0), ordered=ordered, frees=True)
+    return step, replace(Plan.at_start(config.search, turns=0), ordered=ordered, is_recovering=True)
 
 
 @pytest.mark.parametrize("forward_m", [0.04, 0.25])
 def test_a_whole_step_ends_getting_free_however_short_steps_are(forward_m):
     step, plan = standing_free(forward_m)
-    assert with_tried(step, plan).frees
+    assert with_tried(step, plan).is_recovering
     moved = replace(step, observation=view_of([FLOOR], Pose2(forward_m, 0.0, 0.0)))
-    assert not with_tried(moved, plan).frees
+    assert not with_tried(moved, plan).is_recovering
 
 
 def test_on_stairs_no_other_headings_are_tried():

@@ -142,7 +142,7 @@ def test_what_was_taken_away_is_looked_for_everywhere_and_then_given_up(memory):
     steps, result, known = searched(empty, "sofa", IN_BEDROOM, known)
     assert not result.metrics.success
     assert steps[-1].reason == "nothing is left to explore"
-    assert known.search.looks_again
+    assert known.search.revisits
     (sofa,) = [one for one in known.floor.things.known if one.label == "sofa"]
     assert sofa.is_gone
     assert known.floor.things.fitting(Goal("sofa")) == []
@@ -151,7 +151,7 @@ def test_what_was_taken_away_is_looked_for_everywhere_and_then_given_up(memory):
 def test_a_thing_that_was_never_seen_is_looked_for_again_where_all_is_known(memory):
     steps, _, known = searched(two_rooms(coloured=False), "piano", IN_BEDROOM, memory)
     assert any("all is known, looking again" in step.events for step in steps)
-    over = known.search.looked_over
+    over = known.search.coverage
     assert over is not None
     grid = known.floor.map.grid
     assert over.cells[grid.explored].mean() > 0.7

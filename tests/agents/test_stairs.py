@@ -188,7 +188,7 @@ def test_a_search_that_begins_on_stairs_is_not_blind():
     agent.act(world.reset(Episode("x", "0", Goal("umbrella"), start, start_z=0.0)))
     while world.pose.x < FIRST_X + 2.5 * TREAD_M:
         agent.act(world.step(Action.MOVE_FORWARD))
-    agent.memory.goes_over(None)
+    agent.memory.set_current_connector(None)
     agent.reset(Goal("bed"), agent.memory)
     for _ in range(6):  # turns to the lower room
         agent.act(world.step(Action.TURN_LEFT))
@@ -234,7 +234,7 @@ def test_a_robot_that_was_carried_is_not_on_its_way_over_stairs():
     memory = Memory(CONFIG.mapping, CONFIG.embodiment)
     memory.connectors = (Connector(0, True, (1.0, 0.0), 0.0),)
     memory.way.append((1.5, 0.0))
-    memory.goes_over(0)
+    memory.set_current_connector(0)
     assert memory.under_way == UnderWay(0, (1.5, 0.0, 0.0))
     memory.begin_search(sees_stairs=True)
     memory.follow(view_of([FLOOR], Pose2(4.0, 0.0, 0.0), camera=CAMERA))

@@ -25,7 +25,7 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
     target, robot, config = memory.search.evidence.target, step.robot, step.config
     if target is None:
         return Phase.EXPLORE, plan
-    opens = _opens_the_way(step, memory, plan)
+    opens = _may_open_path(step, memory, plan)
     goals = _goals(step, memory, plan, target, opens=opens)
     if _distance_m(robot.xy, goals[0]) <= config.stop_distance_m:
         return Phase.VERIFY, _without_exploration(step, plan)
@@ -49,16 +49,16 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
         patience = plan.approaching.patience.after(left_m, len(route.actions))
         plan = plan.approach(patience=patience)
         if patience.lasts:
-            reason = f"going to {step.goal.told}"
+            reason = f"going to {step.goal.in_sentence}"
             decision = Decision(action, Mode.APPROACH, reason, route.remaining(robot))
             return decision, _without_exploration(step, plan)
     elif opens and not (must_do or enters) and plan.approaching.may_clear(config):
         turn = turn_towards(robot, target.area.centre, step.motion) or Action.TURN_LEFT
-        reason = f"waiting beside {step.goal.told} for what stands before it"
+        reason = f"waiting beside {step.goal.in_sentence} for what stands before it"
         return Decision(turn, Mode.APPROACH, reason), _without_exploration(step, plan)
     if config.local_first and (action is not None or not leads_there):
         step.events.append("goal area given up for now")
-        memory.search.evidence = rejected(memory.search.evidence, step.use.local.config)
+        memory.search.evidence = rejected(memory.search.evidence, step.components.local.config)
         return Phase.EXPLORE, plan.with_new_patience(config)
     if left_m > _CLOSE_BY_M and not must_do:
         step.events.append("goal out of reach for now")
@@ -71,7 +71,7 @@ def _next_action(
     step: Step, plan: Plan, target: Candidate, goals: list[Float64[np.ndarray, "_ 2"]]
 ) -> tuple[Action | None, Plan]:
     """The next action on the path to the goal area, or from its edge into it."""
-    navigator, grid, robot = step.use.navigator, step.grid, step.robot
+    navigator, grid, robot = step.components.navigator, step.grid, step.robot
     action, route = navigator.towards(plan.approaching.route, grid, robot, *goals)
     plan = plan.approach(route=route)
     if action is not None or not route.arrived or not step.config.enter_fully:
@@ -83,9 +83,9 @@ def _next_action(
     return action if is_near else None, plan.approach(inside=inside)
 
 
-def _opens_the_way(step: Step, memory: Memory, plan: Plan) -> bool:
+def _may_open_path(step: Step, memory: Memory, plan: Plan) -> bool:
     """Whether to open a way to the target: it is convincing, or nothing else is left."""
-    is_believed = is_convincing(memory.search.evidence, step.use.local.config)
+    is_believed = is_convincing(memory.search.evidence, step.components.local.config)
     return step.config.open_the_way and (is_believed or plan.approaching.as_near_as_possible)
 
 
@@ -97,7 +97,7 @@ def _open_way(
     The gap is on the way to points of the goal area and beside it, ``(x, y)``, metres. No decision
     if no gap is left or three were found closed in this step.
     """
-    navigator, robot, grid = step.use.navigator, step.robot, step.grid
+    navigator, robot, grid = step.components.navigator, step.robot, step.grid
     for _ in range(_GAPS_PER_STEP):
         opening = plan.approaching.opening
         if opening is None:
@@ -112,7 +112,7 @@ def _open_way(
                 action = turn_towards(robot, gap.position, step.motion)
             if action is not None:
                 plan = plan.approach(opening=replace(opening, route=route, steps=steps))
-                reason = f"looking from near for a way to {step.goal.told}"
+                reason = f"looking from near for a way to {step.goal.in_sentence}"
                 return Decision(action, Mode.APPROACH, reason, route.remaining(robot)), plan
         step.events.append("gap closed")
         closed = (*plan.approaching.closed, gap.position)

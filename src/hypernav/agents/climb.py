@@ -267,7 +267,7 @@ def _given_up(
         memory.reached_level(climbing.connector)
         step.events.append("another level reached")
         return Phase.EXPLORE, replace(plan, climbing=None)
-    if not climbing.is_back and memory.stays_here():
+    if not climbing.is_back and memory.try_accept_new_floor():
         decision = Decision(Action.TURN_LEFT, Mode.CLIMB, "the stairs end here")
         return decision, replace(plan, climbing=climbing)
     memory.give_up(climbing.connector)

@@ -22,9 +22,9 @@ from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.stairs.floor_exits import (
     forget_seen_from_elsewhere,
     seen_from_elsewhere,
+    stairs_to_sighting,
+    stairs_to_unseen,
     ways_out,
-    ways_to_sighting,
-    ways_to_unseen,
 )
 
 _NO_PATH = "no path to destination"
@@ -43,10 +43,10 @@ def pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
         return plan
     far, below_or_above = memory.search.evidence.far_position, seen_from_elsewhere(memory)
     if far is not None:
-        reason = f"{step.goal.told} is in sight, too far away to be measured"
+        reason = f"{step.goal.in_sentence} is in sight, too far away to be measured"
         return _towards(far, "goal seen far away", reason, step, memory, plan)
     if below_or_above is not None:
-        reason = f"{step.goal.told} was seen there from another floor"
+        reason = f"{step.goal.in_sentence} was seen there from another floor"
         return _towards(below_or_above, "floor of the goal reached", reason, step, memory, plan)
     return _over_stairs(step, memory, plan) if step.config.use_stairs else plan
 
@@ -68,7 +68,7 @@ def _towards(
 
 def _over_stairs(step: Step, memory: Memory, plan: Plan) -> Plan:
     """The plan that takes the nearest stairs towards a floor on which the goal was seen."""
-    ways = ways_to_sighting(memory)
+    ways = stairs_to_sighting(memory)
     if not ways:
         return plan
     destination = plan.destination
@@ -76,7 +76,7 @@ def _over_stairs(step: Step, memory: Memory, plan: Plan) -> Plan:
         return plan
     nearest = min(ways, key=lambda one: step.robot.distance_to(*one.xy))
     step.events.append("goal seen on another floor")
-    reason = f"{step.goal.told} was seen on another floor: {nearest.words}"
+    reason = f"{step.goal.in_sentence} was seen on another floor: {nearest.words}"
     there = Destination(*nearest.xy, reason=reason, connector=nearest.connector, holds=True)
     return replace(plan, exploring=plan.exploring.towards(there, step.config))
 
@@ -94,7 +94,7 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
     config, robot = step.config, step.robot
     turn = _turn_of_the_look_around(step, memory, plan)
     if turn is not None:
-        plan = replace(plan, turns_left=plan.turns_left - 1, looked_around_at=robot.xy)
+        plan = replace(plan, turns_left=plan.turns_left - 1, last_scan_at=robot.xy)
         return Decision(turn, Mode.LOOK_AROUND, "looking around"), plan
     plan = pursuing(step, memory, replace(plan, turns_left=0))
     turn = _look_across(step, memory, plan)
@@ -122,7 +122,7 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
         if turn is not None:
             return _decision(turn, destination.reason, step, plan), plan
         with step.clock("plan"):
-            action, route = step.use.navigator.towards(
+            action, route = step.components.navigator.towards(
                 plan.exploring.route, step.grid, robot, np.array([destination.xy])
             )
         plan = plan.explore(route=route)
@@ -146,7 +146,7 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
 
 def _turn_of_the_look_around(step: Step, memory: Memory, plan: Plan) -> Action | None:
     """The next turn of the look around; None if none is left or worthwhile."""
-    gaze = step.use.gaze
+    gaze = step.components.gaze
     if plan.turns_left == 0:
         return None
     if plan.full_turn or gaze is None:
@@ -161,7 +161,7 @@ def _next_destination(step: Step, memory: Memory) -> Destination | None:
     if destination is None:
         memory.floor.was_explored = True
         memory.search.is_explored = not _may_look_again(step, memory)
-    return destination or _way_out(step, memory)
+    return destination or _stairs_out(step, memory)
 
 
 def _explored(step: Step, memory: Memory) -> Destination | None:
@@ -169,12 +169,12 @@ def _explored(step: Step, memory: Memory) -> Destination | None:
 
     Stairs to what nobody has seen come before that; the robot comes back for it.
     """
-    search, explorer = memory.search, step.use.explorer
+    search, explorer = memory.search, step.components.explorer
     with step.clock("global"):
         destination = explorer.next_destination(step.view(memory))
-        leads_on = step.config.use_stairs and bool(ways_to_unseen(memory))
+        leads_on = step.config.use_stairs and bool(stairs_to_unseen(memory))
         if destination is None and _may_look_again(step, memory) and not leads_on:
-            search.looks_again = True
+            search.revisits = True
             step.events.append("all is known, looking again")
             destination = explorer.next_destination(step.view(memory))
     return destination
@@ -183,10 +183,10 @@ def _explored(step: Step, memory: Memory) -> Destination | None:
 def _may_look_again(step: Step, memory: Memory) -> bool:
     """Whether this search knows parts of the floor from earlier ones alone, and leaves them out."""
     search = memory.search
-    return step.config.recall and search.looked_over is not None and not search.looks_again
+    return step.config.recall and search.coverage is not None and not search.revisits
 
 
-def _way_out(step: Step, memory: Memory) -> Destination | None:
+def _stairs_out(step: Step, memory: Memory) -> Destination | None:
     """The nearest stairs towards what is unseen, where the explorer has nothing left to offer."""
     known = ways_out(memory) if step.config.use_stairs else []
     nearest = min(known, key=lambda one: step.robot.distance_to(*one.xy), default=None)
@@ -204,7 +204,7 @@ def _decision(action: Action, reason: str, step: Step, plan: Plan) -> Decision:
 
 def _has_looked(step: Step, plan: Plan) -> bool:
     """Whether the latest turn around was here."""
-    position, near_m = plan.looked_around_at, step.config.arrival_distance_m
+    position, near_m = plan.last_scan_at, step.config.arrival_distance_m
     return position is not None and step.robot.distance_to(*position) < near_m
 
 
@@ -249,7 +249,7 @@ def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
     A destination that was left for another is not taken again on the way: the robot would go to
     and fro.
     """
-    destination, config, explorer = plan.destination, step.config, step.use.explorer
+    destination, config, explorer = plan.destination, step.config, step.components.explorer
     if (
         config.reconsider_steps is None
         or config.looks == "at-destinations"
@@ -302,7 +302,7 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
         else:
             search.gone_to.add(destination.thing)
             if thing is None or thing.fits(step.goal) == 1.0:
-                search.looks_again = True  # it may have been moved, and not far
+                search.revisits = True  # it may have been moved, and not far
     elif destination.image is not None:
         left = (one for one in search.images_to_visit if one != destination.image)
         search.images_to_visit = tuple(left)
@@ -354,8 +354,8 @@ def _look_across(step: Step, memory: Memory, plan: Plan) -> Action | None:
     ):
         return None
     grid = step.to_explore(memory)
-    if step.use.gaze is not None:
-        return step.use.gaze.worthwhile_turn(grid, robot, memory.search.looked)
+    if step.components.gaze is not None:
+        return step.components.gaze.worthwhile_turn(grid, robot, memory.search.looked)
     points = unexplored_boundary(grid, destination.xy, _AROUND_M)
     if len(points) * grid.resolution_m < _WORTH_A_TURN_M:
         return None

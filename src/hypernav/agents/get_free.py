@@ -29,8 +29,8 @@ def with_tried(step: Step, plan: Plan) -> Plan:
     was_cut_short = is_cut_short(plan.ordered, step.robot, step.motion)
     has_stepped = plan.ordered is not None and plan.ordered[1] is Action.MOVE_FORWARD
     if (has_stepped and not was_cut_short) or not plan.stands(step.robot):
-        plan = replace(plan, frees=False)
-    if step.use.planning.bump_sensor and plan.ordered is not None and was_cut_short:
+        plan = replace(plan, is_recovering=False)
+    if step.components.planning.bump_sensor and plan.ordered is not None and was_cut_short:
         pose, _ = plan.ordered
         return replace(plan, tried=(*plan.tried, Pose2(*step.robot.xy, pose.yaw))[-_REMEMBERED:])
     return plan
@@ -56,7 +56,7 @@ def get_free(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
         away_m = np.linalg.norm(obstacles - ahead, axis=1)
         return abs(turns), -float(away_m.min(initial=math.inf))
 
-    radius_m, floor = step.use.embodiment.body.radius_m, memory.floor.map
+    radius_m, floor = step.components.embodiment.body.radius_m, memory.floor.map
 
     closed = closed_turns(step, plan)
 
@@ -69,14 +69,14 @@ def get_free(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
 
     untried = [k for k in _turns(step) if is_open(k)]
     if not untried:
-        return Phase.END, replace(plan, tried=(), frees=False)
+        return Phase.END, replace(plan, tried=(), is_recovering=False)
     turns = min(untried, key=rank)
     action, path = Action.MOVE_FORWARD, [robot.xy, robot.ahead(step.motion.forward_m).xy]
     if turns != 0:
         action, path = Action.TURN_LEFT if turns > 0 else Action.TURN_RIGHT, []
     mode = Mode.EXPLORE if memory.search.evidence.target is None else Mode.APPROACH
     reason = "touching something, trying to get free of it"
-    return Decision(action, mode, reason, path), replace(plan, frees=True)
+    return Decision(action, mode, reason, path), replace(plan, is_recovering=True)
 
 
 def closed_turns(step: Step, plan: Plan) -> frozenset[int]:

@@ -267,11 +267,11 @@ class Plan:
         climbing: How to get over stairs to another floor; None if the robot is not on any.
         turns_left: Number of turns that are left of the look around.
         full_turn: Whether that look makes all its turns, even those that show nothing unseen.
-        looked_around_at: Position ``(x, y)``, metres, of the latest look around; None before.
+        last_scan_at: Position ``(x, y)``, metres, of the latest look around; None before.
         ends: Positions ``(x, y)``, metres, at which nothing was left to explore.
         ordered: Pose and action of the step before; None before the first.
         tried: Poses from which a step was cut short.
-        frees: Whether the robot gets free of what it touches.
+        is_recovering: Whether the robot gets free of what it touches.
     """
 
     exploring: Exploring
@@ -279,11 +279,11 @@ class Plan:
     climbing: Climbing | None = None
     turns_left: int = 0
     full_turn: bool = True
-    looked_around_at: Position | None = None
+    last_scan_at: Position | None = None
     ends: tuple[Position, ...] = ()
     ordered: tuple[Pose2, Action] | None = None
     tried: tuple[Pose2, ...] = ()
-    frees: bool = False
+    is_recovering: bool = False
 
     @staticmethod
     def at_start(config: SearchConfig, *, turns: int, then: Destination | None = None) -> "Plan":

@@ -155,7 +155,7 @@ class PromptedAgent:
         self._yes_in_a_row = self._yes_in_a_row + 1 if here else 0
         if self._yes_in_a_row >= _YES_TO_STOP:
             events.append("goal reached")
-            return Action.STOP, f"here is {self._goal.told}", None
+            return Action.STOP, f"here is {self._goal.in_sentence}", None
         if self._moves >= config.most_moves:
             return None, f"{config.most_moves} moves are made", None
         if self._spent >= config.most_actions:

@@ -43,7 +43,7 @@ _WORTH_STAIRS = 0.5
 """Chance from which that is so over stairs: more than a thing of the goal's kind alone has."""
 
 
-def way_to_thing(
+def path_to_thing(
     thing: Thing, floor_map: TopDownMap, reach: ReachableArea, robot: Pose2
 ) -> tuple[tuple[float, float], float]:
     """The reachable position beside a thing, in sight of it, and the length of the path there.
@@ -74,10 +74,10 @@ def way_to_thing(
             nearest = int(np.where(is_clear, path_m, np.inf).argmin())
             x, y = points[nearest].tolist()
             return (x, y), float(path_m[nearest])
-    return way_to_view(thing, reach, robot)
+    return path_to_view(thing, reach, robot)
 
 
-def way_to_view(
+def path_to_view(
     thing: Thing, reach: ReachableArea, robot: Pose2
 ) -> tuple[tuple[float, float], float]:
     """The position that a thing was seen best from, and the length of the path there, metres."""
@@ -160,13 +160,13 @@ class _Recalled(NamedTuple):
         thing: The thing.
         chance: Chance that it is the goal, by all that is remembered.
         position: Position ``(x, y)`` beside it, metres.
-        way_m: Length of the path there, metres.
+        path_m: Length of the path there, metres.
     """
 
     thing: Thing
     chance: float
     position: tuple[float, float]
-    way_m: float
+    path_m: float
 
 
 def _best(step: Step, memory: Memory, least: float) -> _Recalled | None:
@@ -179,16 +179,16 @@ def _best(step: Step, memory: Memory, least: float) -> _Recalled | None:
     if not likely:
         return None
     with step.clock("plan"):
-        clearance_m = step.use.planning.clearances_m(step.use.embodiment.body)[0]
-        reach = ReachableArea.of(step.grid, step.robot, step.use.mapping, clearance_m)
+        clearance_m = step.components.planning.clearances_m(step.components.embodiment.body)[0]
+        reach = ReachableArea.of(step.grid, step.robot, step.components.mapping, clearance_m)
 
         def way_to(thing: Thing) -> tuple[tuple[float, float], float]:
             if thing.number in search.hidden:
-                return way_to_view(thing, reach, step.robot)
-            return way_to_thing(thing, floor.map, reach, step.robot)
+                return path_to_view(thing, reach, step.robot)
+            return path_to_thing(thing, floor.map, reach, step.robot)
 
         reached = [_Recalled(thing, chance, *way_to(thing)) for thing, chance in likely]
-    return min(reached, key=lambda one: (one.way_m / one.chance, one.thing.number))
+    return min(reached, key=lambda one: (one.path_m / one.chance, one.thing.number))
 
 
 def errand(step: Step, memory: Memory) -> tuple[int, Thing] | None:
@@ -292,7 +292,7 @@ def seen_in_image(step: Step, memory: Memory) -> Destination | None:
     Returns:
         None if no such image is left, or there is no model or memory.
     """
-    search, images, recall = memory.search, memory.images, step.use.image_recall
+    search, images, recall = memory.search, memory.images, step.components.image_recall
     if not step.config.recall or images is None or not search.lasts:
         return None
     if search.images_to_ask is None:
@@ -313,7 +313,7 @@ def seen_in_image(step: Step, memory: Memory) -> Destination | None:
     shows = "is in" if _most_to_ask(step) else "may be in"
     return Destination(
         *nearest.robot.xy,
-        reason=f"{step.goal.told} {shows} an image that was taken there before",
+        reason=f"{step.goal.in_sentence} {shows} an image that was taken there before",
         holds=True,
         face=nearest.robot.yaw,
         image=nearest.number,
@@ -324,7 +324,7 @@ def _first_images(
     step: Step, memory: Memory, images: KeyImages
 ) -> tuple[tuple[int, ...], tuple[int, ...]]:
     """Numbers of the images to ask a chat model about, in order, and of those to go to unasked."""
-    most, ranking, before = _most_to_ask(step), step.use.image_ranking, memory.search.number
+    most, ranking, before = _most_to_ask(step), step.components.image_ranking, memory.search.number
     if ranking is None:
         return images.most_telling(memory.number, before=before, most=most), ()
     with step.clock("global"):
@@ -336,7 +336,7 @@ def _first_images(
 
 def _most_to_ask(step: Step) -> int:
     """Number of images that a chat model may be asked about; 0 where none is."""
-    recall = step.use.image_recall
+    recall = step.components.image_recall
     return 0 if recall is None else recall.config.max_questions * IMAGES_PER_QUESTION
 
 
@@ -377,7 +377,7 @@ def is_nearer(step: Step, memory: Memory, plan: Plan, target: Candidate) -> bool
         return False
     if destination is None and step.number == 0:
         best = _best(step, memory, LIKELY)
-        number, left_m = (None, 0.0) if best is None else (best.thing.number, best.way_m)
+        number, left_m = (None, 0.0) if best is None else (best.thing.number, best.path_m)
     elif destination is not None and destination.thing is not None:
         number, left_m = destination.thing, plan.exploring.route.left_m(step.robot)
     else:
@@ -390,5 +390,5 @@ def is_nearer(step: Step, memory: Memory, plan: Plan, target: Candidate) -> bool
     if worth_m < target.distance_to(*step.robot.xy):
         return True
     with step.clock("plan"):
-        way_m = step.use.navigator.way_m(step.grid, step.robot, target.entry_points)
-    return way_m is not None and worth_m < way_m
+        path_m = step.components.navigator.path_m(step.grid, step.robot, target.entry_points)
+    return path_m is not None and worth_m < path_m

@@ -121,7 +121,9 @@ class SearchAgent:
             plan = replace(plan, ordered=(seen.robot, decision.action))
         self._trace = self._traced(step, memory, plan, decision, detections)
         climbing = plan.climbing
-        memory.goes_over(None if climbing is None or climbing.is_back else climbing.connector)
+        memory.set_current_connector(
+            None if climbing is None or climbing.is_back else climbing.connector
+        )
         self._plan, self._steps = plan, self._steps + 1
         return decision.action
 
@@ -221,7 +223,7 @@ def _off_the_floor(robot: Pose2, memory: Memory, plan: Plan, events: list[str]) 
             memory.settle(robot)
         return plan
     if number is None:
-        number = memory.gets_onto_stairs_down(robot)
+        number = memory.register_stairs_underfoot(robot)
     destination, then = plan.destination, None
     if number is not None and destination is not None and destination.connector == number:
         then = destination.then
@@ -248,7 +250,7 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
     config = step.config
     if plan.climbing is not None:
         return Phase.CLIMB, plan
-    if plan.frees:
+    if plan.is_recovering:
         return Phase.GET_FREE, plan
     must_finish_look = config.look_around_at_start and config.finish_first_look
     if must_finish_look and step.number < step.motion.turns_of_a_circle:
@@ -314,8 +316,8 @@ def _must_choose(step: Step, memory: Memory) -> bool:
     with step.clock("plan"):
         beside = best.views_beside
         destinations = (best.entry_points, *([beside] if len(beside) else []))
-        way_m = step.use.navigator.way_m(step.grid, step.robot, *destinations)
-    return way_m is not None and left <= _TURNS * way_m / motion.forward_m + turns
+        path_m = step.components.navigator.path_m(step.grid, step.robot, *destinations)
+    return path_m is not None and left <= _TURNS * path_m / motion.forward_m + turns
 
 
 def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
@@ -323,7 +325,7 @@ def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]
 
     The robot gets free where a step of it was cut short.
     """
-    goal, search = step.goal.told, memory.search
+    goal, search = step.goal.in_sentence, memory.search
     goes_on = _goes_on(step, plan)
     if goes_on and any(one.distance_to(*step.robot.xy) < STANDS_M for one in plan.tried):
         _forget(memory)

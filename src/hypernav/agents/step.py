@@ -19,10 +19,10 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode, ModuleClock
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.floor import Looked
+from hypernav.mapping.memory.floor import HeadingsSeen
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.sight_lines import unseen_by_bearing
-from hypernav.mapping.stairs.floor_exits import drops_to_look_at, known_floors, ways_to_new_floors
+from hypernav.mapping.stairs.floor_exits import drops_to_look_at, known_floors, stairs_to_new_floors
 from hypernav.perception.image_recall import ImageRanking, ImageRecall
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.config import PlanningConfig
@@ -57,14 +57,14 @@ class Gaze:
         self._least_m2 = least_m2
         self._bearings = np.arange(_RAYS) * (2.0 * math.pi / _RAYS)
 
-    def after_image(self, looked: Looked | None, robot: Pose2) -> Looked:
+    def after_image(self, looked: HeadingsSeen | None, robot: Pose2) -> HeadingsSeen:
         """Where the robot has looked from its position, its present image included."""
         if looked is None or robot.distance_to(*looked.spot) > _SAME_SPOT_M:
-            looked = Looked(robot.xy, np.zeros(_RAYS, dtype=bool))
-        return Looked(looked.spot, looked.bearings | self._in_view(robot.yaw))
+            looked = HeadingsSeen(robot.xy, np.zeros(_RAYS, dtype=bool))
+        return HeadingsSeen(looked.spot, looked.bearings | self._in_view(robot.yaw))
 
     def worthwhile_turn(
-        self, grid: OccupancyGrid, robot: Pose2, looked: Looked | None
+        self, grid: OccupancyGrid, robot: Pose2, looked: HeadingsSeen | None
     ) -> Action | None:
         """The first turn to the heading that shows most per turn; None if none shows enough.
 
@@ -156,7 +156,7 @@ class Step:
         goal: Target of the search.
         observation: Frame of this step, with heights counted from the robot's floor.
         grid: Map of that floor, with this frame integrated.
-        use: Components and configuration of the search.
+        components: Components and configuration of the search.
         clock: Clock of the modules.
         events: Names of what happened in this step, for the trace.
     """
@@ -165,7 +165,7 @@ class Step:
     goal: Goal
     observation: Observation
     grid: OccupancyGrid
-    use: SearchComponents
+    components: SearchComponents
     clock: ModuleClock
     events: list[str]
 
@@ -177,18 +177,18 @@ class Step:
     @property
     def config(self) -> SearchConfig:
         """Configuration of the search, for this robot's steps and turns."""
-        return self.use.paced
+        return self.components.paced
 
     @property
     def motion(self) -> MotionConfig:
         """Length of a step and angle of a turn."""
-        return self.use.embodiment.motion
+        return self.components.embodiment.motion
 
     def to_explore(self, memory: Memory) -> OccupancyGrid:
         """The map that exploration goes by: where it looks again, the rest counts as unknown."""
         search = memory.search
-        if search.looks_again and search.looked_over is not None:
-            return search.looked_over.applied(self.grid)
+        if search.revisits and search.coverage is not None:
+            return search.coverage.applied(self.grid)
         return self.grid
 
     def view(self, memory: Memory) -> ExplorationView:
@@ -204,7 +204,7 @@ class Step:
             things=floor.sightings.things,
             floor=memory.number,
             notes=floor.search.notes,
-            ways_out=ways_to_new_floors(memory) if self.config.use_stairs else (),
+            ways_out=stairs_to_new_floors(memory) if self.config.use_stairs else (),
             elsewhere=known_floors(memory) if self.config.use_stairs else (),
             drops=drops_to_look_at(memory) if looks_for_stairs else (),
         )

@@ -99,8 +99,8 @@ def with_second_look(step: Step, plan: Plan, target: Candidate) -> Plan:
             step.robot,
             target.area,
             target.best_view.robot.xy,
-            step.use.mapping,
-            step.use.planning.clearances_m(step.use.embodiment.body)[0],
+            step.components.mapping,
+            step.components.planning.clearances_m(step.components.embodiment.body)[0],
         )
     if position is not None:
         step.events.append("second look wanted")
@@ -112,12 +112,12 @@ def second_look(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phas
     target, position = memory.search.evidence.target, plan.approaching.second_look
     if target is None or position is None:
         return Phase.EXPLORE, plan
-    robot, config, goal = step.robot, step.config, step.goal.told
+    robot, config, goal = step.robot, step.config, step.goal.in_sentence
     steps = plan.approaching.second_look_steps + 1
     plan = plan.approach(second_look_steps=steps)
     if steps <= config.endurance_steps:
         with step.clock("plan"):
-            action, route = step.use.navigator.towards(
+            action, route = step.components.navigator.towards(
                 plan.approaching.route, step.grid, robot, np.array([position])
             )
         plan = plan.approach(route=route)
@@ -130,7 +130,7 @@ def second_look(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phas
         path = plan.approaching.route.remaining(robot)
         return Decision(turn, Mode.VERIFY, reason, path), plan
     plan = plan.approach(second_look=None).with_new_patience(config)
-    evidence, local = confirmed(memory.search.evidence), step.use.local.config
+    evidence, local = confirmed(memory.search.evidence), step.components.local.config
     if is_convincing(evidence, local):
         memory.search.evidence = evidence
         return Phase.APPROACH, plan
@@ -150,12 +150,12 @@ def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pl
     plan = plan.approach(sure_step=step.number if is_sure else None)
     turn = turn_towards(step.robot, target.area.centre, step.motion)
     if config.face_target and turn is not None:
-        reason = f"turning to face {step.goal.told}"
+        reason = f"turning to face {step.goal.in_sentence}"
         path = plan.approaching.route.remaining(step.robot)
         return Decision(turn, Mode.VERIFY, reason, path), plan
     if is_sure:
         if _goes_nearer(step, target):
-            reason = f"here is {step.goal.told}, going nearer"
+            reason = f"here is {step.goal.in_sentence}, going nearer"
             return Decision(Action.MOVE_FORWARD, Mode.APPROACH, reason), plan
         return _stop(step), plan
     if config.see_before_stop:
@@ -164,7 +164,7 @@ def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pl
             search.evidence = barred
             step.events.append("goal area not in sight from here")
             return Phase.APPROACH, plan.with_new_patience(config)
-    local = step.use.local.config
+    local = step.components.local.config
     if needs_second_look(search.evidence, local):
         plan = with_second_look(step, plan, target)
         if plan.approaching.second_look is not None:
@@ -183,12 +183,12 @@ def _is_still_sure(step: Step, memory: Memory, plan: Plan) -> bool:
     """Whether the check held in this step or the last, and the candidate is still convincing."""
     said, evidence = plan.approaching.sure_step, memory.search.evidence
     is_recent = said is not None and step.number - said <= 1
-    return is_recent and is_convincing(evidence, step.use.local.config)
+    return is_recent and is_convincing(evidence, step.components.local.config)
 
 
 def _stop(step: Step) -> Decision:
     step.events.append("goal reached")
-    reason = f"here is {step.goal.told}"
+    reason = f"here is {step.goal.in_sentence}"
     return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND)
 
 
@@ -201,12 +201,12 @@ def _goes_nearer(step: Step, target: Candidate) -> bool:
     from_m, to_m = (target.area.distance_to_seen(*pose.xy) for pose in (robot, ahead))
     if from_m <= _AS_NEAR_AS_M or to_m >= from_m:
         return False
-    return step.use.navigator.is_open(step.grid, robot, ahead)
+    return step.components.navigator.is_open(step.grid, robot, ahead)
 
 
 def _is_present(step: Step, memory: Memory, target: Candidate) -> bool:
-    if not is_convincing(memory.search.evidence, step.use.local.config):
+    if not is_convincing(memory.search.evidence, step.components.local.config):
         return False
     view = target.best_view if step.config.verify_view == "best" else step.observation
-    presence = step.use.presence
+    presence = step.components.presence
     return presence is None or presence.is_present(view, step.goal)

@@ -59,7 +59,7 @@ class Goal:
         return _ARTICLE.sub("", self.text.strip())
 
     @property
-    def told(self) -> str:
+    def in_sentence(self) -> str:
         """The goal within a sentence: "the bed", or in quotation marks if it is one itself."""
         thing = self.thing
         if _SENTENCE.search(thing) or without_lead_in(thing.lower()) != thing.lower():

@@ -8,6 +8,7 @@ import difflib
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib.resources import files
 from pathlib import Path
 
 import cv2
@@ -24,17 +25,7 @@ from hypernav.core.observation import Observation
 from hypernav.models.network_loading import open_session
 
 COCO_CLASSES: tuple[str, ...] = tuple(
-    " ".join(name.split())
-    for name in """
-    person, bicycle, car, motorcycle, airplane, bus, train, truck, boat, traffic light, fire
-    hydrant, stop sign, parking meter, bench, bird, cat, dog, horse, sheep, cow, elephant, bear,
-    zebra, giraffe, backpack, umbrella, handbag, tie, suitcase, frisbee, skis, snowboard, sports
-    ball, kite, baseball bat, baseball glove, skateboard, surfboard, tennis racket, bottle, wine
-    glass, cup, fork, knife, spoon, bowl, banana, apple, sandwich, orange, broccoli, carrot, hot
-    dog, pizza, donut, cake, chair, couch, potted plant, bed, dining table, toilet, tv, laptop,
-    mouse, remote, keyboard, cell phone, microwave, oven, toaster, sink, refrigerator, book,
-    clock, vase, scissors, teddy bear, hair drier, toothbrush
-    """.split(",")
+    files("hypernav.models").joinpath("coco_classes.txt").read_text("utf-8").splitlines()
 )
 
 _THREADS = 2

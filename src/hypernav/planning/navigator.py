@@ -39,7 +39,7 @@ class Gap:
     look_from: tuple[float, float]
 
 
-def gap_on_the_way(
+def gap_on_path(
     tight: Costmap,
     hopeful: Costmap,
     start: tuple[float, float],
@@ -126,7 +126,7 @@ class Navigator:
                     return action, route
         return self._plan(route, grid, robot, destinations)
 
-    def way_m(
+    def path_m(
         self, grid: OccupancyGrid, robot: Pose2, *destinations: Float64[np.ndarray, "_ 2"]
     ) -> float | None:
         """Length of the path that `towards` would take, metres; None if there is none."""
@@ -161,7 +161,7 @@ class Navigator:
             Costmap.of(grid, self._config, robot.xy, clearance_m, is_squeezed=True)
             for clearance_m in (tight_m, max(tight_m - HOPE_M, 0.0))
         )
-        return gap_on_the_way(tight, hopeful, robot.xy, points, closed)
+        return gap_on_path(tight, hopeful, robot.xy, points, closed)
 
     def _is_fresh(self, route: Route, destinations: Destinations) -> bool:
         every = self._config.replan_every_steps

@@ -14,9 +14,9 @@ from hypernav.mapping.stairs.connectors import Connector, Passage, relied_on, wi
 from hypernav.mapping.stairs.floor_exits import (
     drops_to_look_at,
     known_floors,
+    stairs_to_new_floors,
+    stairs_to_unseen,
     ways_out,
-    ways_to_new_floors,
-    ways_to_unseen,
 )
 from stair_views import (
     CAMERA,
@@ -130,19 +130,19 @@ def test_new_stairs_towards_the_floor_that_the_robot_came_from_lead_to_no_new_on
     memory = memory_after([FLOOR])
     down, up = (Connector(0, one, (5.0, 0.0), 0.0, sightings=2) for one in (False, True))
     memory.connectors = (down, up)
-    assert [one.connector for one in ways_to_new_floors(memory)] == [0, 1]
+    assert [one.connector for one in stairs_to_new_floors(memory)] == [0, 1]
     memory.add_floor(2.6 if goes_up else -2.6)
     used = replace(up if goes_up else down, end=(9.0, 0.0), passage=Passage.USED, other_floor=1)
     memory.connectors = (down, up, used)
-    assert [one.connector for one in ways_to_new_floors(memory)] == [0 if goes_up else 1]
-    assert [one.connector for one in ways_to_unseen(memory)] == [0 if goes_up else 1, 2]
+    assert [one.connector for one in stairs_to_new_floors(memory)] == [0 if goes_up else 1]
+    assert [one.connector for one in stairs_to_unseen(memory)] == [0 if goes_up else 1, 2]
     memory.number = 1
     memory.connectors = (*memory.connectors, replace(used, floor=1, other_floor=0))
     (left,) = known_floors(memory)
     assert [one.connector for one in left.stairs] == [0 if goes_up else 1, 2]
     memory.number = 0
     memory.give_up(2)
-    assert [one.connector for one in ways_to_new_floors(memory)] == [0, 1]
+    assert [one.connector for one in stairs_to_new_floors(memory)] == [0, 1]
 
 
 def test_used_stairs_are_known_from_both_ends_and_lead_on_until_all_is_explored():
@@ -153,7 +153,7 @@ def test_used_stairs_are_known_from_both_ends_and_lead_on_until_all_is_explored(
     assert (there.floor, there.other_floor, there.goes_up) == (0, 1, True)
     assert (back.floor, back.other_floor, back.goes_up) == (1, 0, False)
     assert [one.connector for one in ways_out(memory)] == [1]
-    assert not ways_to_new_floors(memory)
+    assert not stairs_to_new_floors(memory)
     memory.floors[0].was_explored = memory.floors[0].search.is_explored = True
     assert not ways_out(memory)
 
@@ -164,7 +164,7 @@ def test_a_floor_that_an_earlier_search_explored_is_not_unseen_and_yet_left_to_t
     memory.crossed(0)
     memory.floors[0].was_explored = True
     memory.begin_search(sees_stairs=True)
-    assert not ways_to_unseen(memory)
+    assert not stairs_to_unseen(memory)
     assert [one.connector for one in ways_out(memory)] == [1]
 
 
@@ -177,12 +177,12 @@ def test_the_way_to_what_is_unseen_is_the_one_over_the_fewest_stairs():
     new = Connector(0, False, (5.0, 0.0), 0.0, sightings=2)
     memory.connectors = (up, back, replace(new, floor=1, goes_up=True))
     memory.floors[0].was_explored = memory.floors[1].was_explored = True
-    assert [one.connector for one in ways_to_unseen(memory)] == [0]
+    assert [one.connector for one in stairs_to_unseen(memory)] == [0]
     memory.connectors = (*memory.connectors, new)
-    assert [one.connector for one in ways_to_unseen(memory)] == [3]
+    assert [one.connector for one in stairs_to_unseen(memory)] == [3]
     memory.give_up(3)
     memory.floors[1].search.given_up.add(2)
-    assert not ways_to_unseen(memory)
+    assert not stairs_to_unseen(memory)
 
 
 def test_stairs_that_were_taken_stay_a_way_though_a_search_fails_on_them():

@@ -14,7 +14,7 @@ from hypernav.mapping.stairs.connectors import Connector
 from hypernav.mapping.stairs.floor_exits import (
     forget_seen_from_elsewhere,
     seen_from_elsewhere,
-    ways_to_sighting,
+    stairs_to_sighting,
 )
 
 CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
@@ -39,18 +39,18 @@ def led_to(memory: Memory, z: float, by: int) -> None:
 
 
 def numbers(memory: Memory) -> Sequence[int | None]:
-    return [one.connector for one in ways_to_sighting(memory)]
+    return [one.connector for one in stairs_to_sighting(memory)]
 
 
 def test_it_is_gone_to_over_stairs_that_lead_there_once():
     memory = memory_with(UP, DOWN)
-    assert not ways_to_sighting(memory)
+    assert not stairs_to_sighting(memory)
     memory.search.note_off_floor((*HERE, -2.0))
     assert numbers(memory) == [1]
     assert seen_from_elsewhere(memory) is None
     above = memory.number
     led_to(memory, -2.6, by=1)
-    assert not ways_to_sighting(memory)
+    assert not stairs_to_sighting(memory)
     assert seen_from_elsewhere(memory) == HERE
     memory.number = above
     assert numbers(memory) == [1]
@@ -58,7 +58,7 @@ def test_it_is_gone_to_over_stairs_that_lead_there_once():
     forget_seen_from_elsewhere(memory, HERE)
     memory.number = above
     memory.search.note_off_floor((*HERE, -2.0))
-    assert not ways_to_sighting(memory)
+    assert not stairs_to_sighting(memory)
 
 
 @pytest.mark.parametrize("storey_m", [-5.5, -4.0, -2.6, -1.7, -1.1, 1.1, 2.6, 4.0, 5.5])
@@ -68,7 +68,7 @@ def test_by_its_line_of_sight_alone_it_is_on_the_next_floor_up_or_down(storey_m:
     memory.search.note_off_floor((*HERE, -0.9 if storey_m < 0.0 else 3.0))
     led_to(memory, storey_m, by=0 if storey_m > 0.0 else 1)
     assert seen_from_elsewhere(memory) == HERE
-    assert not ways_to_sighting(memory)
+    assert not stairs_to_sighting(memory)
 
 
 @pytest.mark.parametrize(("height_m", "goes_up"), [(-2.6, False), (4.5, True)])
@@ -82,7 +82,7 @@ def test_a_floor_between_does_not_have_what_lies_farther_on(height_m: float, goe
     assert memory.connectors[way].goes_up is goes_up
     led_to(memory, 2.6 if goes_up else -2.6, by=way)
     assert seen_from_elsewhere(memory) == HERE
-    assert not ways_to_sighting(memory)
+    assert not stairs_to_sighting(memory)
 
 
 def test_where_no_stairs_lead_to_one_sighting_those_to_another_are_taken():

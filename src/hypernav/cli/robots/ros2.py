@@ -131,7 +131,9 @@ def _searched(
         closing(HttpServer(ServerAddress.of(url, options.token_file))) as server,
         _opened(options, goal, senses, server) as opened,
     ):
-        console.print(f"searching for {goal.told}; watch and stop it at {url}/", markup=False)
+        console.print(
+            f"searching for {goal.in_sentence}; watch and stop it at {url}/", markup=False
+        )
         link = HttpLink(server.address, opened.id)
         client = RobotClient(robot, link, continuous=options.is_continuous)
         outputs = Ros2Outputs(network, config)
@@ -160,7 +162,7 @@ def _searched(
                 "config": config.model_dump(mode="json"),
             }
             views.finish(result)
-        ended = f"{goal.told}: {ending or 'stopped'} after {result['steps']} steps"
+        ended = f"{goal.in_sentence}: {ending or 'stopped'} after {result['steps']} steps"
         console.print(ended, markup=False)
         if found is not None:
             console.print(f"start {found.words}", markup=False)

@@ -20,12 +20,12 @@ _ENDINGS = {
     Outcome.MODEL_UNAVAILABLE: "[red]the model was unavailable[/]; the search is not counted",
     Outcome.INTERRUPTED: "[yellow]interrupted[/] while looking for {goal}",
 }
-"""How a search for a goal, `Goal.told`, ended."""
+"""How a search for a goal, `Goal.in_sentence`, ended."""
 
 
 def ending_words(outcome: Outcome, goal: Goal) -> str:
     """How a search ended, with the terminal's markup."""
-    return _ENDINGS[outcome].format(goal=escape(goal.told))
+    return _ENDINGS[outcome].format(goal=escape(goal.in_sentence))
 
 
 def found_start_line(found: FoundStart, memory: Path | None) -> str:

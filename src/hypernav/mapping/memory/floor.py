@@ -32,7 +32,7 @@ _NEW_VIEW_DEG = 45.0
 
 
 @dataclass(eq=False)
-class LookedOver:
+class CoverageMask:
     """The cells of a floor that the images of this search have shown.
 
     Things move, and detectors overlook them: where nothing new is left to explore, the search goes
@@ -47,9 +47,9 @@ class LookedOver:
     origin: tuple[float, float]
 
     @staticmethod
-    def nothing(grid: OccupancyGrid) -> "LookedOver":
+    def nothing(grid: OccupancyGrid) -> "CoverageMask":
         """Nothing of a floor."""
-        return LookedOver(np.zeros(grid.cells.shape, dtype=bool), grid.origin)
+        return CoverageMask(np.zeros(grid.cells.shape, dtype=bool), grid.origin)
 
     def add(self, observation: Observation, grid: OccupancyGrid) -> None:
         """Add what an image shows: in every direction up to the farthest that has depth."""
@@ -81,7 +81,7 @@ class LookedOver:
 
 
 @dataclass(frozen=True, eq=False)
-class Looked:
+class HeadingsSeen:
     """Where the robot has looked from its present position.
 
     Attributes:
@@ -117,8 +117,8 @@ class SearchMemory:
         images_to_visit: Numbers of those in which it sees the goal, or that look like it where no
             chat model is asked, and that are left to go to.
         meant: The one that is gone to before all others, as it was known; None if any will do.
-        looked_over: What it has looked at of the floor; None if the floor was not known before.
-        looks_again: Whether it explores what it has not looked at itself, known or not.
+        coverage: What it has looked at of the floor; None if the floor was not known before.
+        revisits: Whether it explores what it has not looked at itself, known or not.
         seen_off_floor: Position ``(x, y, z)`` where the goal was last seen below or above the room
             of this floor, heights from the floor, metres; it lies at that height or farther
             on from here. None if it was not, or has been found on this floor since.
@@ -131,7 +131,7 @@ class SearchMemory:
 
     evidence: GoalEvidence = field(default_factory=GoalEvidence)
     visits: list[tuple[float, float]] = field(default_factory=list)
-    looked: Looked | None = None
+    looked: HeadingsSeen | None = None
     notes: dict[str, Any] = field(default_factory=dict)
     is_explored: bool = False
     number: int = 0
@@ -145,8 +145,8 @@ class SearchMemory:
     images_to_ask: tuple[int, ...] | None = None
     images_to_visit: tuple[int, ...] = ()
     meant: Thing | None = None
-    looked_over: LookedOver | None = None
-    looks_again: bool = False
+    coverage: CoverageMask | None = None
+    revisits: bool = False
     seen_off_floor: tuple[float, float, float] | None = None
     went_off_floor: bool = False
     views: list[Pose2] = field(default_factory=list)
@@ -240,8 +240,8 @@ class Floor:
         self.trajectory.append(observation.robot.xy)
         self.search.note_view(observation.robot)
         self.map.integrate(observation)
-        if self.search.looked_over is not None:
-            self.search.looked_over.add(observation, self.map.grid)
+        if self.search.coverage is not None:
+            self.search.coverage.add(observation, self.map.grid)
 
     def begin_search(self, number: int, *, lasts: bool) -> None:
         """Forget what the search for another goal learned; `SearchMemory` has the arguments."""
@@ -249,7 +249,7 @@ class Floor:
             number=number,
             lasts=lasts,
             remembered=frozenset(one.number for one in self.things.known),
-            looked_over=LookedOver.nothing(self.map.grid) if self.trajectory else None,
+            coverage=CoverageMask.nothing(self.map.grid) if self.trajectory else None,
         )
         del self.trajectory[:-_MOST_POSITIONS]
 

@@ -171,7 +171,7 @@ class Memory:
         position = (*observation.robot.xy, self.height_of(observation))
         return self.under_way is not None and self.under_way.is_at(position)
 
-    def goes_over(self, number: int | None) -> None:
+    def set_current_connector(self, number: int | None) -> None:
         """Note the connector that the robot is on its way over, in every step; None for none."""
         at = None if number is None else UnderWay(number, (*self.way[-1], self.footing.z))
         self.under_way = at
@@ -267,7 +267,7 @@ class Memory:
         if not self.on_stairs:
             self.floor.map.mark_occupied(points_xy)
 
-    def gets_onto_stairs_down(self, robot: Pose2) -> int | None:
+    def register_stairs_underfoot(self, robot: Pose2) -> int | None:
         """Rely on stairs down that the robot got onto, seen too seldom or never; say which.
 
         Returns:
@@ -281,7 +281,7 @@ class Memory:
         self.connectors, number = relied_on(self.connectors, stairs)
         return None if number in self.search.given_up else number
 
-    def stays_here(self) -> bool:
+    def try_accept_new_floor(self) -> bool:
         """Take what stairs led to for another floor from the next step on, if it can be one."""
         here = self.way[-1]
         if not self.footing.is_storey_away:

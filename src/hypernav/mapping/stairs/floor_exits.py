@@ -35,7 +35,7 @@ _IN_SIGHT_M = 8.0
 """Distance from which images hardly show edges, metres."""
 
 
-def ways_to_new_floors(memory: Memory) -> list[WayOut]:
+def stairs_to_new_floors(memory: Memory) -> list[WayOut]:
     """The stairs here that nobody has taken, towards floors that the robot knows no way to.
 
     Others most likely lead to the next floor up or down that it does know a way to: a second
@@ -45,7 +45,7 @@ def ways_to_new_floors(memory: Memory) -> list[WayOut]:
     return [_way_over(memory, number) for number in leading_on if memory.connectors[number].is_new]
 
 
-def ways_to_unseen(memory: Memory) -> list[WayOut]:
+def stairs_to_unseen(memory: Memory) -> list[WayOut]:
     """The stairs here to new stairs, or floors that no search has explored to their end.
 
     As everywhere here, only those on the way over the fewest stairs: a robot that always took the
@@ -60,7 +60,7 @@ def ways_out(memory: Memory) -> list[WayOut]:
     Last come new stairs here that most likely lead to a floor that the robot knows.
     """
     return (
-        ways_to_unseen(memory)
+        stairs_to_unseen(memory)
         or _ways_to(memory, lambda floor: not floor.search.is_explored)
         or [_way_over(memory, number) for number in _new_from_here(memory)]
     )
@@ -79,7 +79,7 @@ def forget_seen_from_elsewhere(memory: Memory, position: tuple[float, float]) ->
             search.seen_off_floor, search.went_off_floor = None, True
 
 
-def ways_to_sighting(memory: Memory) -> list[WayOut]:
+def stairs_to_sighting(memory: Memory) -> list[WayOut]:
     """The stairs here towards a floor on which the goal was seen from another one.
 
     The robot has taken them before, or they are new and lead up or down as the goal lies.

@@ -71,8 +71,8 @@ def other_floors(
         new = [one for one in floor.stairs if one.to is None]
         blocks += stairs_blocks(reach, new, first + len(blocks))
         first += len(blocks)
-        way_m = begins[0].travel_m + CLIMB_M * len(floor.way)
-        farther = tuple(replace(one, travel_m=way_m + one.travel_m) for one in blocks)
+        path_m = begins[0].travel_m + CLIMB_M * len(floor.way)
+        farther = tuple(replace(one, travel_m=path_m + one.travel_m) for one in blocks)
         prospects = partial(block_prospects, reach, range_m)
         found.append(OtherFloor(floor, farther, prospects, reach))
     return found
