@@ -175,10 +175,10 @@ def test_the_way_over_stairs_is_known_until_the_next_search():
     while not agent.memory.on_stairs:
         agent.act(world.step(Action.MOVE_FORWARD))
         frames += 1
-    assert len(agent.memory.way) == frames
-    assert agent.memory.way[-1] == agent.last_step.pose[:2]
+    assert len(agent.memory.track) == frames
+    assert agent.memory.track[-1] == agent.last_step.pose[:2]
     agent.reset(Goal("bed"), agent.memory)
-    assert not agent.memory.way
+    assert not agent.memory.track
 
 
 def test_a_search_that_begins_on_stairs_is_not_blind():
@@ -233,7 +233,7 @@ def test_stairs_on_which_a_search_ended_are_known_to_the_next_one(tmp_path, last
 def test_a_robot_that_was_carried_is_not_on_its_way_over_stairs():
     memory = Memory(CONFIG.mapping, CONFIG.embodiment)
     memory.connectors = (Connector(0, True, (1.0, 0.0), 0.0),)
-    memory.way.append((1.5, 0.0))
+    memory.track.append((1.5, 0.0))
     memory.set_current_connector(0)
     assert memory.under_way == UnderWay(0, (1.5, 0.0, 0.0))
     memory.begin_search(sees_stairs=True)

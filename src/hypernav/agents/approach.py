@@ -84,7 +84,7 @@ def _next_action(
 
 
 def _may_open_path(step: Step, memory: Memory, plan: Plan) -> bool:
-    """Whether to open a way to the target: it is convincing, or nothing else is left."""
+    """Whether to open a path to the target: it is convincing, or nothing else is left."""
     is_believed = is_convincing(memory.search.evidence, step.components.local.config)
     return step.config.open_the_way and (is_believed or plan.approaching.as_near_as_possible)
 
@@ -94,7 +94,7 @@ def _open_way(
 ) -> tuple[Decision | None, Plan]:
     """Go to the next gap that may be wider than the map shows, and look at it from near.
 
-    The gap is on the way to points of the goal area and beside it, ``(x, y)``, metres. No decision
+    The gap is on the path to points of the goal area and beside it, ``(x, y)``, metres. No decision
     if no gap is left or three were found closed in this step.
     """
     navigator, robot, grid = step.components.navigator, step.robot, step.grid

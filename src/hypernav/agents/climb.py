@@ -1,4 +1,4 @@
-"""The way over stairs to another floor."""
+"""The path over stairs to another floor."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
@@ -32,12 +32,12 @@ from hypernav.planning.bump_sensor import is_cut_short
 from hypernav.planning.stair_steps import step_over_ground
 
 _OFF_STAIRS_M = 0.8
-"""Length of the way on from the head or foot of stairs, metres, before it is clear of them."""
+"""Length of the path on from the head or foot of stairs, metres, before it is clear of them."""
 _PATIENCES = 1.5
 """Patience with stairs on which the robot comes no farther up or down, in patiences with a
 destination (`SearchConfig.endurance_steps`)."""
 _PATIENCES_BEFORE = 0.5
-"""The same for the way onto them: that takes up to ten steps where the robot touches nothing."""
+"""The same for the path onto them: that takes up to ten steps where the robot touches nothing."""
 _SAME_HEIGHT_M = 0.3
 """Difference in height up to which two places on stairs may be one, metres."""
 _SAME_SHARE = 0.5
@@ -166,7 +166,7 @@ def _next_action(
     flight: Connector | None,
     closed: Collection[int],
 ) -> tuple[Action | None, bool]:
-    """The next turn or step on the way over stairs, and whether they are seen to lead on."""
+    """The next turn or step on the path over stairs, and whether they are seen to lead on."""
     action, leads_on = None, False
     for ground, to in _ways_on(step, memory, climbing, stairs, flight):
         leads_on = bool(to.any())

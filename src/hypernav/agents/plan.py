@@ -155,7 +155,7 @@ class Exploring:
 
 @dataclass(frozen=True, eq=False)
 class Opening:
-    """A gap on the way to the goal that the robot looks at from near.
+    """A gap on the path to the goal that the robot looks at from near.
 
     Attributes:
         gap: The gap.
@@ -207,7 +207,7 @@ class Approaching:
     sure_step: int | None = None
 
     def may_clear(self, config: SearchConfig) -> bool:
-        """Whether the way is blocked, but not for long yet: it may be by a person."""
+        """Whether the path is blocked, but not for long yet: it may be by a person."""
         return 0 < self.blocked_steps <= config.patience_steps
 
 

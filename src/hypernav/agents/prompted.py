@@ -280,7 +280,7 @@ def paper_actions(destination: Destination, robot: Pose2) -> int:
 
 
 def _move(destination: Destination, robot: Pose2) -> tuple[float, float]:
-    """Turn, radians, positive to the left, and length of the way straight ahead, metres."""
+    """Turn, radians, positive to the left, and length of the path straight ahead, metres."""
     length_m = robot.distance_to(*destination.xy)
     if destination.face is None:
         return robot.bearing_to(*destination.xy), length_m

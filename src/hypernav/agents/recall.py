@@ -1,4 +1,4 @@
-"""Recall: the way to what is remembered and may be the goal, before anything is explored."""
+"""Recall: the path to what is remembered and may be the goal, before anything is explored."""
 
 import math
 from typing import NamedTuple
@@ -154,7 +154,7 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
 
 
 class _Recalled(NamedTuple):
-    """A remembered thing that may be the goal, and the way there.
+    """A remembered thing that may be the goal, and the path there.
 
     Attributes:
         thing: The thing.

@@ -100,7 +100,12 @@ class SearchAgent:
             if not memory.on_stairs:  # stairs belong to no floor
                 floor.integrate(seen)
             bumped = bumped_points(
-                plan.ordered, seen.robot, memory.way, memory.obstacles, use.planning, use.embodiment
+                plan.ordered,
+                seen.robot,
+                memory.track,
+                memory.obstacles,
+                use.planning,
+                use.embodiment,
             )
             memory.mark_occupied(bumped)
         with clock("local"):

@@ -18,7 +18,7 @@ from hypernav.planning.planner import PlannedPath, Planner, astar, is_blocked
 HOPE_M = 0.04
 """Error of a map that may close a gap seen from afar, on each of its sides, metres."""
 _PRICE = np.float32(10.0)
-"""Cost factor of a cell that may turn out to be closed; it stands for the way back then."""
+"""Cost factor of a cell that may turn out to be closed; it stands for the path back then."""
 _SAME_GAP_M = 0.5
 """Radius, metres, around a gap that was looked at, within which all gaps count as closed."""
 
@@ -46,7 +46,7 @@ def gap_on_path(
     targets: Float64[np.ndarray, "n 2"],
     closed: tuple[tuple[float, float], ...],
 ) -> Gap | None:
-    """The first gap on the cheapest way to a destination, if gaps may be wider than they look.
+    """The first gap on the cheapest path to a destination, if gaps may be wider than they look.
 
     Args:
         tight: Costmap with the smallest clearance that the robot accepts.
@@ -56,7 +56,7 @@ def gap_on_path(
         closed: Positions ``(x, y)``, metres, of gaps that were looked at, and are closed.
 
     Returns:
-        None if there is no such way, if no gap is on it, or if the robot stands in one.
+        None if there is no such path, if no gap is on it, or if the robot stands in one.
     """
     grid, costs = tight.grid, hopeful.costs.copy()
     doubtful = (tight.costs == 0.0) & (costs > 0.0)
@@ -204,7 +204,7 @@ class Navigator:
     ) -> Iterator[tuple[Costmap, PlannedPath | None]]:
         """The options; paths through a position from which they led nowhere before come last.
 
-        The way out of a dead end may begin by going back. If the same path were then taken again,
+        The path out of a dead end may begin by going back. If the same path were then taken again,
         the robot would go to and fro forever.
         """
         tried = list[tuple[Costmap, PlannedPath | None]]()

@@ -61,7 +61,7 @@ _MOST_DETECTIONS = 1_000
 _MOST_CHARACTERS = 32_768
 """Length of a text, as of a model's answer."""
 _ENDLESS = ("travel_m",)
-"""Fields that are infinite where there is no way."""
+"""Fields that are infinite where there is no path."""
 
 T = TypeVar("T")
 

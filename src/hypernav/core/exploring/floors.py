@@ -137,7 +137,7 @@ class Drop:
 
 @dataclass(frozen=True, eq=False)
 class KnownFloor:
-    """Another floor that the robot knows, and knows a way to.
+    """Another floor that the robot knows, and knows a path to.
 
     Attributes:
         number: Its number, in the order in which the robot came to know floors.
@@ -147,9 +147,9 @@ class KnownFloor:
         visits: Destinations on it that were reached or given up, as in `ExplorationView`.
         things: Things that were seen on it, other than the goal.
         stairs: Stairs on it that the robot may take; as in `ExplorationView.ways_out`, new ones
-            only towards floors that it knows no way to.
+            only towards floors that it knows no path to.
         way: Stairs that lead to it, in the order in which the robot takes them, one a floor.
-        arrival: Position ``(x, y)`` on it where the way ends, ``map`` frame, metres.
+        arrival: Position ``(x, y)`` on it where the path ends, ``map`` frame, metres.
         notes: What explorers keep from choice to choice there, as in `ExplorationView`.
         was_explored: Whether a search, this one or an earlier one, left nothing to explore on it.
     """

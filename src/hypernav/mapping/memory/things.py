@@ -65,7 +65,7 @@ _LARGER = 4.0
 def is_wall_between(one: Thing, other: Thing, floor_map: TopDownMap) -> bool:
     """Whether a known wall parts all lines of sight to one thing from those to another.
 
-    Around what stands free, however tall it is, the map shows a way from one line of sight to the
+    Around what stands free, however tall it is, the map shows a path from one line of sight to the
     other; so it does where the wall is not known to go on beside the things.
 
     Args:

@@ -20,12 +20,12 @@ _SIGHTINGS = 2
 
 
 class Passage(StrEnum):
-    """What the robot knows of the way over a connector."""
+    """What the robot knows of the path over a connector."""
 
     UNTRIED = "untried"
     USED = "used"
     REFUTED = "refuted"
-    """There is no way, or what was seen are no stairs."""
+    """There is no path, or what was seen are no stairs."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Connector:
         goes_up: Whether it leads up from there.
         end: Its end on this floor: position ``(x, y)`` in the middle of the first edge, metres.
         axis: Direction in which it leads away from there, radians.
-        passage: What is known of the way.
+        passage: What is known of the path.
         other_floor: Number of the floor at its other end; None if it is not known.
         sightings: Number of images that showed it, since one showed that no stairs begin there.
     """

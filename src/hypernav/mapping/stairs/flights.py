@@ -313,7 +313,7 @@ def _agree(one: Connector, other: Connector) -> bool:
 def on_flight(
     ground: Ground, robot: Pose2, robot_z: float, flight: Connector | None, *, goes_up: bool
 ) -> Ground:
-    """The ground that is on the way: nothing beside the axis of a flight down, and no way back."""
+    """The ground that is on the way: nothing beside the axis of a flight down, and no path back."""
     sign = 1.0 if goes_up else -1.0
     back_z = sign * min(sign * robot_z, sign * underfoot_z(ground, robot, robot_z))
     with np.errstate(invalid="ignore"):

@@ -36,9 +36,9 @@ _IN_SIGHT_M = 8.0
 
 
 def stairs_to_new_floors(memory: Memory) -> list[WayOut]:
-    """The stairs here that nobody has taken, towards floors that the robot knows no way to.
+    """The stairs here that nobody has taken, towards floors that the robot knows no path to.
 
-    Others most likely lead to the next floor up or down that it does know a way to: a second
+    Others most likely lead to the next floor up or down that it does know a path to: a second
     flight in the well of the stairs that it came by, say.
     """
     leading_on = _leading_on_from(memory, memory.number)
@@ -48,14 +48,14 @@ def stairs_to_new_floors(memory: Memory) -> list[WayOut]:
 def stairs_to_unseen(memory: Memory) -> list[WayOut]:
     """The stairs here to new stairs, or floors that no search has explored to their end.
 
-    As everywhere here, only those on the way over the fewest stairs: a robot that always took the
+    As everywhere here, only those on the path over the fewest stairs: a robot that always took the
     nearest ones might go to and fro.
     """
     return _ways_to(memory, lambda floor: not floor.was_explored)
 
 
 def ways_out(memory: Memory) -> list[WayOut]:
-    """The ways to what is unseen; where there are none, those to floors this search left early.
+    """The paths to what is unseen; where there are none, those to floors this search left early.
 
     Last come new stairs here that most likely lead to a floor that the robot knows.
     """
@@ -231,7 +231,7 @@ def _leading_on_from(memory: Memory, floor: int) -> list[int]:
 
 
 def knows_next_floor(memory: Memory, floor: Floor, *, goes_up: bool) -> bool:
-    """Whether the robot knows a way to a floor one storey above or below this one."""
+    """Whether the robot knows a path to a floor one storey above or below this one."""
     sign = 1.0 if goes_up else -1.0
     away_m = [sign * (memory.floors[one].z - floor.z) for one in routes_from_here(memory)]
     return any(_LEAST_STOREY_M <= one <= _MOST_STOREY_M for one in away_m)
@@ -243,7 +243,7 @@ def _way_over(memory: Memory, number: int) -> WayOut:
 
 
 def _ways_to(memory: Memory, is_wanted: Callable[[Floor], bool]) -> list[WayOut]:
-    """The stairs here on the way over the fewest stairs to new stairs, or to a floor like that."""
+    """The stairs here on the path over the fewest stairs to new stairs, or to a floor like that."""
     counts = {
         number: _stairs_to(memory, number, is_wanted)
         for number in _leading_on_from(memory, memory.number)
@@ -274,7 +274,7 @@ def drops_to_look_at(memory: Memory) -> list[Drop]:
     From afar images show that floor is missing, but not whether stairs lead down there. What the
     robot has looked at from near is left out, and so are edges at stairs that it knows, up or down,
     and those behind a railing. Stairs down that were seen too seldom to rely on are looked at, too,
-    from before them. There are none where it knows a way to the next floor down: most of them are
+    from before them. There are none where it knows a path to the next floor down: most of them are
     the well of these stairs.
 
     Returns:

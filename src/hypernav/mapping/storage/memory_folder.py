@@ -139,7 +139,7 @@ class MemoryFolder:
     def _frames(self) -> int:
         """Number of frames that the search under way has taken in."""
         is_begun = self.memory.searches == self.history[-1].search
-        return len(self.memory.way) if is_begun else 0
+        return len(self.memory.track) if is_begun else 0
 
     def check_building(self, building: str) -> None:
         """Refuse a simulated building that the memory isn't of.

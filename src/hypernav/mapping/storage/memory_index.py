@@ -228,13 +228,13 @@ class UnderWayRecord(_Record):
 
     @staticmethod
     def of(last: UnderWay | None) -> "UnderWayRecord | None":
-        """The record of the way over a connector; None if there is none."""
+        """The record of the path over a connector; None if there is none."""
         if last is None:
             return None
         return UnderWayRecord(connector=last.connector, position=last.position)
 
     def under_way(self) -> UnderWay:
-        """The way over the connector."""
+        """The path over the connector."""
         return UnderWay(self.connector, self.position)
 
 

@@ -1,6 +1,6 @@
 """Global perception: draw the map and ask which unvisited block to go to.
 
-Other floors that the robot knows a way to are parts of the question.
+Other floors that the robot knows a path to are parts of the question.
 """
 
 import math
@@ -282,7 +282,7 @@ class BlockExplorer:
         return frozenset(visited)
 
     def _last_frontier(self, view: ExplorationView) -> Destination | None:
-        """The unvisited frontier that is longest for the way there, whatever blocks it lies in."""
+        """The unvisited frontier that is longest for the path there, whatever blocks it lies in."""
         least_m = self.config.last_frontier_m
         if least_m is None:
             return None

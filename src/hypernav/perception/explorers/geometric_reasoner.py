@@ -72,7 +72,7 @@ class GeometricReasoner:
     is weighted by what is unseen then (the travelling deliveryman problem, posed for search by
     Kulich, Přeučil and Miranda Bront, "On Multi-Robot Search for a Stationary Object", 2017).
     What two blocks would show both counts once, and less where both show little. A block of another
-    floor comes before all where exploring that floor shows more for each metre of the way.
+    floor comes before all where exploring that floor shows more for each metre of the path.
 
     Attributes:
         log: Log of all choices, for the trace.
@@ -131,7 +131,7 @@ class GeometricReasoner:
     ) -> BlockChoice | None:
         """A block of another floor, if exploring that one shows more a metre; else None.
 
-        A place is left when others yield more for the time, the way there included: the marginal
+        A place is left when others yield more for the time, the path there included: the marginal
         value theorem of Charnov, "Optimal Foraging, the Marginal Value Theorem", 1976. A floor of
         which less was seen than is expected of an unseen one is not left.
         """
@@ -198,7 +198,7 @@ class GeometricReasoner:
 
 
 def _path_m(block: Block) -> float:
-    """Length of the way to a block, and over the stairs that begin there, metres."""
+    """Length of the path to a block, and over the stairs that begin there, metres."""
     return block.travel_m + (0.0 if block.connector is None else CLIMB_M)
 
 
@@ -211,7 +211,7 @@ def _values(prospects: Prospects, costs_m: Sequence[float]) -> list[float]:
 
 
 def _shown_a_metre(blocks: list[Block], shown: Prospects) -> float:
-    """What some blocks would show for each metre of path, the way to the nearest included, m²."""
+    """What some blocks would show for each metre of path, the path to the nearest included, m²."""
     left_m2 = float(shown.areas_m2.sum())
     path_m = min(_path_m(block) for block in blocks) + left_m2 / _SHOWN_M2
     return left_m2 / path_m if path_m > 0.0 else 0.0

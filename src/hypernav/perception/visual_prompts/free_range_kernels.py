@@ -27,7 +27,7 @@ def walk_lines(depth, lens, rotation, height, headings, band, farthest, limits, 
         least: Length in the image, pixels, up to which a line counts as blocked.
 
     Returns:
-        float64 (n,), metres; 0 where the way is blocked or out of the image.
+        float64 (n,), metres; 0 where the path is blocked or out of the image.
     """
     fx, fy, cx, cy = lens
     rows, columns = depth.shape

@@ -244,7 +244,7 @@ def free_ranges(
         camera: Range of the camera.
 
     Returns:
-        Distances from the robot, metres; 0 where the way is blocked or not in the image.
+        Distances from the robot, metres; 0 where the path is blocked or not in the image.
     """
     to_base = observation.robot.to_transform().inverse() @ observation.camera_to_map
     lens = observation.camera
