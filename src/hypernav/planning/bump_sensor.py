@@ -18,7 +18,7 @@ _MOVED_SHARE = 0.6
 _TOUCHES_M = 0.1
 """Length, metres, by which an obstacle that the robot touches may be larger than seen."""
 _LATEST = 50
-"""Number of latest positions whose track counts as free: long ago, something may have come since."""
+"""Number of latest positions whose track counts as free: things may have come onto older ones."""
 
 
 def is_cut_short(ordered: tuple[Pose2, Action] | None, robot: Pose2, motion: MotionConfig) -> bool:
