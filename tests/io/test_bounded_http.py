@@ -19,7 +19,7 @@ from servers.faulty import Act, FaultyServer, Talk
 LIMIT_S = 0.4
 LARGEST_REPLY_BYTES = 4 * 2**20
 OK = b"HTTP/1.1 200 OK\r\n"
-_CERTIFICATE = Path(__file__).parents[2] / "servers" / "localhost.pem"
+_CERTIFICATE = Path(__file__).parents[1] / "servers" / "localhost.pem"
 
 
 def post(url: str, limit_s: float = 5.0, body: bytes = b"{}") -> Reply:
