@@ -39,7 +39,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.houses.generator import plan_of
-from hypernav.houses.plan.shapes import FloorPlan
+from hypernav.houses.plan.floor_plan import FloorPlan
 from hypernav.io.layered_config import layered
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.local.ground_truth import GroundTruthDetector, visible_objects

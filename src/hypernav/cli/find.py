@@ -54,7 +54,7 @@ from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
 from hypernav.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
 from hypernav.io.folder_lock import folder_lock
 from hypernav.mapping.storage.memory_folder import MemoryFolder
-from hypernav.show.video.frame import EpisodeInfo
+from hypernav.show.video_frame import EpisodeInfo
 from hypernav.warmup.background import warm_up_in_background
 from hypernav.worlds.simulated_robot import check_standable
 

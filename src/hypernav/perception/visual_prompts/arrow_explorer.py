@@ -34,7 +34,7 @@ from hypernav.perception.visual_prompts.proposals import (
     biased_moves,
     spatial_moves,
 )
-from hypernav.show.drawing.arrows import ArrowStyle
+from hypernav.show.drawing.shapes import ArrowStyle
 
 _SAME_WITHIN_M = 1.0
 """Distance within which two things of one name are the same, metres."""

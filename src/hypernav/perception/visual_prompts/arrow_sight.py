@@ -22,7 +22,7 @@ from hypernav.perception.visual_prompts.proposals import (
     all_headings,
     free_ranges,
 )
-from hypernav.show.drawing.arrows import ArrowStyle, draw_arrows, foot_pixel
+from hypernav.show.drawing.shapes import ArrowStyle, draw_arrows, foot_pixel
 
 _KEY = "arrows"
 """Key of the notes."""

@@ -23,7 +23,7 @@ from hypernav.perception.visual_prompts.proposals import (
     FreeDirections,
     Move,
 )
-from hypernav.show.drawing.arrows import ArrowStyle
+from hypernav.show.drawing.shapes import ArrowStyle
 
 _KEY = "pivot"
 """Key of this explorer's notes."""
