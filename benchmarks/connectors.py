@@ -27,9 +27,8 @@ from exploring import NOTHING, SMALL_IMAGES, Onlooker
 
 from hypernav.build.agents import build_search
 from hypernav.build.presets import HyPerNavConfig, preset
-from hypernav.core.actions import Action
-from hypernav.core.config import layered
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Episode
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog, StepTrace
 from hypernav.houses.building import Building
@@ -37,7 +36,8 @@ from hypernav.houses.episodes.building_truth import CLIMBING_BODY
 from hypernav.houses.generator import storeys_of
 from hypernav.houses.house_cache import cached_building
 from hypernav.houses.plan.floor_plan import FloorPlan, Rect, Stairwell
-from hypernav.mapping.memory.connectors import Passage
+from hypernav.io.layered_config import layered
+from hypernav.mapping.stairs.connectors import Passage
 from hypernav.show.climbs import Climb, climbs
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.navmesh.surface import NavmeshSurface

@@ -25,7 +25,7 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.models.vision.yolox import YoloxConfig, YoloxDetector
+from hypernav.models.yolox import YoloxConfig, YoloxDetector
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.surface.walkable import WalkableGrid

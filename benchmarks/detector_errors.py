@@ -26,7 +26,7 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
 from hypernav.houses.building import Building
 from hypernav.houses.generator import generate
-from hypernav.models.vision.yolox import YoloxConfig, YoloxDetector
+from hypernav.models.yolox import YoloxConfig, YoloxDetector
 from hypernav.perception.local.ground_truth import true_detection, visible_objects
 from hypernav.perception.local.noisy_detector import resembles
 from hypernav.worlds.drawing.renderer import CpuRenderer

@@ -31,7 +31,7 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.data.datasets import load_episodes, select
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig, preset
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.evaluation.runner import RunProgress, run_episodes

@@ -25,7 +25,7 @@ from hypernav.agents.search import SearchAgent
 from hypernav.build.agents import build_search
 from hypernav.build.presets import HyPerNavConfig, preset, with_changes
 from hypernav.core.components.protocols import BlockReasoner, Detector
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
@@ -44,8 +44,13 @@ from hypernav.perception.explorers.map_question import VlmReasonerConfig, offere
 from hypernav.perception.explorers.noisy_reasoner import NoisyReasoner, RandomReasoner
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
 from hypernav.perception.local.noisy_detector import NoisyDetector, distance_to, resembles
-from hypernav.perception.local.persistence import STANDARD_NORMAL, normal, uniform, view_of
-from hypernav.perception.local.systematic_detector import SystematicDetector
+from hypernav.perception.local.systematic_detector import (
+    STANDARD_NORMAL,
+    SystematicDetector,
+    normal,
+    uniform,
+    view_of,
+)
 
 NEAR = 0.04
 """Difference of SPL up to which a prediction is right."""

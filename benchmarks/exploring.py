@@ -23,14 +23,14 @@ from hypernav.agents.search import SearchAgent
 from hypernav.build.agents import build_search
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig, preset
-from hypernav.core.config import layered
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.episodes.goal_sight import MIN_VISIBLE_SHARE
+from hypernav.io.layered_config import layered
 from hypernav.mapping.memory.memory import Memory
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld

@@ -23,7 +23,7 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.data.datasets import load_episodes
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.errors import GoalError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

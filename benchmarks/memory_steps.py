@@ -22,8 +22,8 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.data.datasets import load_episodes
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.actions import Action
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Episode
 from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.memory.memory import Memory
 from hypernav.worlds.simulation import SimulatedWorld

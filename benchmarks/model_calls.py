@@ -30,10 +30,10 @@ from hypernav.build.component_specs import (  # noqa: E402
 )
 from hypernav.build.data.scenes import load_scene  # noqa: E402
 from hypernav.build.presets import preset  # noqa: E402
-from hypernav.core.config import layered  # noqa: E402
-from hypernav.core.episodes.episode import Episode  # noqa: E402
+from hypernav.core.episode import Episode  # noqa: E402
 from hypernav.core.goal import Goal  # noqa: E402
 from hypernav.episodes.episode_run import EpisodeRun  # noqa: E402
+from hypernav.io.layered_config import layered  # noqa: E402
 from hypernav.worlds.simulation import SimulatedWorld  # noqa: E402
 from hypernav.worlds.surface.starts import random_start  # noqa: E402
 from servers.scripted import ScriptedServer  # noqa: E402

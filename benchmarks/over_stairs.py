@@ -21,13 +21,13 @@ import tyro
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.data.datasets import load_episodes
 from hypernav.build.presets import HyPerNavConfig, preset
-from hypernav.core.config import layered
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.building_truth import CLIMBING_BODY
 from hypernav.houses.house_cache import cached_building
+from hypernav.io.layered_config import layered
 
 _ABOVE_FLOOR_M = 0.3
 """Height above a floor below which things that stand on it begin, metres."""

@@ -28,15 +28,15 @@ from rich.table import Table
 from hypernav.agents.search import SearchAgent
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.grid_kernels import unknown_in_view
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.prospects import find_legs_m
 from hypernav.mapping.reachable_area import ReachableArea
-from hypernav.mapping.top_down.top_down_map import TopDownMap
-from hypernav.mapping.view_kernels import unknown_in_view
+from hypernav.mapping.sight_lines import find_legs_m
+from hypernav.mapping.top_down_map import TopDownMap
 from hypernav.perception.explorers.tour_kernels import soonest_tour, unseen_after
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld

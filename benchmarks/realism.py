@@ -27,7 +27,7 @@ from hypernav.core.labels import canonical
 from hypernav.core.world import Instance
 from hypernav.houses.building import house
 from hypernav.houses.generator import generate
-from hypernav.models.vision.yolox import YoloxConfig, YoloxDetector
+from hypernav.models.yolox import YoloxConfig, YoloxDetector
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.scenes.loading import read_scene

@@ -20,7 +20,7 @@ from hypernav.build.agents import build_agent
 from hypernav.build.data.datasets import load_episodes
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.geometry.transforms import Transform, wrap_angle
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.episodes.unknown_start import find_start

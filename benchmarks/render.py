@@ -28,7 +28,7 @@ from rich.console import Console
 from rich.table import Table
 
 from hypernav.build.data.scenes import load_scene
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.world import Renderer

@@ -33,14 +33,14 @@ from hypernav.build.agents import build_search
 from hypernav.build.data.scenes import building_of, load_scene
 from hypernav.build.data.sources import DATA_SOURCES, DatasetRequest
 from hypernav.build.presets import preset
-from hypernav.core.config import layered
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.exploring.overview import Block, BlockChoice, Overview, Prospects
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.houses.generator import plan_of
 from hypernav.houses.plan.floor_plan import FloorPlan
+from hypernav.io.layered_config import layered
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.local.ground_truth import GroundTruthDetector, visible_objects
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig

@@ -23,10 +23,10 @@ from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import preset
-from hypernav.core.config import layered
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
+from hypernav.io.layered_config import layered
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 

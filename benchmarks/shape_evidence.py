@@ -18,8 +18,7 @@ from persistent_errors import LEAST_IOU, is_named
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.kind_shapes import kind_shape
 from hypernav.perception.local.ground_truth import true_detection, visible_objects
-from hypernav.perception.shape.evidence import shape_evidence
-from hypernav.perception.shape.form import measured_form
+from hypernav.perception.local.shape import measured_form, shape_evidence
 
 Shifts = dict[tuple[str, bool], list[float]]
 

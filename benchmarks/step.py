@@ -30,11 +30,9 @@ from rich.table import Table
 from hypernav.build.agents import build_explorer, build_search
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import preset
-from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Learns
-from hypernav.core.config import layered
-from hypernav.core.embodiment import BodyConfig
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.embodiment import Action, BodyConfig
+from hypernav.core.episode import Episode
 from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.depth import is_measured
@@ -43,11 +41,11 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.houses.episodes.building_truth import CLIMBING_BODY
+from hypernav.io.layered_config import layered
 from hypernav.mapping.blocks import blocks_of
-from hypernav.mapping.frontiers import find_frontiers
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.reachable_area import ReachableArea
-from hypernav.mapping.top_down.integrate_kernels import count_points
+from hypernav.mapping.reachable_area import ReachableArea, find_frontiers
+from hypernav.mapping.top_down_kernels import count_points
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.perception.local.local_perception import LocalPerception

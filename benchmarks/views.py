@@ -10,7 +10,7 @@ import numpy as np
 from hypernav.build.agents import build_agent
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import preset
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.show.foxglove_view import McapView

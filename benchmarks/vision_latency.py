@@ -26,16 +26,16 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "local_vlm"))
 import tiny_models
 from cpu_torchvision import prepare
 
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.errors import HyPerNavError
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.models.torch_device import EXTRA
-from hypernav.models.vision.sam import SamConfig, SamSegmenter
-from hypernav.models.vision.zero_shot import ZeroShotConfig, ZeroShotDetector
+from hypernav.models.network_loading import EXTRA
+from hypernav.models.sam import SamConfig, SamSegmenter
+from hypernav.models.zero_shot import ZeroShotConfig, ZeroShotDetector
 
 Dtype = Literal["bfloat16", "float16", "float32"]
 VIT_HUGE = {

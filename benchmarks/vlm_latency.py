@@ -31,7 +31,7 @@ from cpu_torchvision import prepare
 from qwen25_vl import save_qwen25_vl
 
 from hypernav.core.chat import Answer, Question
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.errors import HyPerNavError
 from hypernav.core.exploring.overview import Block
 from hypernav.core.goal import Goal
@@ -39,12 +39,11 @@ from hypernav.evaluation.checks.known_answers import drawn_house
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.local_chat import LocalChat
 from hypernav.models.chat.vlm_families import family_named
-from hypernav.models.torch_device import EXTRA, choose_device, choose_dtype
+from hypernav.models.network_loading import EXTRA, choose_device, choose_dtype
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.map_question import VlmReasonerConfig, map_question
-from hypernav.perception.local.crop_check import crop_question
-from hypernav.perception.local.presence import PresenceConfig, presence_question
 from hypernav.perception.local.vlm_detector import VlmDetectorConfig, grounding_question
+from hypernav.perception.local.yes_no_checks import PresenceConfig, crop_question, presence_question
 
 TEXT = {
     "7b": {

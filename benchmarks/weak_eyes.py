@@ -27,12 +27,12 @@ from search import GOALS, SMALL_HOUSE
 from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.data.datasets import load_episodes
 from hypernav.build.presets import preset as preset_named
-from hypernav.core.config import layered
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.labels import same_name
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
-from hypernav.models.vision.coco import COCO_CLASSES
+from hypernav.io.layered_config import layered
+from hypernav.models.yolox import COCO_CLASSES
 
 KINDS = ("houses", "offices", "shops")
 SetName = Literal["known", "any"]

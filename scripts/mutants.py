@@ -1,6 +1,6 @@
 """How many small faults in what the robot runs would a test notice?
 
-Draws mutants of the six rooms that run on the robot (one comparison, sign, number, condition or
+Draws mutants of the seven rooms that run on the robot (one comparison, sign, number, condition or
 loop changed), by the operators of cosmic-ray, and runs for each the tests that mirror its module:
 ``mapping/memory/floor.py`` has ``tests/mapping/memory/test_floor.py``, and the rest of that folder
 if this file is absent or passes. Mutants are made in a copy; the checkout is only read. A
@@ -30,7 +30,7 @@ from cosmic_ray.mutating import mutate_code
 from cosmic_ray.plugins import get_operator
 
 ROOT = Path(__file__).parents[1]
-ROOMS = ("core", "mapping", "perception", "planning", "agents", "models")
+ROOMS = ("core", "io", "mapping", "perception", "planning", "agents", "models")
 OPERATORS = tuple(
     f"core/{name}"
     for name in (
@@ -98,7 +98,7 @@ def main() -> None:
 
 
 def mutants() -> Iterator[Mutant]:
-    """All mutants of the six rooms."""
+    """All mutants of the seven rooms."""
     for path in sorted(path for room in ROOMS for path in _package(ROOT, room).rglob("*.py")):
         nodes = list(ast_nodes(get_ast_from_path(path)))
         module = path.relative_to(ROOT / "src").as_posix()

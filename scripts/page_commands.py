@@ -13,8 +13,8 @@ from hypernav.build.data.sources import DATA_SOURCES
 from hypernav.build.presets import preset
 from hypernav.cli.command_line import COMMANDS, read_options
 from hypernav.cli.options.agent import AgentOptions
-from hypernav.core.config import layered
 from hypernav.core.errors import HyPerNavError
+from hypernav.io.layered_config import layered
 
 _ROOT = Path(__file__).parents[1]
 _FIRST_WORDS = r"hypernav|python3?|pip|make|for|source|eval|export|ollama|vllm|llama-server|ros2|hf"

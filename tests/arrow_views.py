@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from hypernav.core.embodiment import CameraConfig
-from hypernav.core.exploring.arrows import Arrow, ArrowView
+from hypernav.core.exploring.guidance import Arrow, ArrowView
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation

@@ -6,7 +6,7 @@ from pathlib import Path
 import trimesh
 
 from box_scenes import Box, room_boxes
-from hypernav.core.episodes.episode import Episode, Outcome
+from hypernav.core.episode import Episode, Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.evaluation.failures.classification import Failure

@@ -6,7 +6,7 @@ import numpy as np
 
 from box_views import frame
 from hypernav.core.exploring.exploration import ExplorationView
-from hypernav.core.exploring.sightings import SeenThing
+from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2

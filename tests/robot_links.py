@@ -9,8 +9,7 @@ import numpy as np
 from hypernav.agents.search import SearchAgent
 from hypernav.build.agents import build_agent
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import RequestRefusedError
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 from hypernav.agents.search import SearchAgent
-from hypernav.core.actions import Action
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Episode
 from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
 from hypernav.worlds.simulation import SimulatedWorld

@@ -1,6 +1,6 @@
 """Episodes of scenes that tests make themselves."""
 
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 

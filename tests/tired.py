@@ -5,8 +5,7 @@ from typing import Any
 
 from hypernav.build.agents import build_agent
 from hypernav.build.presets import HyPerNavConfig, preset
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from hypernav.build.native import native_config
     from hypernav.build.presets import HyPerNavConfig, preset
     from hypernav.build.search import find
-    from hypernav.core.actions import Action
     from hypernav.core.components.protocols import (
         Agent,
         BlockReasoner,
@@ -29,8 +28,8 @@ if TYPE_CHECKING:
         Segmenter,
     )
     from hypernav.core.config import RoomConfig
-    from hypernav.core.embodiment import Embodiment
-    from hypernav.core.episodes.episode import Episode, Outcome
+    from hypernav.core.embodiment import Action, Embodiment
+    from hypernav.core.episode import Episode, Outcome
     from hypernav.core.errors import (
         ComponentError,
         ConfigError,
@@ -175,7 +174,7 @@ _MODULES = {
     "preset": "hypernav.build.presets",
     "load_scene": "hypernav.build.data.scenes",
     "find": "hypernav.build.search",
-    "Action": "hypernav.core.actions",
+    "Action": "hypernav.core.embodiment",
     "Agent": "hypernav.core.components.protocols",
     "BlockReasoner": "hypernav.core.components.protocols",
     "ChatModel": "hypernav.core.components.protocols",
@@ -187,8 +186,8 @@ _MODULES = {
     "Destination": "hypernav.core.exploring.exploration",
     "ExplorationView": "hypernav.core.exploring.exploration",
     "Embodiment": "hypernav.core.embodiment",
-    "Episode": "hypernav.core.episodes.episode",
-    "Outcome": "hypernav.core.episodes.episode",
+    "Episode": "hypernav.core.episode",
+    "Outcome": "hypernav.core.episode",
     "ComponentError": "hypernav.core.errors",
     "ConfigError": "hypernav.core.errors",
     "ContractError": "hypernav.core.errors",
@@ -248,7 +247,7 @@ _MODULES = {
 }
 
 logging.getLogger("hypernav").addHandler(logging.NullHandler())
-importlib.import_module("hypernav.core.files.kernel_folder").choose_kernel_folder()
+importlib.import_module("hypernav.io.cache_folder").choose_kernel_folder()
 
 
 def __getattr__(name: str) -> Any:

@@ -10,12 +10,12 @@ from hypernav.build.agents import build_search
 from hypernav.build.component_specs import PresetName
 from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import preset
-from hypernav.core.config import layered
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun
+from hypernav.io.layered_config import layered
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.planning.bump_sensor import bumped_points
 from hypernav.worlds.surface.starts import random_start

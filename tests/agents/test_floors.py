@@ -7,17 +7,17 @@ import pytest
 
 from certainty import certain
 from hypernav.build.agents import build_search
-from hypernav.core.actions import Action
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Episode
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.mapping.memory.connectors import Connector
 from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.memory.memory import Memory
+from hypernav.mapping.stairs.connectors import Connector
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.scans.loading import open_scene
 from scan_writers.buildings import STOREY_M, two_storeys

@@ -10,7 +10,7 @@ from box_scenes import Box, scene_of
 from box_views import FLOOR, view_of
 from hypernav.build.agents import build_search
 from hypernav.build.presets import preset, with_changes
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.geometry.boxes import Box as ImageBox
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2

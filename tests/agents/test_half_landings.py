@@ -9,7 +9,7 @@ import pytest
 from box_scenes import Box, scene_of
 from hypernav.build.agents import build_search
 from hypernav.build.presets import preset, with_changes
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode

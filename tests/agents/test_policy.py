@@ -8,13 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hypernav.agents.policy import PirlnavAgent, PolicyAgent, PolicyConfig, check_robot, pose_input
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, CameraConfig, Embodiment, MotionConfig
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.evaluation.checks.agents import check_agent
-from hypernav.models.policies.architecture import PIRLNAV, ZSON
+from hypernav.models.policy_network import PIRLNAV, ZSON
 from hypernav.worlds.box_room import BoxRoom
 
 CAMERA = {"width": 640, "height": 480, "hfov_deg": 79.0, "height_m": 0.88, "pitch_deg": 0.0}

@@ -13,8 +13,7 @@ from hypernav.agents.prompted import PromptedAgent, PromptedConfig, actions_to, 
 from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.native import native_config
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, Embodiment, MotionConfig
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

@@ -9,7 +9,7 @@ import hypernav
 from hypernav.build.agents import build_agent, build_search
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import preset
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, without_timings

@@ -8,7 +8,7 @@ import pytest
 from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.native import native_config
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.worlds.simulation import SimulatedWorld

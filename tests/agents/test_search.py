@@ -8,9 +8,9 @@ from box_scenes import room_boxes, scene_of
 from hypernav.agents.plan import Endurance, Plan
 from hypernav.build.agents import build_search
 from hypernav.build.component_specs import PresetName
-from hypernav.core.actions import Action
 from hypernav.core.components.protocols import Agent, ExplainsItself
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Outcome
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

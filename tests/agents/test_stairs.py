@@ -12,23 +12,22 @@ from box_views import FLOOR, view_of
 from chat_models import Parrot
 from hypernav.build.agents import build_search
 from hypernav.build.presets import preset, with_changes
-from hypernav.core.actions import Action
 from hypernav.core.chat import Question
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Episode
 from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, Mode, StepTrace
-from hypernav.mapping.memory.connectors import Connector, Passage, UnderWay, with_crossing
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.reading import read_memory
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import Things
-from hypernav.mapping.memory.writing import Writer
+from hypernav.mapping.stairs.connectors import Connector, Passage, UnderWay, with_crossing
+from hypernav.mapping.storage.memory_reader import read_memory
+from hypernav.mapping.storage.memory_writer import Writer
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.perception.explorers.map_question import VlmReasonerConfig
-from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
+from hypernav.perception.explorers.map_question import VlmReasoner, VlmReasonerConfig
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
 from searches import searched
@@ -176,10 +175,10 @@ def test_the_way_over_stairs_is_known_until_the_next_search():
     while not agent.memory.on_stairs:
         agent.act(world.step(Action.MOVE_FORWARD))
         frames += 1
-    assert len(agent.memory.way) == frames
-    assert agent.memory.way[-1] == agent.last_step.pose[:2]
+    assert len(agent.memory.track) == frames
+    assert agent.memory.track[-1] == agent.last_step.pose[:2]
     agent.reset(Goal("bed"), agent.memory)
-    assert not agent.memory.way
+    assert not agent.memory.track
 
 
 def test_a_search_that_begins_on_stairs_is_not_blind():
@@ -189,7 +188,7 @@ def test_a_search_that_begins_on_stairs_is_not_blind():
     agent.act(world.reset(Episode("x", "0", Goal("umbrella"), start, start_z=0.0)))
     while world.pose.x < FIRST_X + 2.5 * TREAD_M:
         agent.act(world.step(Action.MOVE_FORWARD))
-    agent.memory.goes_over(None)
+    agent.memory.set_current_connector(None)
     agent.reset(Goal("bed"), agent.memory)
     for _ in range(6):  # turns to the lower room
         agent.act(world.step(Action.TURN_LEFT))
@@ -234,8 +233,8 @@ def test_stairs_on_which_a_search_ended_are_known_to_the_next_one(tmp_path, last
 def test_a_robot_that_was_carried_is_not_on_its_way_over_stairs():
     memory = Memory(CONFIG.mapping, CONFIG.embodiment)
     memory.connectors = (Connector(0, True, (1.0, 0.0), 0.0),)
-    memory.way.append((1.5, 0.0))
-    memory.goes_over(0)
+    memory.track.append((1.5, 0.0))
+    memory.set_current_connector(0)
     assert memory.under_way == UnderWay(0, (1.5, 0.0, 0.0))
     memory.begin_search(sees_stairs=True)
     memory.follow(view_of([FLOOR], Pose2(4.0, 0.0, 0.0), camera=CAMERA))

@@ -9,7 +9,7 @@ import pytest
 from hypernav.build.agents import build_agent
 from hypernav.build.built_agent import BuiltAgent
 from hypernav.build.component_specs import ComponentSpecs, PresetName
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import StepTrace, without_timings

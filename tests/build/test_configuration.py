@@ -7,9 +7,9 @@ from pydantic import BaseModel, ValidationError
 
 from hypernav.build.env import ObjectNavConfig
 from hypernav.build.presets import HyPerNavConfig, preset
-from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.ablation.config_fields import values_by_field
+from hypernav.io.layered_config import layered
 from hypernav.worlds.drawing.renderer import RenderConfig
 
 

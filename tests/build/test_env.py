@@ -8,8 +8,7 @@ from gymnasium.utils.env_checker import check_env
 from box_scenes import room_boxes, scene_of
 from certainty import certain
 from hypernav.build.env import ENV_ID, ObjectNavConfig, ObjectNavEnv
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import CameraConfig, Embodiment
+from hypernav.core.embodiment import Action, CameraConfig, Embodiment
 from hypernav.core.errors import GoalError, SceneError, StartError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.worlds.config import NoiseConfig, SimulationConfig

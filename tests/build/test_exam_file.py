@@ -8,8 +8,8 @@ import pytest
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.exam_file import read_exam, without_auto
 from hypernav.build.presets import preset
-from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
+from hypernav.io.layered_config import layered
 
 SERVER = "openai:http://localhost:8000/v1"
 

@@ -10,8 +10,7 @@ from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.cli.command_line import run_command
 from hypernav.cli.options.agent import AgentOptions
 from hypernav.core.errors import ConfigError
-from hypernav.perception.visual_prompts.config import ArrowsConfig
-from hypernav.perception.visual_prompts.proposals import MOST_MOVE_M
+from hypernav.perception.visual_prompts.proposals import MOST_MOVE_M, ArrowsConfig
 
 NATIVE = ("vlfm", "navvlm", "vlmnav", "pivot")
 

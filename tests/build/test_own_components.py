@@ -15,7 +15,6 @@ from hypernav.build.choosing import choose_components, with_own_sections
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import preset
 from hypernav.cli.main import main
-from hypernav.core.config import layered
 from hypernav.core.errors import (
     ComponentError,
     ConfigError,
@@ -26,6 +25,7 @@ from hypernav.core.errors import (
     ModelError,
 )
 from hypernav.core.goal import Goal
+from hypernav.io.layered_config import layered
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
 MODULE = '''
@@ -34,7 +34,7 @@ import numpy as np
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import GoalError
 from hypernav.core.geometry.boxes import Box, Detection
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 
 
 class OwnConfig(RoomConfig):

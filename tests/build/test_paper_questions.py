@@ -15,10 +15,9 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import family_named
 from hypernav.perception.explorers.block_explorer import BlockExplorer
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.perception.explorers.map_question import map_question
-from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
-from hypernav.perception.local.presence import presence_question
+from hypernav.perception.explorers.map_question import VlmReasoner, map_question
 from hypernav.perception.local.vlm_detector import grounding_question
+from hypernav.perception.local.yes_no_checks import presence_question
 
 PAPER = preset("paper")
 GOAL = Goal("the chair in the office")

@@ -14,9 +14,9 @@ from box_scenes import room_glb
 from hypernav.cli.main import main
 from hypernav.cli.screen.memory_page import mark, ways
 from hypernav.core.errors import OutputError
-from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.io.folder_lock import folder_lock
 from hypernav.mapping.memory.key_images import KeyImage
 from hypernav.mapping.memory.thing import Thing
 from memory_folders import change_index, files_of
@@ -203,8 +203,8 @@ def test_what_was_found_counts_though_the_memory_cannot_be_saved(
     def full(home):
         raise OutputError("the disk is full")
 
-    monkeypatch.setattr("hypernav.mapping.memory.memory_folder.MemoryFolder.save", full)
-    monkeypatch.setattr("hypernav.mapping.memory.memory_folder.SAVE_EVERY_S", math.inf)
+    monkeypatch.setattr("hypernav.mapping.storage.memory_folder.MemoryFolder.save", full)
+    monkeypatch.setattr("hypernav.mapping.storage.memory_folder.SAVE_EVERY_S", math.inf)
     out, scene, home = tmp_path / "out", searched / "room.glb", tmp_path / "home"
     assert hypernav("find", "bed", "--scene", scene, "--out", out, "--memory", home, *SMALL) == 2
     assert json.loads((out / "result.json").read_text())["outcome"] == "found"
@@ -346,7 +346,7 @@ def test_nothing_is_said_to_be_forgotten_that_could_not_be_saved(home, monkeypat
     def full(path, content):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr("hypernav.mapping.memory.writing.write_whole", full)
+    monkeypatch.setattr("hypernav.mapping.storage.memory_writer.write_whole", full)
     assert hypernav("memory", home, "--forget", "bed", "--forget-images") == 2
     said = capsys.readouterr()
     assert said.out == ""
@@ -365,7 +365,7 @@ def read_only(home, monkeypatch) -> Path:
             raise OSError(errno.EROFS, os.strerror(errno.EROFS))
         path.write_text(content)
 
-    monkeypatch.setattr("hypernav.core.files.folder_lock.FileLock.acquire", refused)
+    monkeypatch.setattr("hypernav.io.folder_lock.FileLock.acquire", refused)
     monkeypatch.setattr("hypernav.cli.memory.write_whole", write)
     return home
 

@@ -9,7 +9,7 @@ from rich.console import Console
 
 from hypernav.cli.robots import ros2
 from hypernav.cli.screen.views import Views
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.errors import LinkLostError, RosNetworkError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import OccupancyGrid

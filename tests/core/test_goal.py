@@ -29,7 +29,7 @@ def test_what_nobody_could_read_is_refused(text, words):
 
 @pytest.mark.parametrize("text", ["grey sofa", "the grey sofa", "A grey sofa"])
 def test_a_thing_is_told_with_its_article(text):
-    assert Goal(text).told == "the grey sofa"
+    assert Goal(text).in_sentence == "the grey sofa"
 
 
 @pytest.mark.parametrize(
@@ -43,4 +43,4 @@ def test_a_thing_is_told_with_its_article(text):
     ],
 )
 def test_a_sentence_is_told_in_quotation_marks(text):
-    assert Goal(f" {text}").told == f"“{text}”"
+    assert Goal(f" {text}").in_sentence == f"“{text}”"

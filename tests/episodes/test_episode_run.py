@@ -2,8 +2,8 @@ import math
 
 import pytest
 
-from hypernav.core.actions import Action
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Outcome
 from hypernav.core.errors import StartError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.episodes.episode_run import EpisodeRun

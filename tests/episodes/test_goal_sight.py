@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel

@@ -6,9 +6,9 @@ import pytest
 from hypernav.agents.search import SearchAgent
 from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
-from hypernav.core.actions import Action
 from hypernav.core.components.protocols import Remembers
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Outcome
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.episodes.episode_run import EpisodeRun

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis.strategies import integers
 
 from box_scenes import room_boxes, scene_of
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.errors import ModelUnavailableError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform

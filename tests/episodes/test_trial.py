@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from hypernav.build.agents import build_search
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, CameraConfig, Embodiment, MotionConfig
 from hypernav.core.errors import ConfigError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Ending, ExchangeLog

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.errors import TruthMissingError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.episodes.episode_run import EpisodeRun

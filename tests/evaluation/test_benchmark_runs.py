@@ -15,7 +15,7 @@ from hypernav.cli.main import main
 from hypernav.cli.options.agent import AgentOptions
 from hypernav.cli.options.eval import Options
 from hypernav.cli.run_choice import check, config_of, plan_of
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.episode import Outcome
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.datasets import paper_results
 from hypernav.datasets.benchmark_files import scene_number

@@ -10,8 +10,7 @@ import hypernav
 from box_scenes import room_boxes, scene_of
 from hypernav.build.agents import build_search
 from hypernav.build.env import ObjectNavConfig, ObjectNavEnv
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import CameraConfig, Embodiment
+from hypernav.core.embodiment import Action, CameraConfig, Embodiment
 from hypernav.core.errors import ContractError
 from hypernav.core.trace import Ending, ExchangeLog, Mode, StepTrace
 from hypernav.perception.local.ground_truth import GroundTruthDetector

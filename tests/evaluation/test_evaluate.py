@@ -4,7 +4,7 @@ import signal
 import pytest
 
 from eval_runs import timeless_lines, write_room
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.evaluation.evaluate import evaluate
 from hypernav.evaluation.report.report_page import write_report
 from hypernav.evaluation.report.run_data import load_runs

@@ -5,7 +5,7 @@ import pytest
 
 from certainty import certain
 from eval_runs import apart, record
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.episode import Outcome
 from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.failures.classification import RULES, Failure
 from hypernav.evaluation.protocol import StopRule

@@ -10,7 +10,7 @@ from hypernav.build.agents import build_search
 from hypernav.build.data.datasets import load_episodes
 from hypernav.build.data.scenes import load_scene
 from hypernav.core.embodiment import STAIR_CLIMB_M
-from hypernav.core.episodes.episode import Episode, Outcome
+from hypernav.core.episode import Episode, Outcome
 from hypernav.core.trace import ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.perception.local.ground_truth import GroundTruthDetector

@@ -14,7 +14,7 @@ import pytest
 from certainty import certain
 from eval_runs import SMALL, timeless_lines, write_room
 from hypernav.build.data.datasets import load_episodes
-from hypernav.core.episodes.life import Life
+from hypernav.core.episode import Life
 from hypernav.evaluation.runner import run_episodes
 from hypernav.evaluation.store.run_store import RunStore, read_records
 from hypernav.evaluation.workers.process_pool import ProcessPool

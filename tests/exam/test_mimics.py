@@ -9,7 +9,7 @@ from answers import SIZE, TRUE_BOX, boxed, checked, chose
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.exploring.overview import Block, BlockChoice, Overview
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.transforms import Pose2

@@ -19,10 +19,10 @@ from hostile.damage import bounded, damaged, hostile
 from hostile.hostile_values import VALUES
 from hypernav.build.presets import preset
 from hypernav.core.chat import Question
-from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError, EpisodeError, RecordingError, SceneError
 from hypernav.datasets.habitat_episodes import episodes_of
 from hypernav.datasets.habitat_files import read_episodes
+from hypernav.io.layered_config import layered
 from hypernav.models.chat.answer_parsing import parse_answer
 from hypernav.models.chat.recording import ReplayChat
 from hypernav.models.chat.vlm_families import FAMILIES

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from hostile.damage import bounded, damaged, hostile
 from hypernav.core.errors import SceneError
-from hypernav.core.files.image_sizes import MOST_PIXELS
+from hypernav.io.reading import MOST_PIXELS
 from hypernav.worlds.scans.loading import open_scene
 from hypernav.worlds.scenes.basis_images import basis_size, decode_basis, is_basis
 from scan_writers.basis_bytes import basis, ktx2

@@ -7,8 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, CameraConfig, Embodiment, MotionConfig
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.core.world import Position
 from hypernav.houses.building import Building

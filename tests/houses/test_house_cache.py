@@ -4,9 +4,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hypernav.core.files.cache_folder import cache_folder
 from hypernav.houses.building import BUILTIN_HOUSE, house
 from hypernav.houses.house_cache import cached_building, generator_version
+from hypernav.io.cache_folder import cache_folder
 from hypernav.worlds.scenes.scene import Scene
 
 NUMBER = BUILTIN_HOUSE

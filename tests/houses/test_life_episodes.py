@@ -5,7 +5,7 @@ import math
 import pytest
 
 from hypernav.build.data.datasets import load_episodes, select
-from hypernav.core.episodes.life import lives_of
+from hypernav.core.episode import lives_of
 from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
 from hypernav.core.labels import canonical

@@ -17,10 +17,10 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.models.vision import sam, zero_shot
-from hypernav.models.vision.sam import SamConfig, SamSegmenter
-from hypernav.models.vision.similarity import ImageTextSimilarity, SimilarityConfig
-from hypernav.models.vision.zero_shot import ZeroShotConfig, ZeroShotDetector
+from hypernav.models import sam, zero_shot
+from hypernav.models.sam import SamConfig, SamSegmenter
+from hypernav.models.similarity import ImageTextSimilarity, SimilarityConfig
+from hypernav.models.zero_shot import ZeroShotConfig, ZeroShotDetector
 from images import key_image
 from small_worlds import small_config
 

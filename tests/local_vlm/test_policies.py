@@ -11,13 +11,11 @@ import pytest
 
 from chat_models import image
 from hypernav.agents.policy import PirlnavAgent, PolicyConfig, ZsonAgent
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, Embodiment, MotionConfig
 from hypernav.core.errors import ConfigError, GoalError, ModelError
 from hypernav.core.goal import Goal
 from hypernav.evaluation.checks.agents import check_agent
-from hypernav.models.policies.architecture import PIRLNAV, ZSON, PolicyArchitecture
-from hypernav.models.policies.network import PolicyNetwork
+from hypernav.models.policy_network import PIRLNAV, ZSON, PolicyArchitecture, PolicyNetwork
 
 ROBOT = Embodiment(motion=MotionConfig(forward_m=0.25))
 BOTH = [PIRLNAV, ZSON]

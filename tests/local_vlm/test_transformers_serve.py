@@ -26,14 +26,13 @@ from hypernav.models.chat.server.openai_chat import OpenAiChat
 from hypernav.models.chat.vlm_families import smart_resize
 from hypernav.models.chat.vlm_spec import open_chat, parse_vlm_spec
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.perception.explorers.map_question import VlmReasonerConfig
-from hypernav.perception.explorers.vlm_reasoner import VlmReasoner
-from hypernav.perception.local.presence import VlmPresenceCheck
+from hypernav.perception.explorers.map_question import VlmReasoner, VlmReasonerConfig
 from hypernav.perception.local.vlm_detector import (
     VlmDetector,
     VlmDetectorConfig,
     grounding_question,
 )
+from hypernav.perception.local.yes_no_checks import VlmPresenceCheck
 
 VIEW = image(0, 480, 640)
 QWEN = VlmDetectorConfig(family="qwen2.5-vl", max_tokens=24)
@@ -81,7 +80,7 @@ def test_the_server_and_this_process_say_the_same(
     """The image travels as a JPEG, so it is made one here as well."""
     import cv2
 
-    from hypernav.models.chat.image_encoding import jpeg_bytes
+    from hypernav.models.chat.message_parts import jpeg_bytes
 
     family = VlmDetector(chat, ExchangeLog(), QWEN).family
     sent = grounding_question(QWEN, family, observation.rgb, Goal("bed"))

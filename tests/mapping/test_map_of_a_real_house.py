@@ -11,8 +11,8 @@ from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.frontiers import find_frontiers
-from hypernav.mapping.top_down.top_down_map import TopDownMap
+from hypernav.mapping.reachable_area import find_frontiers
+from hypernav.mapping.top_down_map import TopDownMap
 from hypernav.worlds.scenes.loading import read_scene
 
 CONFIG = MappingConfig()

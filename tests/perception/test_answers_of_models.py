@@ -14,13 +14,12 @@ import pytest
 
 from arrow_views import arrow, view_of
 from hypernav.core.chat import Question
-from hypernav.models.chat.answer_parsing import parse_answer
-from hypernav.models.chat.unwrapping import final_answer, unwrapped
+from hypernav.models.chat.answer_parsing import final_answer, parse_answer, unwrapped
 from hypernav.models.chat.vlm_families import family_named, family_of
+from hypernav.perception.explorers.guides import direction_in
 from hypernav.perception.explorers.map_question import summarised
 from hypernav.perception.image_recall import named_images
 from hypernav.perception.local.grounding_format import read_grounding
-from hypernav.perception.navvlm.guides import direction_in
 from hypernav.perception.visual_prompts.arrow_reasoners import named_numbers
 
 FILE = Path(__file__).parents[1] / "models" / "chat" / "answers.jsonl"

@@ -1,4 +1,4 @@
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.trace import DetectionRecord, Exchange, Mode, StepTrace
 from hypernav.perception.exchanges import unusable_answers
 

@@ -3,8 +3,7 @@
 import numpy as np
 
 from drawn_grids import drawn
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.planning.bump_sensor import bumped_points

@@ -9,18 +9,16 @@ from hypothesis import strategies as st
 
 from certainty import certain
 from drawn_grids import drawn
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, Embodiment, MotionConfig
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.mapping.distance_kernels import travel_cells
+from hypernav.mapping.grid_kernels import travel_cells
 from hypernav.planning.bump_sensor import bumped_points
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap
-from hypernav.planning.follower import PathFollower
+from hypernav.planning.follower import PathFollower, Route
 from hypernav.planning.navigator import Navigator
 from hypernav.planning.planner import PlannedPath, Planner
-from hypernav.planning.route import Route
 from random_rooms import DrivenRobot, random_clutter, random_rooms
 
 CONFIG = PlanningConfig()

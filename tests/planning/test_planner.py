@@ -11,11 +11,10 @@ from drawn_grids import drawn
 from grid_graphs import cost_to_go
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
-from hypernav.planning.astar import astar, costs_to_go
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap
 from hypernav.planning.costmap_kernels import cost_of_line
-from hypernav.planning.planner import PlannedPath, Planner, is_blocked
+from hypernav.planning.planner import PlannedPath, Planner, astar, costs_to_go, is_blocked
 
 CONFIG = PlanningConfig()
 BODY = BodyConfig()

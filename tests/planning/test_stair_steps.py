@@ -7,11 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import MotionConfig
+from hypernav.core.embodiment import Action, MotionConfig
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.mapping.ground import Ground, UnseenGround
+from hypernav.mapping.elevation_map import Ground, UnseenGround
 from hypernav.planning.stair_steps import step_over_ground
 
 MOTION = MotionConfig(forward_m=0.5, turn_angle_deg=30.0)

@@ -7,7 +7,7 @@ import math
 import sys
 from contextlib import closing
 
-from hypernav.core.config import layered
+from hypernav.io.layered_config import layered
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.nav2.robot import Nav2Robot
 from hypernav.robot.ros2.network import Ros2Network

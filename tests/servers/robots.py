@@ -14,7 +14,7 @@ import numpy as np
 
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import preset
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation

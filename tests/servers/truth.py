@@ -17,25 +17,28 @@ import numpy as np
 import pytest
 
 from hypernav.core.chat import Question
-from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice, ArrowView
-from hypernav.core.exploring.guidance import GuideChoice, GuideView
+from hypernav.core.exploring.guidance import (
+    TURN_AROUND,
+    ArrowChoice,
+    ArrowView,
+    GuideChoice,
+    GuideView,
+)
 from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.vlm_families import family_named
-from hypernav.perception.explorers import vlm_reasoner
+from hypernav.perception.explorers import map_question
+from hypernav.perception.explorers.guides import ChatGuide, TruthGuide
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
-from hypernav.perception.local.crop_check import crop_of
+from hypernav.perception.explorers.scene_scorers import ChatScorer, chance_in_view
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.perception.local.presence import VlmPresenceCheck
 from hypernav.perception.local.vlm_detector import CROP_MARGIN, VlmDetector
-from hypernav.perception.navvlm.guides import ChatGuide, TruthGuide
+from hypernav.perception.local.yes_no_checks import VlmPresenceCheck, crop_of
 from hypernav.perception.visual_prompts.arrow_reasoners import ChatArrowReasoner
 from hypernav.perception.visual_prompts.stop_checks import ChatStopCheck, TruthStopCheck
-from hypernav.perception.vlfm.model_scorers import ChatScorer
-from hypernav.perception.vlfm.truth_scorer import chance_in_view
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.goal_regions import GoalRegion
 from servers.scripted import Asked
@@ -153,7 +156,7 @@ def _recognised(image: np.ndarray, known: list) -> Any:
 @contextmanager
 def watching(truth: Truth) -> Iterator[Truth]:
     """While it lasts, all that is asked about in this process becomes known to the truth."""
-    detect, about_map = VlmDetector.detect, vlm_reasoner.map_question
+    detect, about_map = VlmDetector.detect, map_question.map_question
     is_present, reset = VlmPresenceCheck.is_present, SimulatedWorld.reset
     looked_at = VlmDetector._looked_at
     about_arrows, about_direction = ChatArrowReasoner.choose, ChatGuide.direct
@@ -206,7 +209,7 @@ def watching(truth: Truth) -> Iterator[Truth]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(ChatStopCheck, "is_here", watched_stop)
         patch.setattr(VlmDetector, "detect", watched_image)
-        patch.setattr(vlm_reasoner, "map_question", watched_map)
+        patch.setattr(map_question, "map_question", watched_map)
         patch.setattr(VlmPresenceCheck, "is_present", watched_presence)
         patch.setattr(VlmDetector, "_looked_at", watched_crops)
         patch.setattr(ChatArrowReasoner, "choose", watched_arrows)

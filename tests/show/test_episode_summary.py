@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.trace import Mode, StepTrace
 from hypernav.show import episode_summary
 from hypernav.show.climbs import climbs

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from hypernav.mapping.top_down import integrate_kernels
+from hypernav.mapping import top_down_kernels
 from hypernav.warmup import background as module
 from hypernav.warmup.background import FIRST_RUN, warm_up_in_background
 from hypernav.warmup.exercises import warm_up
@@ -115,11 +115,11 @@ def test_only_what_was_compiled_of_this_source_by_this_python_counts(
     kernel = SimpleNamespace(
         __name__="integrate_frame", stats=SimpleNamespace(cache_path=str(tmp_path))
     )
-    monkeypatch.setattr(integrate_kernels, "integrate_frame", kernel)
+    monkeypatch.setattr(top_down_kernels, "integrate_frame", kernel)
     monkeypatch.setattr(module, "is_jitted", lambda kernel: True)
-    index = tmp_path / f"integrate_kernels.integrate_frame-260.{python}.nbi"
+    index = tmp_path / f"top_down_kernels.integrate_frame-260.{python}.nbi"
     index.touch()
-    changed = os.stat(integrate_kernels.__file__).st_mtime
+    changed = os.stat(top_down_kernels.__file__).st_mtime
     os.utime(index, (changed + age_s, changed + age_s))
     assert module.is_compiled() == counts
 

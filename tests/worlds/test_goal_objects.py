@@ -2,7 +2,7 @@
 
 import pytest
 
-from hypernav.core.episodes.episode import Episode, ObjectName
+from hypernav.core.episode import Episode, ObjectName
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.geometry.transforms import Pose2
 from small_episodes import episode_from
 from small_worlds import two_rooms

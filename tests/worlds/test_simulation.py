@@ -7,8 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from box_scenes import room_boxes, scene_of
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import CameraConfig, Embodiment
+from hypernav.core.embodiment import Action, CameraConfig, Embodiment
 from hypernav.core.errors import StartError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

@@ -66,12 +66,12 @@ class SearchConfig(RoomConfig):
             camera between there and the target, if a path leads there.
         enter_fully: Whether to take one more step, into the goal area, where the robot would end up
             farther than `stop_distance_m` before it because a step is longer than what is left.
-        go_nearer: Whether to go straight on after the check, while the way is open, where the
+        go_nearer: Whether to go straight on after the check, while the path is open, where the
             detector gave a box and no mask: the outline guessed from a box may include what stands
             before the goal.
         open_the_way: Whether to look from near at gaps that are just too narrow where no path leads
             to a convincing candidate; to accept a position up to `approach_gap_m` beside its goal
-            area, with the goal in sight, where the way has been blocked for `patience_steps`; and
+            area, with the goal in sight, where the path has been blocked for `patience_steps`; and
             to go back, with the last steps, to the nearest position that it was seen from.
         max_steps: Number of steps that a search has; the last of them lead to the likeliest
             candidate, even if it was refuted (with `LocalConfig.target` "candidates").

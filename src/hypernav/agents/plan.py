@@ -4,14 +4,14 @@ import math
 from dataclasses import dataclass, field, replace
 
 from hypernav.agents.config import SearchConfig
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.exploring.insight import Insight
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.mapping.memory.connectors import Connector
-from hypernav.planning.gaps import Gap
-from hypernav.planning.route import Route
+from hypernav.mapping.stairs.connectors import Connector
+from hypernav.planning.follower import Route
+from hypernav.planning.navigator import Gap
 
 Position = tuple[float, float]
 
@@ -155,7 +155,7 @@ class Exploring:
 
 @dataclass(frozen=True, eq=False)
 class Opening:
-    """A gap on the way to the goal that the robot looks at from near.
+    """A gap on the path to the goal that the robot looks at from near.
 
     Attributes:
         gap: The gap.
@@ -207,7 +207,7 @@ class Approaching:
     sure_step: int | None = None
 
     def may_clear(self, config: SearchConfig) -> bool:
-        """Whether the way is blocked, but not for long yet: it may be by a person."""
+        """Whether the path is blocked, but not for long yet: it may be by a person."""
         return 0 < self.blocked_steps <= config.patience_steps
 
 
@@ -267,11 +267,11 @@ class Plan:
         climbing: How to get over stairs to another floor; None if the robot is not on any.
         turns_left: Number of turns that are left of the look around.
         full_turn: Whether that look makes all its turns, even those that show nothing unseen.
-        looked_around_at: Position ``(x, y)``, metres, of the latest look around; None before.
+        last_scan_at: Position ``(x, y)``, metres, of the latest look around; None before.
         ends: Positions ``(x, y)``, metres, at which nothing was left to explore.
         ordered: Pose and action of the step before; None before the first.
         tried: Poses from which a step was cut short.
-        frees: Whether the robot gets free of what it touches.
+        is_recovering: Whether the robot gets free of what it touches.
     """
 
     exploring: Exploring
@@ -279,11 +279,11 @@ class Plan:
     climbing: Climbing | None = None
     turns_left: int = 0
     full_turn: bool = True
-    looked_around_at: Position | None = None
+    last_scan_at: Position | None = None
     ends: tuple[Position, ...] = ()
     ordered: tuple[Pose2, Action] | None = None
     tried: tuple[Pose2, ...] = ()
-    frees: bool = False
+    is_recovering: bool = False
 
     @staticmethod
     def at_start(config: SearchConfig, *, turns: int, then: Destination | None = None) -> "Plan":

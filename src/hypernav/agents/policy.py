@@ -11,17 +11,20 @@ import numpy as np
 from jaxtyping import Float32, UInt8
 from pydantic import Field
 
-from hypernav.core.actions import Action
 from hypernav.core.config import MOST_SEED, RoomConfig
-from hypernav.core.embodiment import CameraConfig, Embodiment
+from hypernav.core.embodiment import Action, CameraConfig, Embodiment
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import same_name
 from hypernav.core.observation import Observation
-from hypernav.models.policies.architecture import PIRLNAV, ZSON, PolicyArchitecture
-from hypernav.models.policies.goal_vectors import read_vectors
-from hypernav.models.policies.network import PolicyNetwork
+from hypernav.models.policy_network import (
+    PIRLNAV,
+    ZSON,
+    PolicyArchitecture,
+    PolicyNetwork,
+    read_vectors,
+)
 
 Camera = Mapping[str, float]
 """Values of a `CameraConfig` that a policy depends on."""

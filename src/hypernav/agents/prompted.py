@@ -11,11 +11,10 @@ from typing import Any
 
 from pydantic import Field
 
-from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Reports, warning_of
 from hypernav.core.components.protocols import ArrowReasoner, ChatModel, Explorer
 from hypernav.core.config import RoomConfig
-from hypernav.core.embodiment import Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, Embodiment, MotionConfig
 from hypernav.core.errors import WorldError
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.insight import Insight
@@ -28,8 +27,8 @@ from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.memory import Memory
 from hypernav.perception.visual_prompts.arrow_explorer import VlmnavExplorer
-from hypernav.perception.visual_prompts.config import ArrowsConfig
 from hypernav.perception.visual_prompts.pivot import PivotExplorer
+from hypernav.perception.visual_prompts.proposals import ArrowsConfig
 from hypernav.perception.visual_prompts.stop_checks import (
     ChatStopCheck,
     StopCheck,
@@ -156,7 +155,7 @@ class PromptedAgent:
         self._yes_in_a_row = self._yes_in_a_row + 1 if here else 0
         if self._yes_in_a_row >= _YES_TO_STOP:
             events.append("goal reached")
-            return Action.STOP, f"here is {self._goal.told}", None
+            return Action.STOP, f"here is {self._goal.in_sentence}", None
         if self._moves >= config.most_moves:
             return None, f"{config.most_moves} moves are made", None
         if self._spent >= config.most_actions:
@@ -281,7 +280,7 @@ def paper_actions(destination: Destination, robot: Pose2) -> int:
 
 
 def _move(destination: Destination, robot: Pose2) -> tuple[float, float]:
-    """Turn, radians, positive to the left, and length of the way straight ahead, metres."""
+    """Turn, radians, positive to the left, and length of the path straight ahead, metres."""
     length_m = robot.distance_to(*destination.xy)
     if destination.face is None:
         return robot.bearing_to(*destination.xy), length_m

@@ -1,22 +1,38 @@
-"""The search that the agents of this package share; they differ in their explorers."""
+"""The search that the agents of this package share; they differ in their explorers.
 
+In every step phases hand the decision on from one to another until one of them decides.
+"""
+
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from hypernav.agents.decide import decide
-from hypernav.agents.phases.recall import leaves_for_recalled
-from hypernav.agents.plan import Climbing, Plan
-from hypernav.agents.step import Decision, SearchComponents, Step
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
+from hypernav.agents.approach import approach
+from hypernav.agents.climb import climb
+from hypernav.agents.explore import explore
+from hypernav.agents.get_free import get_free, repeats, with_tried
+from hypernav.agents.plan import STANDS_M, Climbing, Plan
+from hypernav.agents.recall import errand, is_nearer, leaves_for_recalled
+from hypernav.agents.step import Decision, Phase, SearchComponents, Step
+from hypernav.agents.verify import second_look, verify
+from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.core.trace import BlockRecord, DetectionRecord, Mode, ModuleClock, StepTrace
+from hypernav.core.trace import BlockRecord, DetectionRecord, Ending, Mode, ModuleClock, StepTrace
+from hypernav.mapping.memory.candidate import Candidate
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.ways import stairs_underfoot
+from hypernav.mapping.stairs.floor_exits import stairs_underfoot
+from hypernav.perception.local.belief import likeliest, reconsidered
 from hypernav.planning.bump_sensor import bumped_points
+
+_DETOUR = 2.0
+"""Actions, turns included, that the path to a place takes per step of the straight line there."""
+_TURNS = 1.5
+"""Actions that a path takes per step of its length, since turns are actions too."""
+_MEASURED_EVERY = 10
+"""Number of steps between two plans of the path to the likeliest candidate."""
 
 
 class SearchAgent:
@@ -84,7 +100,12 @@ class SearchAgent:
             if not memory.on_stairs:  # stairs belong to no floor
                 floor.integrate(seen)
             bumped = bumped_points(
-                plan.ordered, seen.robot, memory.way, memory.obstacles, use.planning, use.embodiment
+                plan.ordered,
+                seen.robot,
+                memory.track,
+                memory.obstacles,
+                use.planning,
+                use.embodiment,
             )
             memory.mark_occupied(bumped)
         with clock("local"):
@@ -105,7 +126,9 @@ class SearchAgent:
             plan = replace(plan, ordered=(seen.robot, decision.action))
         self._trace = self._traced(step, memory, plan, decision, detections)
         climbing = plan.climbing
-        memory.goes_over(None if climbing is None or climbing.is_back else climbing.connector)
+        memory.set_current_connector(
+            None if climbing is None or climbing.is_back else climbing.connector
+        )
         self._plan, self._steps = plan, self._steps + 1
         return decision.action
 
@@ -205,7 +228,7 @@ def _off_the_floor(robot: Pose2, memory: Memory, plan: Plan, events: list[str]) 
             memory.settle(robot)
         return plan
     if number is None:
-        number = memory.gets_onto_stairs_down(robot)
+        number = memory.register_stairs_underfoot(robot)
     destination, then = plan.destination, None
     if number is not None and destination is not None and destination.connector == number:
         then = destination.then
@@ -215,3 +238,157 @@ def _off_the_floor(robot: Pose2, memory: Memory, plan: Plan, events: list[str]) 
     flight = replace(memory.connectors[number], end=robot.xy, axis=robot.yaw)
     climbing = Climbing(number, flight=flight, then=then)
     return replace(plan.explore(destination=None), climbing=climbing)
+
+
+def decide(step: Step, memory: Memory, plan: Plan) -> tuple[Decision, Plan]:
+    """The decision of this step, and the plan that goes on from here."""
+    outcome, plan = _first_phase(step, memory, with_tried(step, plan))
+    while isinstance(outcome, Phase):
+        outcome, plan = _PHASES[outcome](step, memory, plan)
+        if repeats(step, plan, outcome):
+            outcome = Phase.GET_FREE
+    return outcome, plan
+
+
+def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
+    """The phase that gets the step first: the approach if there is a candidate to go to now."""
+    config = step.config
+    if plan.climbing is not None:
+        return Phase.CLIMB, plan
+    if plan.is_recovering:
+        return Phase.GET_FREE, plan
+    must_finish_look = config.look_around_at_start and config.finish_first_look
+    if must_finish_look and step.number < step.motion.turns_of_a_circle:
+        return Phase.EXPLORE, plan
+    if _must_choose(step, memory):
+        evidence = reconsidered(memory.search.evidence)
+        memory.search.evidence = evidence or memory.search.evidence
+        if config.open_the_way:
+            plan = plan.approach(as_near_as_possible=True, steps_run_out=True)
+    target = memory.search.evidence.target
+    if target is not None and (
+        _is_another(step, memory, target) or is_nearer(step, memory, plan, target)
+    ):
+        target = None
+    if target is None or target.number != plan.approaching.candidate:
+        number = None if target is None else target.number
+        plan = plan.approach(
+            candidate=number,
+            second_look=None,
+            opening=None,
+            closed=(),
+            blocked_steps=0,
+            sure_step=None,
+        ).with_new_patience(config)
+    if target is None:
+        return Phase.EXPLORE, plan
+    approaching = plan.approaching
+    if approaching.rest_steps > 0 and not approaching.as_near_as_possible:
+        return Phase.EXPLORE, plan.approach(rest_steps=approaching.rest_steps - 1)
+    if approaching.second_look is not None:
+        return Phase.SECOND_LOOK, plan
+    return Phase.APPROACH, plan
+
+
+def _is_another(step: Step, memory: Memory, target: Candidate) -> bool:
+    """Whether a target is another thing than the one that the robot was sent to."""
+    meant = None if target.is_last_chance else errand(step, memory)
+    if meant is None:
+        return False
+    there = memory.floor.things.at(*target.area.centre, step.goal)
+    return all((memory.number, one.number) != (meant[0], meant[1].number) for one in there)
+
+
+def _must_choose(step: Step, memory: Memory) -> bool:
+    """Whether the steps that are left only just suffice to go to the likeliest candidate.
+
+    While the one thing that is meant is on another floor, no candidate of this one will do.
+    """
+    evidence, config, motion = memory.search.evidence, step.config, step.motion
+    meant = errand(step, memory)
+    if meant is not None and meant[0] != memory.number:
+        return False
+    best = likeliest(evidence)
+    if best is None or (evidence.target is not None and evidence.target.is_last_chance):
+        return False
+    left = config.max_steps - step.number
+    turns = 2 * motion.turns_of_a_circle
+    straight = best.distance_to(*step.robot.xy) / motion.forward_m
+    if left <= _DETOUR * straight + turns:
+        return True
+    if not config.open_the_way or 2 * left > config.max_steps or left % _MEASURED_EVERY:
+        return False
+    with step.clock("plan"):
+        beside = best.views_beside
+        destinations = (best.entry_points, *([beside] if len(beside) else []))
+        path_m = step.components.navigator.path_m(step.grid, step.robot, *destinations)
+    return path_m is not None and left <= _TURNS * path_m / motion.forward_m + turns
+
+
+def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
+    """Get free; go near the candidate; look once more; retry the likeliest refuted; end.
+
+    The robot gets free where a step of it was cut short.
+    """
+    goal, search = step.goal.in_sentence, memory.search
+    goes_on = _goes_on(step, plan)
+    if goes_on and any(one.distance_to(*step.robot.xy) < STANDS_M for one in plan.tried):
+        _forget(memory)
+        return Phase.GET_FREE, plan
+    if memory.search.evidence.target is not None and not plan.approaching.as_near_as_possible:
+        if step.config.open_the_way and plan.approaching.may_clear(step.config):
+            reason = f"the way to {goal} is blocked, looking whether it stays so"
+            return Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, reason), replace(
+                plan, turns_left=step.motion.turns_of_a_circle, full_turn=True
+            )
+        reason = f"all is explored, going as near to {goal} as possible"
+        path = plan.approaching.route.remaining(step.robot)
+        decision = Decision(Action.TURN_LEFT, Mode.APPROACH, reason, path)
+        return decision, plan.approach(as_near_as_possible=True)
+    if goes_on:
+        _forget(memory)
+        reason = "nothing is left to explore, looking once more"
+        return Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, reason), replace(
+            plan,
+            ends=(*plan.ends, step.robot.xy),
+            turns_left=step.motion.turns_of_a_circle,
+            full_turn=True,
+        )
+    evidence = reconsidered(search.evidence)
+    if evidence is not None:
+        search.evidence = evidence
+        step.events.append("rejected goal area reconsidered")
+        reason = f"nothing is left to explore, going to what looked most like {goal}"
+        decision = Decision(Action.TURN_LEFT, Mode.APPROACH, reason)
+        return decision, plan.with_new_patience(step.config)
+    reason = "nothing is left to explore"
+    if step.config.claim_when_explored:
+        return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND), plan
+    return Decision(None, Mode.STOP, reason, ending=Ending.GAVE_UP), plan
+
+
+def _forget(memory: Memory) -> None:
+    """Forget visited positions and bumps, which may be all that keeps the robot from going on."""
+    memory.search.forget_exploration()
+    memory.floor.map.forget_bumps()
+
+
+def _goes_on(step: Step, plan: Plan) -> bool:
+    """Whether to look once more: always, or if exploration has not ended near here before."""
+    if not step.config.end_when_explored:
+        return True
+    near_m = 2.0 * step.config.arrival_distance_m
+    return step.config.look_again_before_giving_up and all(
+        step.robot.distance_to(*position) > near_m for position in plan.ends
+    )
+
+
+_PHASES: Mapping[Phase, Callable[[Step, Memory, Plan], tuple[Decision | Phase, Plan]]] = {
+    Phase.EXPLORE: explore,
+    Phase.APPROACH: approach,
+    Phase.VERIFY: verify,
+    Phase.SECOND_LOOK: second_look,
+    Phase.CLIMB: climb,
+    Phase.GET_FREE: get_free,
+    Phase.END: end,
+}

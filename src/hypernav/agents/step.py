@@ -1,16 +1,17 @@
-"""One step of a search: what the phases are given, and what they decide."""
+"""One step of a search: what the phases are given, what they decide, and which turns show most."""
 
 import math
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from functools import cached_property
 
+import numpy as np
+from jaxtyping import Bool, Float64
+
 from hypernav.agents.config import SearchConfig
-from hypernav.agents.phases.gaze import Gaze
-from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Learns
 from hypernav.core.components.protocols import Explorer, PresenceCheck
-from hypernav.core.embodiment import Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, Embodiment, MotionConfig
 from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
@@ -18,14 +19,81 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode, ModuleClock
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.drops import drops_to_look_at
+from hypernav.mapping.memory.floor import HeadingsSeen
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.ways import known_floors, ways_to_new_floors
-from hypernav.perception.image_ranking import ImageRanking
-from hypernav.perception.image_recall import ImageRecall
+from hypernav.mapping.sight_lines import unseen_by_bearing
+from hypernav.mapping.stairs.floor_exits import drops_to_look_at, known_floors, stairs_to_new_floors
+from hypernav.perception.image_recall import ImageRanking, ImageRecall
 from hypernav.perception.local.local_perception import LocalPerception
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.navigator import Navigator
+
+_RAYS = 72
+_SAME_SPOT_M = 0.1
+
+
+class Gaze:
+    """Chooses turns by the unseen floor that they would show. It has no state of its own.
+
+    Floor that is still unknown in a direction in which the robot has looked is hidden from there.
+    """
+
+    def __init__(self, embodiment: Embodiment, least_m2: float) -> None:
+        """Create it.
+
+        Args:
+            embodiment: Camera, and angle of a turn.
+            least_m2: Unseen floor that a look must be able to show, square metres.
+        """
+        camera = embodiment.camera
+        self._half_view = math.radians(camera.hfov_deg) / 2.0
+        below = math.radians(camera.pitch_deg) + math.atan2(
+            camera.height / 2.0, camera.intrinsics.fy
+        )
+        self._nearest_m = camera.height_m / math.tan(below) if below > 0.0 else camera.max_depth_m
+        self._farthest_m = camera.max_depth_m
+        self._turn = math.radians(embodiment.motion.turn_angle_deg)
+        self._turns_of_a_circle = embodiment.motion.turns_of_a_circle
+        self._least_m2 = least_m2
+        self._bearings = np.arange(_RAYS) * (2.0 * math.pi / _RAYS)
+
+    def after_image(self, looked: HeadingsSeen | None, robot: Pose2) -> HeadingsSeen:
+        """Where the robot has looked from its position, its present image included."""
+        if looked is None or robot.distance_to(*looked.spot) > _SAME_SPOT_M:
+            looked = HeadingsSeen(robot.xy, np.zeros(_RAYS, dtype=bool))
+        return HeadingsSeen(looked.spot, looked.bearings | self._in_view(robot.yaw))
+
+    def worthwhile_turn(
+        self, grid: OccupancyGrid, robot: Pose2, looked: HeadingsSeen | None
+    ) -> Action | None:
+        """The first turn to the heading that shows most per turn; None if none shows enough.
+
+        Args:
+            grid: The map.
+            robot: Pose of the robot.
+            looked: Where it has looked from its position; None if nowhere yet.
+        """
+        unseen = unseen_by_bearing(
+            grid,
+            robot.xy,
+            self._bearings,
+            nearest_m=self._nearest_m,
+            farthest_m=self._farthest_m,
+        )
+        if looked is not None:
+            unseen[looked.bearings] = 0.0
+        best, most = None, 0.0
+        for turns in range(1, self._turns_of_a_circle // 2 + 1):
+            for action, sign in ((Action.TURN_LEFT, 1.0), (Action.TURN_RIGHT, -1.0)):
+                shown = float(unseen[self._in_view(robot.yaw + sign * turns * self._turn)].sum())
+                if shown >= self._least_m2 and shown / turns > most:
+                    best, most = action, shown / turns
+        return best
+
+    def _in_view(self, yaw: float) -> Bool[np.ndarray, " rays"]:
+        """The directions that an image at this heading shows."""
+        away: Float64[np.ndarray, " rays"] = np.mod(self._bearings - yaw + math.pi, 2 * math.pi)
+        return np.abs(away - math.pi) <= self._half_view
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +156,7 @@ class Step:
         goal: Target of the search.
         observation: Frame of this step, with heights counted from the robot's floor.
         grid: Map of that floor, with this frame integrated.
-        use: Components and configuration of the search.
+        components: Components and configuration of the search.
         clock: Clock of the modules.
         events: Names of what happened in this step, for the trace.
     """
@@ -97,7 +165,7 @@ class Step:
     goal: Goal
     observation: Observation
     grid: OccupancyGrid
-    use: SearchComponents
+    components: SearchComponents
     clock: ModuleClock
     events: list[str]
 
@@ -109,18 +177,18 @@ class Step:
     @property
     def config(self) -> SearchConfig:
         """Configuration of the search, for this robot's steps and turns."""
-        return self.use.paced
+        return self.components.paced
 
     @property
     def motion(self) -> MotionConfig:
         """Length of a step and angle of a turn."""
-        return self.use.embodiment.motion
+        return self.components.embodiment.motion
 
     def to_explore(self, memory: Memory) -> OccupancyGrid:
         """The map that exploration goes by: where it looks again, the rest counts as unknown."""
         search = memory.search
-        if search.looks_again and search.looked_over is not None:
-            return search.looked_over.applied(self.grid)
+        if search.revisits and search.coverage is not None:
+            return search.coverage.applied(self.grid)
         return self.grid
 
     def view(self, memory: Memory) -> ExplorationView:
@@ -136,7 +204,7 @@ class Step:
             things=floor.sightings.things,
             floor=memory.number,
             notes=floor.search.notes,
-            ways_out=ways_to_new_floors(memory) if self.config.use_stairs else (),
+            ways_out=stairs_to_new_floors(memory) if self.config.use_stairs else (),
             elsewhere=known_floors(memory) if self.config.use_stairs else (),
             drops=drops_to_look_at(memory) if looks_for_stairs else (),
         )

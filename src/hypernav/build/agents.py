@@ -27,16 +27,15 @@ from hypernav.core.components.protocols import (
     Segmenter,
 )
 from hypernav.core.components.registry import Choice
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.errors import ConfigError
 from hypernav.core.trace import ExchangeLog
 from hypernav.models.chat.ledger import Ledger
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.perception.image_ranking import ImageRanking
-from hypernav.perception.image_recall import ImageRecall
+from hypernav.perception.image_recall import ImageRanking, ImageRecall
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.local_perception import LocalPerception
-from hypernav.perception.local.presence import VlmPresenceCheck
+from hypernav.perception.local.yes_no_checks import VlmPresenceCheck
 from hypernav.show.captions import ITS_OWN
 
 _PROTOCOLS = {"detector": Detector, "segmenter": Segmenter, "similarity": ImageTextModel}

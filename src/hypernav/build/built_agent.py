@@ -22,7 +22,7 @@ from hypernav.core.components.protocols import (
     SceneScorer,
     Segmenter,
 )
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.goal import Goal
 from hypernav.models.chat.ledger import Ledger
 

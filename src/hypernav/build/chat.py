@@ -7,8 +7,7 @@ from hypernav.core.components.protocols import ChatModel
 from hypernav.core.errors import ConfigError
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.ledger import Ledger, LedgerChat
-from hypernav.models.chat.recording import RecordingChat
-from hypernav.models.chat.resuming import ResumingChat
+from hypernav.models.chat.recording import RecordingChat, ResumingChat
 from hypernav.models.chat.vlm_spec import VlmSpec, open_chat, parse_vlm_spec
 
 

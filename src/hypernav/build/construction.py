@@ -14,7 +14,7 @@ mapping         `hypernav.mapping.config.MappingConfig`: cells and blocks of the
 clearances_m    how far from obstacles destinations lie, metres, in the order to try
 fallback        for reasoners: a reasoner that needs no model
 prompted        `hypernav.agents.prompted.PromptedConfig`: budget and stop of native agents
-truth           `hypernav.core.episodes.truth.EpisodeTruth`: for stand-ins, in simulation only
+truth           `hypernav.core.episode.EpisodeTruth`: for stand-ins, in simulation only
 reasoner        for agents: the `BlockReasoner` of ``--reasoner``
 scorer          for agents: the `SceneScorer` of ``--reasoner``
 guide           for agents: the `Guide` of ``--reasoner``
@@ -38,8 +38,8 @@ from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.registries import Factory
 from hypernav.core.components.door import calling
 from hypernav.core.components.registry import Choice
-from hypernav.core.config import read_section
 from hypernav.core.errors import ConfigError, ContractError
+from hypernav.io.layered_config import read_section
 
 
 def asked_by(choice: Choice[Factory]) -> dict[str, bool]:

@@ -18,11 +18,9 @@ from pydantic import Field
 
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.worlds import in_our_own, open_world
-from hypernav.core.actions import Action
 from hypernav.core.config import MOST_STEPS, RoomConfig
-from hypernav.core.embodiment import Embodiment
-from hypernav.core.episodes.episode import Episode
-from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
+from hypernav.core.embodiment import Action, Embodiment
+from hypernav.core.episode import SUCCESS_DISTANCE_M, Episode
 from hypernav.core.errors import GoalError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -66,11 +64,11 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
     An observation holds ``rgb``, ``depth`` (metres, 0 where there is no return), ``pose`` (x, y in
     metres and yaw in radians, as odometry reports it, in the ``map`` frame that starts at the
     start pose) and ``goal`` (text). Actions have Habitat's numbers, see
-    `hypernav.core.actions.Action`.
+    `hypernav.core.embodiment.Action`.
 
     STOP terminates the episode; the step limit truncates it. The reward is 1 for a STOP at the
     goal and 0 otherwise. ``info`` holds the measures of
-    `hypernav.core.episodes.metrics.EpisodeMetrics`, ``steps`` and ``collided``.
+    `hypernav.core.episode.EpisodeMetrics`, ``steps`` and ``collided``.
 
     `reset` takes the options ``goal`` (text) and ``start`` (``(x, y, yaw)`` in the scene frame).
     Without them the goal is the constructor's, else drawn from the categories with view points, and

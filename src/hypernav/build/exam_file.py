@@ -12,9 +12,9 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.curve import Curve
+from hypernav.core.config import Curve
 from hypernav.core.errors import ConfigError
-from hypernav.core.files.reading import read_file
+from hypernav.io.reading import read_file
 from hypernav.models.chat.vlm_spec import parse_vlm_spec
 
 AUTO = "auto"
@@ -31,7 +31,7 @@ class Worth(_Part):
 
     Attributes:
         presence: Told and true probability that the goal is there, if it is there in half of all
-            cases (`hypernav.perception.local.presence.PresenceConfig.calibration`).
+            cases (`hypernav.perception.local.yes_no_checks.PresenceConfig.calibration`).
         boxes: Score of a box, and how much it shifts the log-odds that this is the goal
             (`hypernav.perception.local.config.LocalConfig.score_weights`).
     """

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.config import check_option
-from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.mapping.storage.memory_folder import MemoryFolder
 
 
 def open_memory(

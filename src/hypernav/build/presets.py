@@ -12,28 +12,31 @@ from hypernav.build.component_specs import PresetName
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import ConfigError
-from hypernav.core.files.allowance import MOST_BYTES, megabytes
+from hypernav.core.words import megabytes
+from hypernav.io.reading import MOST_BYTES
 from hypernav.mapping.config import MappingConfig, memory_of
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.vision.sam import SamConfig
-from hypernav.models.vision.sam_onnx import OnnxSamConfig
-from hypernav.models.vision.yolox import YoloxConfig
-from hypernav.models.vision.zero_shot import ZeroShotConfig
+from hypernav.models.sam import OnnxSamConfig, SamConfig
+from hypernav.models.yolox import YoloxConfig
+from hypernav.models.zero_shot import ZeroShotConfig
+from hypernav.perception.explorers.area_explorer import AreaConfig
 from hypernav.perception.explorers.block_explorer import OverviewConfig
+from hypernav.perception.explorers.frontier_explorers import ValueFrontierConfig
 from hypernav.perception.explorers.geometric_reasoner import GeometricConfig
+from hypernav.perception.explorers.guides import ChatGuideConfig
 from hypernav.perception.explorers.map_question import VlmReasonerConfig
+from hypernav.perception.explorers.scene_scorers import (
+    ChatScorerConfig,
+    SimilarityScorerConfig,
+    TruthScorerConfig,
+)
 from hypernav.perception.image_recall import ImageRecallConfig
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.depth_cut import DepthCutConfig
 from hypernav.perception.local.noisy_detector import DetectorQuality
-from hypernav.perception.local.presence import PresenceConfig
 from hypernav.perception.local.vlm_detector import VlmDetectorConfig
-from hypernav.perception.navvlm.area_explorer import AreaConfig
-from hypernav.perception.navvlm.guides import ChatGuideConfig
-from hypernav.perception.visual_prompts.config import ArrowsConfig
-from hypernav.perception.vlfm.model_scorers import ChatScorerConfig, SimilarityScorerConfig
-from hypernav.perception.vlfm.truth_scorer import TruthScorerConfig
-from hypernav.perception.vlfm.value_frontier import ValueFrontierConfig
+from hypernav.perception.local.yes_no_checks import PresenceConfig
+from hypernav.perception.visual_prompts.proposals import ArrowsConfig
 from hypernav.planning.config import PlanningConfig
 from hypernav.worlds.config import SimulationConfig
 

@@ -1,9 +1,9 @@
 """The words of all questions to a model, for the results."""
 
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.perception.local.crop_check import CROP_WORDS
-from hypernav.perception.navvlm.guides import DIRECTION_WORDS
-from hypernav.perception.prompt_text import prompt_hash
+from hypernav.perception.exchanges import prompt_hash
+from hypernav.perception.explorers.guides import DIRECTION_WORDS
+from hypernav.perception.local.yes_no_checks import CROP_WORDS
 from hypernav.perception.visual_prompts.arrow_reasoners import ARROW_WORDS
 
 

@@ -29,7 +29,7 @@ DETECTORS: Registry[Factory] = Registry(
         ),
         Entry(
             "yolox",
-            "hypernav.models.vision.yolox:YoloxDetector",
+            "hypernav.models.yolox:YoloxDetector",
             form="yolox:PATH.onnx",
             words="YOLOX ({files})",
             section="yolox",
@@ -42,7 +42,7 @@ DETECTORS: Registry[Factory] = Registry(
         ),
         Entry(
             "zero-shot",
-            "hypernav.models.vision.zero_shot:ZeroShotDetector",
+            "hypernav.models.zero_shot:ZeroShotDetector",
             form="zero-shot:ID",
             section="zero_shot",
         ),
@@ -73,10 +73,10 @@ SEGMENTERS: Registry[Factory] = Registry(
             words="depth cut",
             section="depth_cut",
         ),
-        Entry("sam", "hypernav.models.vision.sam:SamSegmenter", form="sam:ID", section="sam"),
+        Entry("sam", "hypernav.models.sam:SamSegmenter", form="sam:ID", section="sam"),
         Entry(
             "onnx-sam",
-            "hypernav.models.vision.sam_onnx:OnnxSamSegmenter",
+            "hypernav.models.sam:OnnxSamSegmenter",
             form="onnx-sam:ENCODER.onnx,DECODER.onnx",
             section="onnx_sam",
         ),
@@ -90,7 +90,7 @@ SIMILARITIES: Registry[Factory] = Registry(
     [
         Entry(
             "local",
-            "hypernav.perception.vlfm.model_scorers:load_similarity",
+            "hypernav.perception.explorers.scene_scorers:load_similarity",
             form="local:PATH_OR_ID",
             words="similarity by {files}",
             section="similarity_scorer",
@@ -111,7 +111,7 @@ REASONERS: Registry[Factory] = Registry(
         ),
         Entry(
             "vlm",
-            "hypernav.perception.explorers.vlm_reasoner:VlmReasoner",
+            "hypernav.perception.explorers.map_question:VlmReasoner",
             words="{model}",
             section="block_choice",
         ),
@@ -138,20 +138,20 @@ SCORERS: Registry[Factory] = Registry(
     [
         Entry(
             "truth",
-            "hypernav.perception.vlfm.truth_scorer:TruthScorer",
+            "hypernav.perception.explorers.scene_scorers:TruthScorer",
             words="the truth in view (stand-in)",
             section="truth_scorer",
         ),
         Entry(
             "similarity",
-            "hypernav.perception.vlfm.model_scorers:SimilarityScorer",
+            "hypernav.perception.explorers.scene_scorers:SimilarityScorer",
             form="similarity:PATH_OR_ID",
             words="similarity by {files}",
             section="similarity_scorer",
         ),
         Entry(
             "vlm",
-            "hypernav.perception.vlfm.model_scorers:ChatScorer",
+            "hypernav.perception.explorers.scene_scorers:ChatScorer",
             words="{model}",
             section="chat_scorer",
         ),
@@ -186,12 +186,12 @@ GUIDES: Registry[Factory] = Registry(
     [
         Entry(
             "truth",
-            "hypernav.perception.navvlm.guides:TruthGuide",
+            "hypernav.perception.explorers.guides:TruthGuide",
             words="the truth in view (stand-in)",
         ),
         Entry(
             "vlm",
-            "hypernav.perception.navvlm.guides:ChatGuide",
+            "hypernav.perception.explorers.guides:ChatGuide",
             words="{model}",
             section="chat_guide",
         ),
@@ -235,18 +235,18 @@ AGENTS: Registry[Factory] = Registry(
         ),
         Entry(
             "frontier",
-            "hypernav.perception.explorers.nearest_frontier:NearestFrontierExplorer",
+            "hypernav.perception.explorers.frontier_explorers:NearestFrontierExplorer",
             words="nearest frontier",
         ),
         Entry(
             "vlfm",
-            "hypernav.perception.vlfm.value_frontier:ValueFrontierExplorer",
+            "hypernav.perception.explorers.frontier_explorers:ValueFrontierExplorer",
             words="VLFM's frontiers by value",
             section="value_frontier",
         ),
         Entry(
             "navvlm",
-            "hypernav.perception.navvlm.area_explorer:AreaExplorer",
+            "hypernav.perception.explorers.area_explorer:AreaExplorer",
             words="NavVLM's areas",
             section="navvlm",
         ),

@@ -9,14 +9,14 @@ from hypernav.build.worlds import in_our_own, open_world
 from hypernav.core.components.door import through_door
 from hypernav.core.components.protocols import Agent
 from hypernav.core.config import MOST_SEED, MOST_STEPS, check_option
-from hypernav.core.episodes.episode import MAX_STEPS, Episode
+from hypernav.core.episode import MAX_STEPS, Episode
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.world import Simulator
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.mapping.storage.memory_folder import MemoryFolder
 from hypernav.worlds.scenes.scene import Scene
 
 

@@ -13,7 +13,7 @@ from hypernav.cli.options.ablate import Options
 from hypernav.cli.run_choice import config_of, plan_of
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
-from hypernav.core.text.counted import number_of
+from hypernav.core.words import number_of
 from hypernav.evaluation.refinement.area_record import EpisodeAreas
 from hypernav.evaluation.refinement.page import result_lines, write_refinement
 from hypernav.evaluation.refinement.study import run_refinement_study

@@ -7,11 +7,11 @@ from rich.markup import escape
 from hypernav.build.presets import preset
 from hypernav.cli.options.doctor import Options
 from hypernav.cli.screen.terminal import Terminal
-from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.checks.data_folder import check_data
 from hypernav.evaluation.checks.findings import Finding, State
 from hypernav.evaluation.checks.vlm_checkup import check_up
+from hypernav.io.layered_config import layered
 from hypernav.models.chat.vlm_spec import open_chat, parse_vlm_spec
 
 _MARKS = {

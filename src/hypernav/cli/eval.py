@@ -19,8 +19,7 @@ from hypernav.cli.run_choice import check, config_of, planned, worker_count
 from hypernav.cli.screen.eval_table import outcome_lines, progress_line, progress_table
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.warnings_shown import warnings_on
-from hypernav.core.episodes.episode import Episode
-from hypernav.core.episodes.life import lives_of
+from hypernav.core.episode import Episode, lives_of
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.run_cost import (
     cost_by_episodes,

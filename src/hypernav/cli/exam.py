@@ -19,9 +19,8 @@ from hypernav.cli.options.exam import Options
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.warnings_shown import warnings_on
 from hypernav.core.components.protocols import ChatModel
-from hypernav.core.config import MOST_THREADS, check_option, layered
+from hypernav.core.config import MOST_THREADS, check_option
 from hypernav.core.errors import ConfigError
-from hypernav.core.files.folder_lock import folder_lock
 from hypernav.exam.bank import BANK_VERSION, Bank
 from hypernav.exam.confusion import confusion_of
 from hypernav.exam.examinee import Examinee, check_named
@@ -38,6 +37,8 @@ from hypernav.exam.results import (
 )
 from hypernav.exam.searches import SEARCHES, mimics_of, run_searches, spread_episodes
 from hypernav.exam.sitting import FORECAST_AFTER, Progress, sit
+from hypernav.io.folder_lock import folder_lock
+from hypernav.io.layered_config import layered
 from hypernav.models.chat.ledger import Ledger
 from hypernav.models.chat.vlm_spec import parse_vlm_spec
 

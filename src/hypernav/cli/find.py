@@ -36,8 +36,9 @@ from hypernav.cli.screen.warnings_shown import (
     warnings_on,
 )
 from hypernav.core.components.abilities import check_remembers
+from hypernav.core.components.exits import interruptions_of_kernels
 from hypernav.core.config import check_option
-from hypernav.core.episodes.episode import MAX_STEPS, Episode, Outcome
+from hypernav.core.episode import MAX_STEPS, Episode, Outcome
 from hypernav.core.errors import (
     ConfigError,
     MemoryStartError,
@@ -45,15 +46,14 @@ from hypernav.core.errors import (
     ModelUnavailableError,
     OutputError,
 )
-from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.core.world import Simulator
 from hypernav.datasets.benchmarks import robot_in
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
 from hypernav.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
-from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.io.folder_lock import folder_lock
+from hypernav.mapping.storage.memory_folder import MemoryFolder
 from hypernav.show.video_frame import EpisodeInfo
 from hypernav.warmup.background import warm_up_in_background
 from hypernav.worlds.simulated_robot import check_standable

@@ -11,9 +11,9 @@ from hypernav.cli.guards.outputs import check_file, check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.houses import Episodes, Export, Show, Splits
 from hypernav.cli.screen.terminal import Terminal
+from hypernav.core.components.exits import interruptions_of_kernels
 from hypernav.core.errors import ConfigError, EpisodeError
-from hypernav.core.interruptions import interruptions_of_kernels
-from hypernav.core.text.whole_numbers import is_whole_number
+from hypernav.core.words import is_whole_number
 from hypernav.datasets.building_splits import SPLITS, numbers_of, split_named
 from hypernav.houses.building import NOUNS, Building
 from hypernav.houses.episodes.splits import Difficulty, difficulty, load_split

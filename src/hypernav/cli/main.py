@@ -19,7 +19,7 @@ from hypernav.cli.guards.library_words import silence_libraries
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.core.components.exits import answer_exits, end_at_once
 from hypernav.core.errors import HyPerNavError, ModelUnavailableError
-from hypernav.core.text.visible_text import visible
+from hypernav.core.words import visible
 
 _LINGER_S = 5.0
 """Time that threads of components have to end after the command has."""

@@ -11,15 +11,15 @@ from hypernav.cli.options.memory import Options
 from hypernav.cli.screen.memory_page import memory_page
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, MemoryFolderError, OutputError
-from hypernav.core.files.folder_lock import LOCK_NAME, folder_lock
-from hypernav.core.files.whole_files import write_whole
 from hypernav.core.labels import canonical, same_name
-from hypernav.core.text.counted import number_of
+from hypernav.core.words import number_of
+from hypernav.io.folder_lock import LOCK_NAME, folder_lock
+from hypernav.io.writing import write_whole
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.memory_folder import MemoryFolder
-from hypernav.mapping.memory.reading import read_index
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import Things
+from hypernav.mapping.storage.memory_folder import MemoryFolder
+from hypernav.mapping.storage.memory_reader import read_index
 
 PAGE_NAME = "index.html"
 

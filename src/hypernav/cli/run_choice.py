@@ -12,8 +12,7 @@ from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.eval import Options
 from hypernav.core.components.abilities import remembers
 from hypernav.core.config import MOST_THREADS, check_option
-from hypernav.core.episodes.episode import MAX_STEPS, Episode
-from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
+from hypernav.core.episode import MAX_STEPS, SUCCESS_DISTANCE_M, Episode
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.datasets.benchmarks import benchmark_of
 from hypernav.datasets.goal_types import goal_type_words, goal_types_in

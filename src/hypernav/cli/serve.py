@@ -11,7 +11,7 @@ from hypernav.cli.guards.outputs import check_folder
 from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.serve import Options
 from hypernav.cli.screen.terminal import Terminal
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.config import check_option
 from hypernav.core.errors import ConfigError
 from hypernav.warmup.background import warm_up_in_background
@@ -110,9 +110,9 @@ def _check_memory(folder: Path) -> tuple[str, ...]:
         OutputError: The folder cannot be written.
         RunFolderError: Another program uses it, and may be saving to it.
     """
-    from hypernav.core.files.folder_lock import folder_lock
-    from hypernav.mapping.memory.memory_folder import check_is_of_robot
-    from hypernav.mapping.memory.reading import (
+    from hypernav.io.folder_lock import folder_lock
+    from hypernav.mapping.storage.memory_folder import check_is_of_robot
+    from hypernav.mapping.storage.memory_reader import (
         check_not_inside_another,
         read_index,
         read_memory,

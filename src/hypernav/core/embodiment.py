@@ -1,14 +1,15 @@
-"""The robot, described once: its body, its camera and the effect of its actions."""
+"""The robot, described once: its body, its camera, its actions and what they do."""
 
 import math
+from enum import IntEnum
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from hypernav.core.config import RoomConfig
-from hypernav.core.files.allowance import megabytes
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Transform
+from hypernav.core.words import megabytes
 
 _BYTES_PER_PIXEL = 200
 """Memory per pixel: its ray, colours, depth, instance and point, bytes."""
@@ -17,6 +18,15 @@ _MOST_BYTES = 1_000_000_000
 
 STAIR_CLIMB_M = 0.2
 """Height of steps, metres, from which a robot climbs stairs: Habitat's."""
+
+
+class Action(IntEnum):
+    """Discrete actions with Habitat's numbers."""
+
+    STOP = 0
+    MOVE_FORWARD = 1
+    TURN_LEFT = 2
+    TURN_RIGHT = 3
 
 
 class BodyConfig(RoomConfig):

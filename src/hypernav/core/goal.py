@@ -5,8 +5,7 @@ import unicodedata
 from dataclasses import dataclass
 
 from hypernav.core.errors import GoalError
-from hypernav.core.text.noun_phrase import without_lead_in
-from hypernav.core.text.unicode_words import composed
+from hypernav.core.words import composed, without_lead_in
 
 MAX_GOAL_LENGTH = 500
 """Maximum length of a goal, characters: several sentences, short enough for every prompt."""
@@ -60,7 +59,7 @@ class Goal:
         return _ARTICLE.sub("", self.text.strip())
 
     @property
-    def told(self) -> str:
+    def in_sentence(self) -> str:
         """The goal within a sentence: "the bed", or in quotation marks if it is one itself."""
         thing = self.thing
         if _SENTENCE.search(thing) or without_lead_in(thing.lower()) != thing.lower():

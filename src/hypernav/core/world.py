@@ -11,9 +11,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float32, Float64, Int32, UInt8
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.embodiment import Action, Embodiment
+from hypernav.core.episode import Episode
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal

@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError
-from hypernav.core.text.whole_numbers import is_whole_number
+from hypernav.core.words import is_whole_number
 from hypernav.datasets.benchmarks import Benchmark
 from hypernav.datasets.goat import goat_parts
 from hypernav.datasets.habitat_episodes import split_parts

@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from hypernav.core.embodiment import BodyConfig, CameraConfig, Embodiment, MotionConfig
-from hypernav.core.episodes.episode import MAX_STEPS
-from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
+from hypernav.core.episode import MAX_STEPS, SUCCESS_DISTANCE_M
 from hypernav.core.errors import ConfigError
 from hypernav.datasets import paper_results
 from hypernav.datasets.paper_results import PaperRuns

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError
 
 LONG_DESCRIPTION = "long description"

@@ -14,14 +14,14 @@ import numpy as np
 from jaxtyping import Float64
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StrictInt
 
-from hypernav.core.episodes.episode import Episode, ObjectName
+from hypernav.core.episode import Episode, ObjectName
 from hypernav.core.errors import EpisodeError, GoalError
-from hypernav.core.files.json_text import Items
 from hypernav.core.goal import Goal
 from hypernav.datasets.goal_types import LONG_DESCRIPTION
 from hypernav.datasets.habitat_files import episode_files, read_as
 from hypernav.datasets.habitat_format import ObjectGoal, Position, Quaternion
 from hypernav.datasets.habitat_frames import pose_from_habitat, positions_from_habitat
+from hypernav.io.parsing import Items
 
 _MOST_WORDS = 55
 """Greatest number of words of a description, counted by single spaces, as the code does."""

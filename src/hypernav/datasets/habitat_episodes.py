@@ -1,4 +1,4 @@
-"""Habitat's episodes as `hypernav.core.episodes.episode.Episode`."""
+"""Habitat's episodes as `hypernav.core.episode.Episode`."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.episodes.episode import Episode, ObjectName
+from hypernav.core.episode import Episode, ObjectName
 from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_files import CONTENT, episode_files, read_episodes

@@ -12,10 +12,10 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from hypernav.core.errors import EpisodeError
-from hypernav.core.files.allowance import Allowance, megabytes
-from hypernav.core.files.json_text import check_json_size
-from hypernav.core.files.reading import read_file
+from hypernav.core.words import megabytes
 from hypernav.datasets.habitat_format import EpisodeDataset
+from hypernav.io.parsing import check_json_size
+from hypernav.io.reading import Allowance, read_file
 
 _MOST_BYTES = 500_000_000
 """The largest text; the file with all of MP3D's validation episodes has a third of it."""

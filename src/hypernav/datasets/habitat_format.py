@@ -16,13 +16,13 @@ import numpy as np
 from jaxtyping import Float64
 from pydantic import AllowInfNan, BaseModel, ConfigDict, Field, StrictFloat, StrictInt
 
-from hypernav.core.episodes.episode import ObjectName
+from hypernav.core.episode import ObjectName
 from hypernav.core.errors import EpisodeError
-from hypernav.core.files.json_text import Items
-from hypernav.core.files.reading import back_slashes
 from hypernav.core.goal import Goal
-from hypernav.core.text.whole_numbers import is_whole_number
+from hypernav.core.words import is_whole_number
 from hypernav.datasets.habitat_frames import positions_from_habitat
+from hypernav.io.parsing import Items
+from hypernav.io.reading import back_slashes
 
 Number = StrictInt | Annotated[StrictFloat, AllowInfNan(False)]
 """A finite JSON number; 0 and 0.0 stay distinct."""

@@ -7,12 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from hypernav.core.actions import Action
 from hypernav.core.components.abilities import BuiltForRobot, check_remembers, remembers
 from hypernav.core.components.protocols import Agent, ExplainsItself
-from hypernav.core.episodes.episode import Episode, Outcome
-from hypernav.core.episodes.metrics import EpisodeMetrics
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Episode, EpisodeMetrics, EpisodeTruth, Outcome
 from hypernav.core.errors import (
     ConfigError,
     MemoryStartError,
@@ -30,8 +28,8 @@ from hypernav.episodes.trial import Trial
 from hypernav.episodes.true_paths import true_paths
 from hypernav.episodes.unknown_start import find_start
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.memory_folder import MemoryFolder
-from hypernav.mapping.memory.unknown_start import FoundStart
+from hypernav.mapping.memory.relocalization import FoundStart
+from hypernav.mapping.storage.memory_folder import MemoryFolder
 
 
 @dataclass(frozen=True, eq=False)

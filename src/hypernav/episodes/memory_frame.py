@@ -4,11 +4,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.world import KeepsMapFrame, World
-from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.mapping.storage.memory_folder import MemoryFolder
 
 
 def building_of(episode: Episode) -> str:

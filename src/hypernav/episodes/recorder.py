@@ -15,11 +15,10 @@ import numpy as np
 from jaxtyping import UInt8
 
 from hypernav.core.errors import OutputError
-from hypernav.core.files.append_only import AppendOnlyFile
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
-from hypernav.core.trace import StepTrace, floor_of
-from hypernav.core.view import json_values
+from hypernav.core.trace import StepTrace, floor_of, json_values
+from hypernav.io.writing import AppendOnlyFile
 from hypernav.mapping.ros_map import save_ros_map
 from hypernav.perception.exchanges import unusable_answers
 from hypernav.show.drawing.map_images import write_map_png
@@ -39,7 +38,7 @@ _RESERVE_BYTES = 2_000_000
 class EpisodeRecorder:
     """Writes trace and video while the episode runs, and maps, result and page when it ends.
 
-    It is a `hypernav.core.view.View`.
+    It is a `hypernav.core.trace.View`.
 
     An interruption loses nothing that was recorded: the trace is flushed step by step, and leaving
     the ``with`` block finishes the video in any case.

@@ -2,7 +2,7 @@
 
 import math
 
-from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
+from hypernav.core.episode import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
 from hypernav.core.world import GoalTruth, Position
 
 

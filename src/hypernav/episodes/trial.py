@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from hypernav.core.actions import Action
-from hypernav.core.episodes.episode import Episode
-from hypernav.core.episodes.metrics import EpisodeMetrics
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Episode, EpisodeMetrics
 from hypernav.core.errors import WorldError
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending

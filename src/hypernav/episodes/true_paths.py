@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from hypernav.core.episodes.truth import PathLeft
+from hypernav.core.episode import PathLeft
 from hypernav.episodes.trial import Trial
 
 

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from hypernav.core.actions import Action
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Episode
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.world import World
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.unknown_start import FoundStart, found_by_turn
+from hypernav.mapping.memory.relocalization import FoundStart, found_by_turn
 
 
 def find_start(

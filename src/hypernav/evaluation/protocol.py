@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
+from hypernav.core.episode import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
 from hypernav.evaluation.record import EpisodeRecord
 
 SUCCESS_DISTANCES_M = (0.1, 0.2, 0.25, 0.3, 1.0)

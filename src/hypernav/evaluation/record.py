@@ -15,8 +15,7 @@ from pydantic import (
     model_serializer,
 )
 
-from hypernav.core.episodes.episode import Episode, Outcome
-from hypernav.core.episodes.metrics import measure
+from hypernav.core.episode import Episode, Outcome, measure
 from hypernav.evaluation.failures.classification import Facts, Failure, classify
 
 Length = Annotated[

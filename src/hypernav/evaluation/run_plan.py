@@ -16,8 +16,7 @@ from hypernav.build.data.datasets import (
 )
 from hypernav.build.data.sources import Progress
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.episodes.episode import MAX_STEPS, Episode
-from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
+from hypernav.core.episode import MAX_STEPS, SUCCESS_DISTANCE_M, Episode
 from hypernav.datasets.benchmarks import benchmark_of
 from hypernav.datasets.goal_types import RUNNABLE, of_types
 from hypernav.evaluation.protocol import StopRule

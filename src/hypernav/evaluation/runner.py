@@ -4,8 +4,7 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from hypernav.core.episodes.episode import Episode, Outcome
-from hypernav.core.episodes.life import Life, lives_of
+from hypernav.core.episode import Episode, Life, Outcome, lives_of
 from hypernav.core.errors import ComponentError, CrashError, HyPerNavError, ModelUnavailableError
 from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.record import EpisodeRecord, unmeasured_record

@@ -15,7 +15,7 @@ from scipy.optimize import minimize
 
 from hypernav.exam.agreement import likeness_of
 from hypernav.exam.questions import EQUAL_M, Answered
-from hypernav.perception.local.persistence import STANDARD_NORMAL
+from hypernav.perception.local.systematic_detector import STANDARD_NORMAL
 
 _MOST_POWER = 20.0
 """Power from which the second in a rank is as good as never chosen."""

@@ -7,7 +7,7 @@ from hypernav.exam.agreement import agreement_of
 from hypernav.exam.choices import BlockChoices, choices_of
 from hypernav.exam.questions import Answered, Role, Shown
 from hypernav.exam.sight import Sight, sight_of
-from hypernav.perception.local.persistence import SAME_NAME_SAID
+from hypernav.perception.local.systematic_detector import SAME_NAME_SAID
 
 _NAMES_AGREE = 0.3
 """How alike answers about things of one name are taken to be, if the exam doesn't tell; ours."""

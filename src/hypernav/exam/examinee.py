@@ -30,7 +30,7 @@ from hypernav.core.components.protocols import (
     Segmenter,
 )
 from hypernav.core.components.registry import Choice, Registry
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.errors import ConfigError
 from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.goal import Goal
@@ -38,7 +38,7 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.exam.marking import Given, marked
 from hypernav.exam.questions import NO_IMAGE, Answered, ExamQuestion, Kind
 from hypernav.perception.image_recall import ImageRecall
-from hypernav.perception.local.presence import VlmPresenceCheck
+from hypernav.perception.local.yes_no_checks import VlmPresenceCheck
 
 _OF_CHAT: tuple[Kind, ...] = ("presence", "images")
 """Types that the chat model alone is asked, whatever components are named."""

@@ -17,11 +17,16 @@ from hypernav.build.agents import build_explorer, build_search
 from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.build.worlds import open_world
 from hypernav.core.components.protocols import Explorer
-from hypernav.core.episodes.episode import Episode
-from hypernav.core.episodes.truth import PathLeft
-from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice, ArrowView
+from hypernav.core.episode import Episode, PathLeft
 from hypernav.core.exploring.exploration import Destination, ExplorationView
-from hypernav.core.exploring.guidance import Direction, GuideChoice, GuideView
+from hypernav.core.exploring.guidance import (
+    TURN_AROUND,
+    ArrowChoice,
+    ArrowView,
+    Direction,
+    GuideChoice,
+    GuideView,
+)
 from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from hypernav.core.episodes.episode import Episode
-from hypernav.core.episodes.truth import PathLeft
+from hypernav.core.episode import Episode, PathLeft
 from hypernav.core.errors import StartError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

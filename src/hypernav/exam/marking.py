@@ -12,10 +12,10 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Exchange
 from hypernav.exam.questions import NO_IMAGE, RIGHT_IOU, Answered, ExamQuestion, Role, Shown
-from hypernav.models.chat.unwrapping import final_answer
+from hypernav.models.chat.answer_parsing import final_answer
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
 from hypernav.perception.local.noisy_detector import resembles
-from hypernav.perception.local.persistence import view_of
+from hypernav.perception.local.systematic_detector import view_of
 
 _CORNERS = re.compile(r"(?:-?\d+(?:\.\d+)?[\s,()\[\]]+){3}-?\d")
 """Four successive numbers, as of a box."""

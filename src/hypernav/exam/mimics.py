@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from hypernav.core.components.protocols import BlockReasoner
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.goal import Goal
@@ -23,7 +23,7 @@ from hypernav.exam.sight import BoxAnswer, Sight, drawn
 from hypernav.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
 from hypernav.perception.local.noisy_detector import distance_to, resembles
-from hypernav.perception.local.persistence import (
+from hypernav.perception.local.systematic_detector import (
     STANDARD_NORMAL,
     is_cut_off,
     normal,

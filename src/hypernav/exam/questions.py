@@ -7,8 +7,7 @@ import numpy as np
 from jaxtyping import Bool
 from pydantic import BaseModel, ConfigDict, Field
 
-from hypernav.core.exploring.arrows import ArrowView
-from hypernav.core.exploring.guidance import GuideView
+from hypernav.core.exploring.guidance import ArrowView, GuideView
 from hypernav.core.exploring.overview import Overview
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
@@ -108,7 +107,7 @@ class Shown(BaseModel):
         role: "goal", "alike" if it is easily taken for the goal, or "other".
         boxed: Whether it is the thing that some box of the answer fits best.
         view: Side from which it is seen, size, and whether the image cuts it off
-            (`hypernav.perception.local.persistence.view_of`).
+            (`hypernav.perception.local.systematic_detector.view_of`).
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")

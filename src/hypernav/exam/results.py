@@ -12,7 +12,6 @@ import numpy as np
 
 from hypernav.build.exam_file import VERSION
 from hypernav.core.errors import OutputError
-from hypernav.core.files.whole_files import write_whole
 from hypernav.evaluation.checks.findings import Finding, State
 from hypernav.evaluation.statistics import Comparison, compare, holm
 from hypernav.exam.faults import faults_of
@@ -21,7 +20,8 @@ from hypernav.exam.pictures import picture_of
 from hypernav.exam.prediction import Prediction
 from hypernav.exam.questions import KINDS, STRATA, Answered
 from hypernav.exam.worth import worth_of
-from hypernav.models.chat.unwrapping import unwrapped
+from hypernav.io.writing import write_whole
+from hypernav.models.chat.answer_parsing import unwrapped
 from hypernav.show.templating import data_uri, page_environment, plain
 
 PAGE, RESULT = "index.html", "exam.json"

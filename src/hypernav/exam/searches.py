@@ -15,8 +15,7 @@ from hypernav.agents.search import SearchAgent
 from hypernav.build.agents import build_search
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.worlds import open_world
-from hypernav.core.episodes.episode import Episode
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import Episode, EpisodeTruth
 from hypernav.core.trace import ExchangeLog
 from hypernav.core.world import Simulator
 from hypernav.episodes.episode_run import EpisodeRun

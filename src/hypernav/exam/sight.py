@@ -13,7 +13,11 @@ from scipy.special import expit, log_expit
 from hypernav.core.geometry.boxes import Box
 from hypernav.exam.agreement import agreement_of, likeness_of
 from hypernav.exam.questions import Answered
-from hypernav.perception.local.persistence import SAME_THING_FOUND, STANDARD_NORMAL, touches_edge
+from hypernav.perception.local.systematic_detector import (
+    SAME_THING_FOUND,
+    STANDARD_NORMAL,
+    touches_edge,
+)
 
 _Answer = TypeVar("_Answer")
 _FAR_M = 10.0

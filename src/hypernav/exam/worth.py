@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import isotonic_regression
 
 from hypernav.build.exam_file import Worth
-from hypernav.core.curve import Curve
+from hypernav.core.config import Curve
 from hypernav.exam.questions import Answered
 
 _ELSEWHERE_IOU = 0.1

@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int32
 
-from hypernav.core.files.cache_folder import cache_folder
 from hypernav.core.labels import ObjectLabel
 from hypernav.datasets.shipped import check_geometry
 from hypernav.houses.assembly import CompactScene, to_scene
 from hypernav.houses.building import VERSION, Building
 from hypernav.houses.modelling.model import Finish
 from hypernav.houses.textures.library import is_image, is_loaded, store_texture, texture
+from hypernav.io.cache_folder import cache_folder
 from hypernav.worlds.scenes.scene import Scene
 
 _ARRAYS = ("positions", "normals", "uv", "faces", "face_material", "face_instance")

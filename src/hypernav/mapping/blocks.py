@@ -13,11 +13,11 @@ from hypernav.core.exploring.floors import Drop, WayOut
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.distance_kernels import nearest_open_cell
+from hypernav.mapping.grid_kernels import nearest_open_cell
 from hypernav.mapping.reachable_area import ReachableArea
 
 CLIMB_M = 8.0
-"""Length of path that stairs to another floor are worth, metres: their own, and the way back."""
+"""Length of path that stairs to another floor are worth, metres: their own, and the path back."""
 FLOOR_SHARE = 0.5
 """Worth of an unseen floor, by the area that was seen of this one: the more of it was seen without
 the goal, the likelier that is on another."""

@@ -1,6 +1,6 @@
 """Integration of one depth frame into the elevation map, compiled.
 
-The kernel takes plain arrays and plain tuples; see `hypernav.mapping.top_down.integrate_kernels`.
+The kernel takes plain arrays and plain tuples; see `hypernav.mapping.top_down_kernels`.
 All heights are in the ``map`` frame, metres.
 """
 
@@ -8,8 +8,7 @@ import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
-from hypernav.mapping.top_down.depth_kernels import is_measured
-from hypernav.mapping.top_down.integrate_kernels import FREE, OCCUPIED
+from hypernav.mapping.top_down_kernels import FREE, OCCUPIED, is_measured
 
 _FINE, _COARSE = 320, 160
 """Columns of pixels that are used of an image, for ground down a column; else. The two pixels of a

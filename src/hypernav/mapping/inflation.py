@@ -1,19 +1,35 @@
-"""Inflation of a map's obstacles by the size of the robot, and escapes from inflated ones."""
+"""Distances from a map's obstacles, their inflation by the robot's size, and escapes from it."""
 
 import math
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, UInt8
+from jaxtyping import Bool, Float32, UInt8
 
 from hypernav.core.geometry.grid import has_cell
-from hypernav.mapping.distance_kernels import nearest_open_cell, travel_cells
+from hypernav.mapping.grid_kernels import nearest_open_cell, travel_cells
 
 _WITHIN_M = 1.0
 """Distance in rows and columns, metres, within which an open cell is looked for."""
 _WIDTH_CELLS = 1.5
 """Cells by which an escape may exceed the shortest one, since the robot's steps are long."""
+
+
+def distance_from(
+    mask: Bool[np.ndarray, "rows columns"],
+) -> Float32[np.ndarray, "rows columns"]:
+    """Distance of every cell from the nearest cell of a mask, between middles, cells.
+
+    Where the mask has no cell it is infinite. The same mask gives the same bytes, at distances up
+    to 4,000 cells: OpenCV's own result errs by up to 4e-6 cells, with Intel's library differently
+    at every address in memory, so that of two equally near cells either might be the nearer one.
+    """
+    if not mask.any():
+        return np.full(mask.shape, np.inf, np.float32)
+    nearly = cv2.distanceTransform((~mask).view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    # The square of a distance between cells is a whole number.
+    return np.sqrt(np.rint(np.square(nearly, dtype=np.float64))).astype(np.float32)
 
 
 def disc(radius_m: float, cell_size_m: float) -> UInt8[np.ndarray, "side side"]:

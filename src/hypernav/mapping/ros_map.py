@@ -10,11 +10,10 @@ from jaxtyping import Int8
 from PIL import Image
 
 from hypernav.core.errors import MapError
-from hypernav.core.files.image_sizes import MOST_PIXELS
-from hypernav.core.files.reading import read_file, text_of
-from hypernav.core.files.whole_files import write_whole
-from hypernav.core.files.yaml_text import MOST_CHARACTERS, parse_yaml
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.io.parsing import MOST_CHARACTERS, parse_yaml
+from hypernav.io.reading import MOST_PIXELS, read_file, text_of
+from hypernav.io.writing import write_whole
 
 OCCUPIED_THRESHOLD = 0.65
 FREE_THRESHOLD = 0.196

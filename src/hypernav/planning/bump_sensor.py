@@ -7,11 +7,9 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment, MotionConfig
+from hypernav.core.embodiment import Action, Embodiment, MotionConfig
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.segments import distances_to_segment
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.geometry.transforms import Pose2, distances_to_segment
 from hypernav.mapping.inflation import inflate
 from hypernav.planning.config import PlanningConfig
 
@@ -20,7 +18,7 @@ _MOVED_SHARE = 0.6
 _TOUCHES_M = 0.1
 """Length, metres, by which an obstacle that the robot touches may be larger than seen."""
 _LATEST = 50
-"""Number of latest positions whose way counts as free: long ago, something may have come since."""
+"""Number of latest positions whose track counts as free: things may have come onto older ones."""
 
 
 def is_cut_short(ordered: tuple[Pose2, Action] | None, robot: Pose2, motion: MotionConfig) -> bool:
@@ -39,7 +37,7 @@ def is_cut_short(ordered: tuple[Pose2, Action] | None, robot: Pose2, motion: Mot
 def bumped_points(
     ordered: tuple[Pose2, Action] | None,
     robot: Pose2,
-    way: Sequence[tuple[float, float]],
+    track: Sequence[tuple[float, float]],
     grid: OccupancyGrid,
     config: PlanningConfig,
     embodiment: Embodiment,
@@ -48,12 +46,12 @@ def bumped_points(
 
     If the map shows obstacles beside the robot's front, the robot has touched one of them that
     is a little larger than it was seen; else something unseen is right before it. It is not where
-    the robot's body has just been: the way that it came by leads out again.
+    the robot's body has just been: the track that it came by leads out again.
 
     Args:
         ordered: Pose before the latest action, and that action; None before the first.
         robot: Pose of the robot.
-        way: Its positions ``(x, y)`` in this search, metres.
+        track: Its positions ``(x, y)`` in this search, metres.
         grid: The map.
         config: Whether to detect collisions, and the margin between the robot and obstacles.
         embodiment: Length of a step and size of the robot.
@@ -73,7 +71,7 @@ def bumped_points(
     touched[inside] = beside_known[cells[inside, 0], cells[inside, 1]]
     ahead = np.zeros(len(front), dtype=bool)
     ahead[3:-3] = True
-    free = _swept(front, way[-_LATEST:], embodiment)
+    free = _swept(front, track[-_LATEST:], embodiment)
     for points in (touched & ~free, ahead & ~free):
         if points.any():
             return front[points]
@@ -82,12 +80,12 @@ def bumped_points(
 
 def _swept(
     points: Float64[np.ndarray, "n 2"],
-    way: Sequence[tuple[float, float]],
+    track: Sequence[tuple[float, float]],
     embodiment: Embodiment,
 ) -> Bool[np.ndarray, " n"]:
     """Whether the robot's body has passed over points."""
     swept = np.zeros(len(points), dtype=bool)
-    for start, end in pairwise(np.array(way)):
+    for start, end in pairwise(np.array(track)):
         if math.dist(start, end) > 1.5 * embodiment.motion.forward_m:
             continue  # it was carried
         swept |= distances_to_segment(points, start, end) < embodiment.body.radius_m

@@ -1,24 +1,83 @@
-"""Navigation to a destination, one action at a time."""
+"""Navigation to a destination, one action at a time, and gaps that are just too narrow for it."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
-from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.embodiment import Action, Embodiment
+from hypernav.core.geometry.grid import OccupancyGrid, has_cell
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.mapping.inflation import disc
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap
-from hypernav.planning.follower import PathFollower
-from hypernav.planning.gaps import HOPE_M, Gap, gap_on_the_way
-from hypernav.planning.planner import PlannedPath, Planner, is_blocked
-from hypernav.planning.route import DeadEnd, Route
+from hypernav.planning.follower import DeadEnd, PathFollower, Route
+from hypernav.planning.planner import PlannedPath, Planner, astar, is_blocked
+
+HOPE_M = 0.04
+"""Error of a map that may close a gap seen from afar, on each of its sides, metres."""
+_PRICE = np.float32(10.0)
+"""Cost factor of a cell that may turn out to be closed; it stands for the path back then."""
+_SAME_GAP_M = 0.5
+"""Radius, metres, around a gap that was looked at, within which all gaps count as closed."""
 
 Points = tuple[tuple[float, float], ...]
 Destinations = tuple[Float64[np.ndarray, "_ 2"], ...]
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A gap that the map shows as just too narrow.
+
+    Attributes:
+        position: First position on the way where the robot does not fit, ``(x, y)``, metres.
+        look_from: Last position before it where the robot fits, ``(x, y)``, metres.
+    """
+
+    position: tuple[float, float]
+    look_from: tuple[float, float]
+
+
+def gap_on_path(
+    tight: Costmap,
+    hopeful: Costmap,
+    start: tuple[float, float],
+    targets: Float64[np.ndarray, "n 2"],
+    closed: tuple[tuple[float, float], ...],
+) -> Gap | None:
+    """The first gap on the cheapest path to a destination, if gaps may be wider than they look.
+
+    Args:
+        tight: Costmap with the smallest clearance that the robot accepts.
+        hopeful: Costmap of the same map with obstacles inflated less, by `HOPE_M`.
+        start: Position of the robot ``(x, y)``, metres.
+        targets: Points ``(x, y)`` of the destination, metres.
+        closed: Positions ``(x, y)``, metres, of gaps that were looked at, and are closed.
+
+    Returns:
+        None if there is no such path, if no gap is on it, or if the robot stands in one.
+    """
+    grid, costs = tight.grid, hopeful.costs.copy()
+    doubtful = (tight.costs == 0.0) & (costs > 0.0)
+    costs[doubtful] = _PRICE
+    known_closed = np.zeros(costs.shape, dtype=bool)
+    around = np.argwhere(disc(_SAME_GAP_M, grid.resolution_m))
+    for position in closed:
+        cells = around - around.max(axis=0) // 2 + np.array(grid.cell_of(*position))
+        cells = cells[has_cell(costs.shape, cells[:, 0], cells[:, 1])]
+        known_closed[cells[:, 0], cells[:, 1]] = True
+    costs[doubtful & known_closed] = 0.0
+    if tight.escape is None:
+        return None
+    wanted = grid.mask_of(targets) & (costs > 0.0)
+    path, _ = astar(costs, grid.cell_of(*start), wanted.view(np.uint8))
+    in_doubt = np.flatnonzero(doubtful[path[:, 0], path[:, 1]])
+    if len(in_doubt) == 0 or in_doubt[0] == 0:  # at 0 the robot stands in it
+        return None
+    first = int(in_doubt[0])
+    (x, y), (from_x, from_y) = grid.centres_of(path[[first, first - 1]]).tolist()
+    return Gap((x, y), (from_x, from_y))
 
 
 class Navigator:
@@ -67,7 +126,7 @@ class Navigator:
                     return action, route
         return self._plan(route, grid, robot, destinations)
 
-    def way_m(
+    def path_m(
         self, grid: OccupancyGrid, robot: Pose2, *destinations: Float64[np.ndarray, "_ 2"]
     ) -> float | None:
         """Length of the path that `towards` would take, metres; None if there is none."""
@@ -102,7 +161,7 @@ class Navigator:
             Costmap.of(grid, self._config, robot.xy, clearance_m, is_squeezed=True)
             for clearance_m in (tight_m, max(tight_m - HOPE_M, 0.0))
         )
-        return gap_on_the_way(tight, hopeful, robot.xy, points, closed)
+        return gap_on_path(tight, hopeful, robot.xy, points, closed)
 
     def _is_fresh(self, route: Route, destinations: Destinations) -> bool:
         every = self._config.replan_every_steps
@@ -145,7 +204,7 @@ class Navigator:
     ) -> Iterator[tuple[Costmap, PlannedPath | None]]:
         """The options; paths through a position from which they led nowhere before come last.
 
-        The way out of a dead end may begin by going back. If the same path were then taken again,
+        The path out of a dead end may begin by going back. If the same path were then taken again,
         the robot would go to and fro forever.
         """
         tried = list[tuple[Costmap, PlannedPath | None]]()

@@ -1,4 +1,4 @@
-"""Paths over the map."""
+"""Paths over the map, by A* over a costmap."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -7,20 +7,70 @@ from itertools import pairwise
 
 import cv2
 import numpy as np
-from jaxtyping import Float64, UInt8
+from jaxtyping import Float32, Float64, Int64, UInt8
 
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.mapping.distance import distance_from
-from hypernav.planning.astar import astar
+from hypernav.mapping.inflation import distance_from
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.costmap import Costmap
-from hypernav.planning.costmap_kernels import cost_of_line, shortcut
+from hypernav.planning.costmap_kernels import cost_of_line, expand, path_back, shortcut
 
 _BESIDE_M = 0.1
 """Gap up to which a path ends in the destination, since cells have a size, metres."""
 _REACHED = 2
 """Mark of the cells that a path leads to, among the passable ones."""
+
+
+def astar(
+    costs: Float32[np.ndarray, "rows columns"],
+    start: tuple[int, int],
+    targets: UInt8[np.ndarray, "rows columns"],
+) -> tuple[Int64[np.ndarray, "n 2"], float]:
+    """The cheapest path from a cell to any target cell.
+
+    Args:
+        costs: Factor on the length of a path through a cell, at least 1; 0 where closed.
+        start: Open cell ``(row, column)`` to start from.
+        targets: Mask of the cells to reach: not 0 there.
+
+    Returns:
+        Cells ``[row, column]`` from start to target, and the cost, in cells of cost 1; no cells and
+        infinity if there is no path.
+    """
+    rows = np.flatnonzero(targets.max(axis=1))
+    columns = np.flatnonzero(targets.max(axis=0))
+    if rows.size == 0:
+        return np.zeros((0, 2), dtype=np.int64), np.inf
+    box = (int(rows[0]), int(rows[-1]), int(columns[0]), int(columns[-1]))
+    spent, came_from, found = expand(costs, *start, targets, box, 0.0)
+    if found < 0:
+        return np.zeros((0, 2), dtype=np.int64), np.inf
+    return path_back(came_from, found, costs.shape[1] + 2), float(spent[found])
+
+
+def costs_to_go(
+    costs: Float32[np.ndarray, "rows columns"],
+    end: tuple[int, int],
+    robot: tuple[int, int],
+    slack: float,
+) -> Float32[np.ndarray, "rows columns"]:
+    """Costs of the cheapest paths to a cell from the cells around the robot.
+
+    Args:
+        costs: Costs of cells, as for `astar`.
+        end: Open cell ``(row, column)`` to go to.
+        robot: Cell ``(row, column)`` of the robot, whose surroundings matter.
+        slack: Cost beyond that of the robot's path up to which paths are searched, in cells.
+
+    Returns:
+        Cost in cells; infinite where there is no path, and for most of what is farther away.
+    """
+    rows, columns = costs.shape
+    targets = np.zeros(costs.shape, dtype=np.uint8)
+    targets[robot] = 1
+    spent, _, _ = expand(costs, *end, targets, (0, rows - 1, 0, columns - 1), slack)
+    return np.ascontiguousarray(spent.reshape(rows + 2, columns + 2)[1:-1, 1:-1])
 
 
 @dataclass(frozen=True)

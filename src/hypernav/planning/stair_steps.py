@@ -6,11 +6,10 @@ from collections.abc import Collection
 import numpy as np
 from jaxtyping import Bool, Int64
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import MotionConfig
+from hypernav.core.embodiment import Action, MotionConfig
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
-from hypernav.mapping.distance_kernels import travel_cells
-from hypernav.mapping.ground import Ground
+from hypernav.mapping.elevation_map import Ground
+from hypernav.mapping.grid_kernels import travel_cells
 
 _TURN_M = 0.12
 """Cost of a turn of 30 degrees, metres of path."""

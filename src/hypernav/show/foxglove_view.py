@@ -12,11 +12,10 @@ from foxglove import channels, websocket
 from foxglove import messages as fg
 
 from hypernav.core.errors import ViewError
-from hypernav.core.files.output_file import OutputFile
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
-from hypernav.core.trace import Mode, StepTrace
-from hypernav.core.view import json_values
+from hypernav.core.trace import Mode, StepTrace, json_values
+from hypernav.io.writing import OutputFile
 from hypernav.show import captions
 from hypernav.show import foxglove_messages as made
 from hypernav.show.frame_data import FloorHeights, Line
@@ -129,7 +128,7 @@ class McapView:
     def add(
         self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
     ) -> None:
-        """Write a step; see `hypernav.core.view.View`."""
+        """Write a step; see `hypernav.core.trace.View`."""
         self._topics.publish(step, grid, observation, self._steps * _STEP_NS)
         self._steps += 1
         self._file.check()
@@ -179,7 +178,7 @@ class FoxgloveView:
     def add(
         self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
     ) -> None:
-        """Send a step; see `hypernav.core.view.View`."""
+        """Send a step; see `hypernav.core.trace.View`."""
         self._topics.publish(step, grid, observation, time.time_ns())
 
     def finish(self, result: Mapping[str, Any]) -> None:

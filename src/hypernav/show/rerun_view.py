@@ -17,12 +17,12 @@ from rerun import blueprint as rrb
 from scipy.spatial.transform import Rotation
 
 from hypernav.core.errors import ViewError
-from hypernav.core.files.output_file import OutputFile
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord, Exchange, Mode, StepTrace
+from hypernav.io.writing import OutputFile
 from hypernav.show import captions
 from hypernav.show.drawing import palette
 from hypernav.show.frame_data import FloorHeights, Line, at_height, cloud, colour_jpeg, map_colors
@@ -273,7 +273,7 @@ class RrdView:
     def add(
         self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
     ) -> None:
-        """Write a step; see `hypernav.core.view.View`."""
+        """Write a step; see `hypernav.core.trace.View`."""
         self._entities.log(step, grid, observation)
         self._flush()
 
@@ -334,7 +334,7 @@ class RerunView:
     def add(
         self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
     ) -> None:
-        """Send a step; see `hypernav.core.view.View`. A closed viewer is no error."""
+        """Send a step; see `hypernav.core.trace.View`. A closed viewer is no error."""
         self._entities.log(step, grid, observation)
 
     def finish(self, result: Mapping[str, Any]) -> None:

@@ -11,8 +11,8 @@ from jaxtyping import UInt8
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from PIL import Image
 
-from hypernav.core.text.visible_text import visible
 from hypernav.core.trace import Mode
+from hypernav.core.words import visible
 from hypernav.show import captions
 from hypernav.show.drawing import palette
 

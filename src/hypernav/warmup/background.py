@@ -17,8 +17,8 @@ from pathlib import Path
 
 from numba.extending import is_jitted
 
-from hypernav.core.files.kernel_folder import kernels_are_kept, why_not_kept
-from hypernav.mapping.top_down import integrate_kernels
+from hypernav.io.cache_folder import kernels_are_kept, why_not_kept
+from hypernav.mapping import top_down_kernels
 from hypernav.warmup.stale_kernels import forget_stale_kernels
 
 FIRST_RUN = "first run: compiling for this machine, once, takes a quarter of a minute or more …"
@@ -30,8 +30,8 @@ def is_compiled() -> bool:
 
     Files of an older version of the source or another version of Python don't count.
     """
-    source = Path(integrate_kernels.__file__)
-    kernel = integrate_kernels.integrate_frame
+    source = Path(top_down_kernels.__file__)
+    kernel = top_down_kernels.integrate_frame
     if not is_jitted(kernel):
         return True  # with NUMBA_DISABLE_JIT nothing is compiled
     folder = kernel.stats.cache_path

@@ -6,8 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import CameraConfig, Embodiment
+from hypernav.core.embodiment import Action, CameraConfig, Embodiment
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.core.labels import ObjectLabel

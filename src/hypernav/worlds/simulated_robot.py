@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import MotionConfig
+from hypernav.core.embodiment import Action, MotionConfig
 from hypernav.core.errors import StartError
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.core.world import Position, Walkable

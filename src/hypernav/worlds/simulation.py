@@ -5,10 +5,9 @@ import math
 import numpy as np
 from jaxtyping import Float32
 
-from hypernav.core.actions import Action
 from hypernav.core.components.abilities import Closes
-from hypernav.core.embodiment import Embodiment
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.embodiment import Action, Embodiment
+from hypernav.core.episode import Episode
 from hypernav.core.errors import WorldError
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.depth import is_measured

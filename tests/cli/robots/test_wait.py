@@ -7,7 +7,7 @@ import pytest
 from eval_runs import write_room
 from hypernav.cli.main import main
 from hypernav.cli.robots import wait
-from hypernav.mapping.memory.reading import read_index
+from hypernav.mapping.storage.memory_reader import read_index
 from hypernav.robot.client.links import HttpServer
 from hypernav.robot.wire.waiting import GivenGoal
 from servers.robots import real_plan, robot_server

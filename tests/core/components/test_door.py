@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hypernav.core.actions import Action
 from hypernav.core.components.abilities import ChecksGoal, Closes, Reports, gives_masks
-from hypernav.core.components.door import through_door
+from hypernav.core.components.door import ValueFault, checked, through_door
 from hypernav.core.components.protocols import (
     Agent,
     ArrowReasoner,
@@ -28,17 +27,23 @@ from hypernav.core.components.protocols import (
     SceneScorer,
     Segmenter,
 )
-from hypernav.core.components.returned import ValueFault, checked
+from hypernav.core.embodiment import Action
 from hypernav.core.errors import (
     ComponentError,
     ContractError,
     ModelUnavailableError,
     WorldError,
 )
-from hypernav.core.exploring.arrows import Arrow, ArrowChoice, ArrowView
 from hypernav.core.exploring.exploration import Destination, ExplorationView
-from hypernav.core.exploring.floors import KnownFloor
-from hypernav.core.exploring.guidance import Direction, GuideChoice, GuideView
+from hypernav.core.exploring.floors import KnownFloor, SeenThing
+from hypernav.core.exploring.guidance import (
+    Arrow,
+    ArrowChoice,
+    ArrowView,
+    Direction,
+    GuideChoice,
+    GuideView,
+)
 from hypernav.core.exploring.overview import (
     Block,
     BlockChoice,
@@ -46,7 +51,6 @@ from hypernav.core.exploring.overview import (
     Overview,
     prospects_of_boundaries,
 )
-from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2

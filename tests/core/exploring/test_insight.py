@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.exploring.insight import ImageMark, Insight, ValueImage
 from hypernav.core.trace import Mode, StepTrace
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from hypernav.core.exploring.sightings import SeenThing, Sightings
+from hypernav.core.exploring.floors import SeenThing, Sightings
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform

@@ -5,13 +5,13 @@ import pytest
 from eval_runs import record
 from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.presets import preset
-from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.ablation.ablation_page import write_ablation
 from hypernav.evaluation.ablation.model_quality import LEVELS, RATES, model_quality
 from hypernav.evaluation.ablation.study import Method
 from hypernav.evaluation.run_plan import RunPlan
 from hypernav.evaluation.store.run_store import RunStore
+from hypernav.io.layered_config import layered
 
 MODEL = ComponentSpecs(vlm="replay:none.jsonl")
 WHO = {"agent": "hypernav", "preset": "paper", "detector": "ground truth", "reasoner": "geometric"}

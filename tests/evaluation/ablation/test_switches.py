@@ -10,8 +10,7 @@ from certainty import certain
 from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.presets import preset
-from hypernav.core.actions import Action
-from hypernav.core.config import layered
+from hypernav.core.embodiment import Action
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import without_timings
@@ -19,6 +18,7 @@ from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.evaluation.ablation.config_fields import differing_fields, values_by_field, words_of
 from hypernav.evaluation.ablation.study import Method, Study, Variant
 from hypernav.evaluation.ablation.switches import ABLATIONS, switches
+from hypernav.io.layered_config import layered
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 

@@ -9,7 +9,7 @@ import pytest
 
 from box_scenes import room_boxes, scene_of
 from hypernav.build.agents import build_search
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.errors import ModelUnavailableError
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2

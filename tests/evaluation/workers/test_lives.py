@@ -10,9 +10,8 @@ import pytest
 from eval_runs import write_room
 from hypernav.build.agents import build_agent
 from hypernav.build.component_specs import ComponentSpecs
-from hypernav.core.actions import Action
-from hypernav.core.episodes.episode import Outcome
-from hypernav.core.episodes.life import Life
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Life, Outcome
 from hypernav.core.errors import ModelUnavailableError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job

@@ -4,7 +4,7 @@ from functools import partial
 from eval_runs import write_room
 from hypernav.build.data.datasets import load_episodes
 from hypernav.build.data.scenes import load_scene
-from hypernav.core.episodes.life import Life
+from hypernav.core.episode import Life
 from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.worker import Job
 from hypernav.evaluation.workers.worker_pool import Done

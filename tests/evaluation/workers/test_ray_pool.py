@@ -8,7 +8,7 @@ import pytest
 
 from eval_runs import timeless_lines, write_room
 from hypernav.build.data.datasets import load_episodes
-from hypernav.core.episodes.life import lives_of
+from hypernav.core.episode import lives_of
 from hypernav.core.errors import HyPerNavError, RunFolderError
 from hypernav.evaluation.runner import run_episodes
 from hypernav.evaluation.store.run_store import RunStore

@@ -6,7 +6,7 @@ import numpy as np
 
 from hypernav.build.agents import build_search
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploring.sightings import SeenThing
+from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog

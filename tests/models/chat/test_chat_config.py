@@ -4,8 +4,8 @@ from typing import Any
 import pytest
 
 from hypernav.build.presets import preset
-from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
+from hypernav.io.layered_config import layered
 from hypernav.models.chat.server.reply_errors import RefusedError
 
 

@@ -3,8 +3,8 @@ import math
 import numpy as np
 import pytest
 
+from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.exploring.overview import Block, Overview
-from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.perception.explorers.map_question import VlmReasonerConfig, map_question

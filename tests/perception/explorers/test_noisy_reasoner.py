@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.errors import ConfigError, TruthMissingError
 from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.transforms import Pose2

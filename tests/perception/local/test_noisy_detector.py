@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.errors import ConfigError, LabelsMissingError, TruthMissingError
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel

@@ -14,8 +14,8 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.perception.local.crop_check import confusions, crop_question
 from hypernav.perception.local.vlm_detector import VlmDetector, VlmDetectorConfig, labels_agree
+from hypernav.perception.local.yes_no_checks import confusions, crop_question
 from images import thing_before_wall
 
 BED = Goal("bed")

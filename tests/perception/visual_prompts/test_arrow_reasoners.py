@@ -7,21 +7,24 @@ from chat_models import Parrot
 from exploration_views import exploration_view
 from hypernav.core.components.abilities import wants_named_things
 from hypernav.core.embodiment import CameraConfig, Embodiment
-from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice
-from hypernav.core.exploring.sightings import SeenThing
+from hypernav.core.exploring.floors import SeenThing
+from hypernav.core.exploring.guidance import TURN_AROUND, ArrowChoice
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.floor import SearchMemory
-from hypernav.perception.visual_prompts import object_graph
-from hypernav.perception.visual_prompts.arrow_explorer import DynavlmStyleExplorer, VlmnavExplorer
+from hypernav.perception.visual_prompts import arrow_explorer
+from hypernav.perception.visual_prompts.arrow_explorer import (
+    DynavlmStyleExplorer,
+    ObjectGraph,
+    VlmnavExplorer,
+)
 from hypernav.perception.visual_prompts.arrow_reasoners import (
     ChatArrowReasoner,
     GeometricArrowReasoner,
 )
-from hypernav.perception.visual_prompts.object_graph import ObjectGraph
 from hypernav.perception.visual_prompts.pivot import PivotExplorer
 
 BED = Goal("bed")
@@ -180,7 +183,7 @@ def test_things_of_one_name_are_one_where_they_are_near():
 
 
 def test_people_see_the_whole_memory_and_what_of_it_is_told(monkeypatch):
-    monkeypatch.setattr(object_graph, "_MOST_FACTS", 1)
+    monkeypatch.setattr(arrow_explorer, "_MOST_FACTS", 1)
     bed, stand = SeenThing("bed", (2.0, 0.0)), SeenThing("nightstand", (3.0, 1.0))
     things = [bed, stand, SeenThing("oven", (-4.0, 0.0))]
     graph = ObjectGraph(things)

@@ -13,9 +13,9 @@ from drawn_grids import drawn
 from exploration_views import exploration_view
 from hypernav.core.embodiment import Embodiment
 from hypernav.perception.visual_prompts.arrow_sight import ArrowSight, mark_of
-from hypernav.perception.visual_prompts.config import ArrowsConfig
 from hypernav.perception.visual_prompts.pivot import GaussianProposer
 from hypernav.perception.visual_prompts.proposals import (
+    ArrowsConfig,
     FreeDirections,
     biased_moves,
     spatial_moves,

@@ -9,7 +9,7 @@ from chat_models import Parrot
 from exploration_views import exploration_view
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.errors import ModelUnavailableError
-from hypernav.core.exploring.arrows import ArrowChoice
+from hypernav.core.exploring.guidance import ArrowChoice
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
@@ -17,9 +17,8 @@ from hypernav.mapping.config import MappingConfig
 from hypernav.mapping.memory.floor import SearchMemory
 from hypernav.perception.visual_prompts.arrow_explorer import DynavlmStyleExplorer, VlmnavExplorer
 from hypernav.perception.visual_prompts.arrow_reasoners import ChatArrowReasoner
-from hypernav.perception.visual_prompts.config import ArrowsConfig
 from hypernav.perception.visual_prompts.pivot import PivotExplorer
-from hypernav.perception.visual_prompts.proposals import DEFAULT_MOVES, Move
+from hypernav.perception.visual_prompts.proposals import DEFAULT_MOVES, ArrowsConfig, Move
 
 BED = Goal("bed")
 ROBOT = Embodiment(camera=CameraConfig(width=320, height=240))

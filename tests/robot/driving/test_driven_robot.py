@@ -7,8 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import STAIR_CLIMB_M, BodyConfig, Embodiment
+from hypernav.core.embodiment import STAIR_CLIMB_M, Action, BodyConfig, Embodiment
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.robot.client.robot import Executed, Sensed

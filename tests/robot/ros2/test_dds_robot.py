@@ -9,9 +9,9 @@ import pytest
 
 from dds_processes import PATIENT, robot_in
 from hypernav.cli.main import main
-from hypernav.core.config import layered
-from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
+from hypernav.core.episode import SUCCESS_DISTANCE_M
 from hypernav.core.errors import TopicChoiceError
+from hypernav.io.layered_config import layered
 from hypernav.robot.motion.velocity import Velocity
 from hypernav.robot.ros2.base import Ros2Base
 from hypernav.robot.ros2.config import Ros2Config

@@ -10,10 +10,10 @@ import pytest
 
 from dds_processes import PATIENT, driver, nav2, robot_in
 from hypernav.cli.main import main
-from hypernav.core.actions import Action
-from hypernav.core.config import layered
-from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import SUCCESS_DISTANCE_M
 from hypernav.core.errors import Nav2Error
+from hypernav.io.layered_config import layered
 from hypernav.robot.client.robot import Executed
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.nav2.robot import Nav2Robot

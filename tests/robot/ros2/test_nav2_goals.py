@@ -11,9 +11,9 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from hypernav.cli.main import main
-from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError, Nav2Error, RosNetworkError, TransformMissingError
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.io.layered_config import layered
 from hypernav.robot.ros2.config import Nav2Config, Ros2Config
 from hypernav.robot.ros2.drives import check_drive
 from hypernav.robot.ros2.idl_types import Bool, Twist, TwistStamped

@@ -7,8 +7,8 @@ import pytest
 import yaml
 
 from hypernav.cli.main import main
-from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
+from hypernav.io.layered_config import layered
 from hypernav.robot.ros2.config import Ros2Config
 
 DOCS = Path(__file__).parents[3] / "docs" / "ros2.md"

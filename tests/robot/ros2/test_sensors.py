@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from cyclonedds.sub import DataReader
 
-from hypernav.core.config import layered
 from hypernav.core.errors import (
     ConfigError,
     RosNetworkError,
     TopicChoiceError,
     TransformMissingError,
 )
+from hypernav.io.layered_config import layered
 from hypernav.robot.ros2 import idl_types as ros
 from hypernav.robot.ros2.base import Ros2Base
 from hypernav.robot.ros2.config import Ros2Config

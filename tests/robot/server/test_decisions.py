@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Ending, Mode, StepTrace
 from hypernav.robot.server.decisions import reply_of

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from box_views import room, view_of
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation

@@ -8,7 +8,7 @@ import zlib
 import numpy as np
 import pytest
 
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.errors import RunFolderError
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import StepTrace, floor_of, without_timings

@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import SensorError
 from hypernav.robot.server.sensing import Sensing
 from hypernav.robot.wire.frames import decode_observation, pack_observation, unpack_observation

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.trace import without_timings
 from hypernav.worlds.box_room import BoxRoom
 from servers.robots import RobotLink, body_of

@@ -16,13 +16,13 @@ import pytest
 
 from hypernav.build.memories import open_memory
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.errors import ModelUnavailableError, RunFolderError
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
-from hypernav.mapping.memory.index import GoalRecord, Index
-from hypernav.mapping.memory.memory_folder import MemoryFolder
-from hypernav.mapping.memory.reading import read_index
+from hypernav.mapping.storage.memory_folder import MemoryFolder
+from hypernav.mapping.storage.memory_index import GoalRecord, Index
+from hypernav.mapping.storage.memory_reader import read_index
 from hypernav.robot.server.agents import AgentPlan, PlanAgent
 from hypernav.robot.server.state.journal import Journal
 from hypernav.robot.wire.requests import OpenSearch

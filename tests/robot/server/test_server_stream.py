@@ -10,7 +10,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
 from hypernav.worlds.box_room import BoxRoom

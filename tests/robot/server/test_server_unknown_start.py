@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 
 from box_scenes import room_boxes, scene_of
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.memory_folder import MemoryFolder
-from hypernav.mapping.memory.reading import read_index
-from hypernav.mapping.memory.unknown_start import FoundStart, found_by_turn
+from hypernav.mapping.memory.relocalization import FoundStart, found_by_turn
+from hypernav.mapping.storage.memory_folder import MemoryFolder
+from hypernav.mapping.storage.memory_reader import read_index
 from hypernav.robot.server.agents import AgentPlan, PlanAgent
 from hypernav.robot.wire.frames import pack_observation
 from hypernav.robot.wire.requests import ObservationFacts, OpenSearch
@@ -280,7 +280,7 @@ def test_in_another_building_the_search_begins_anew_and_the_memory_stays(tmp_pat
 def test_where_the_map_contradicts_a_sure_place_the_search_begins_anew(
     tmp_path, plan, home, house, monkeypatch
 ):
-    monkeypatch.setattr("hypernav.mapping.memory.start._LEAST_FIT", 2.0)
+    monkeypatch.setattr("hypernav.mapping.memory.start_check._LEAST_FIT", 2.0)
     before = files_of(home)
     with robot_server(tmp_path / "state", plan) as link:
         search = opened(link, "bed")

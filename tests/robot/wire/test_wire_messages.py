@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.robot.wire.replies import Reply, StreamMessage
 from hypernav.robot.wire.requests import Intrinsics, ObservationFacts, OpenSearch

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from drawn_grids import drawn
+from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.exploring.overview import Block
-from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.show.drawing import palette

@@ -13,10 +13,9 @@ from hypernav.build.data.scenes import is_no_file
 from hypernav.build.data.sources import DATA_SOURCES, DatasetRequest, Progress
 from hypernav.core.components.door import calling
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.episodes.episode import Episode
-from hypernav.core.episodes.life import lives_of
+from hypernav.core.episode import Episode, lives_of
 from hypernav.core.errors import ComponentError, EpisodeError
-from hypernav.core.text.whole_numbers import is_whole_number
+from hypernav.core.words import is_whole_number
 from hypernav.datasets.benchmark_files import scene_number
 from hypernav.worlds.config import SimulationConfig
 

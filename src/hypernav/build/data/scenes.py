@@ -8,7 +8,7 @@ from pathlib import Path
 
 from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.errors import SceneError
-from hypernav.core.text.whole_numbers import is_whole_number
+from hypernav.core.words import is_whole_number
 from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
 from hypernav.houses.house_cache import cached_building
 from hypernav.worlds.config import SimulationConfig

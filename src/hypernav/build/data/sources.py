@@ -15,12 +15,11 @@ import numpy as np
 from hypernav.build.data.scenes import is_no_file, load_scene
 from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError
-from hypernav.core.files.reading import back_slashes
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.text.whole_numbers import is_whole_number
+from hypernav.core.words import is_whole_number
 from hypernav.datasets.benchmark_files import (
     SCENES_FOLDER,
     parts_of,
@@ -32,6 +31,7 @@ from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
 from hypernav.datasets.building_splits import SPLITS, numbers_of
 from hypernav.datasets.habitat_episodes import episodes_of, read_split
 from hypernav.datasets.shipped import shipped_split
+from hypernav.io.reading import back_slashes
 from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.surface.starts import random_start

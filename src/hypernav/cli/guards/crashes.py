@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from hypernav.core.components.exits import interruptions_of_kernels
 from hypernav.core.errors import ComponentError, CrashError, HyPerNavError
-from hypernav.core.interruptions import interruptions_of_kernels
 
 CRASH_FILE = "crash.txt"
 _NO_MEMORY = re.compile(

@@ -6,7 +6,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from hypernav.core.errors import ConfigError, OutputError
-from hypernav.core.files.output_file import check_regular
+from hypernav.io.writing import check_regular
 
 
 def check_folder(folder: Path, files: Iterable[str] = ()) -> None:

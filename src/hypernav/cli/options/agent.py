@@ -90,7 +90,7 @@ class AgentOptions:
         from hypernav.build.choosing import choose_components, with_own_sections
         from hypernav.build.native import native_config
         from hypernav.build.presets import preset
-        from hypernav.core.config import layered
+        from hypernav.io.layered_config import layered
 
         self._check_preset()
         base = preset(self.preset)

@@ -25,9 +25,8 @@ from hypernav.cli.robots.recording import (
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.views import Views, check_views
 from hypernav.cli.screen.warnings_shown import warnings_on
-from hypernav.core.components.extras import require
-from hypernav.core.config import layered
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.components.registry import require
+from hypernav.core.episode import Outcome
 from hypernav.core.errors import (
     ConfigError,
     LinkLostError,
@@ -37,6 +36,7 @@ from hypernav.core.errors import (
 )
 from hypernav.core.goal import Goal
 from hypernav.episodes.recorder import OUTPUT_FILES
+from hypernav.io.layered_config import layered
 from hypernav.robot.client.links import HttpLink, HttpServer
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.server_address import ServerAddress
@@ -131,7 +131,9 @@ def _searched(
         closing(HttpServer(ServerAddress.of(url, options.token_file))) as server,
         _opened(options, goal, senses, server) as opened,
     ):
-        console.print(f"searching for {goal.told}; watch and stop it at {url}/", markup=False)
+        console.print(
+            f"searching for {goal.in_sentence}; watch and stop it at {url}/", markup=False
+        )
         link = HttpLink(server.address, opened.id)
         client = RobotClient(robot, link, continuous=options.is_continuous)
         outputs = Ros2Outputs(network, config)
@@ -160,7 +162,7 @@ def _searched(
                 "config": config.model_dump(mode="json"),
             }
             views.finish(result)
-        ended = f"{goal.told}: {ending or 'stopped'} after {result['steps']} steps"
+        ended = f"{goal.in_sentence}: {ending or 'stopped'} after {result['steps']} steps"
         console.print(ended, markup=False)
         if found is not None:
             console.print(f"start {found.words}", markup=False)

@@ -32,13 +32,13 @@ from hypernav.cli.robots.recording import (
 from hypernav.cli.screen.search_lines import ending_words
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.views import Views, check_views
-from hypernav.core.config import check_option, layered
+from hypernav.core.config import check_option
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.episodes.episode import Episode, Outcome
-from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, measure
+from hypernav.core.episode import SUCCESS_DISTANCE_M, Episode, EpisodeMetrics, Outcome, measure
 from hypernav.core.errors import RequestRefusedError, RobotLinkError
 from hypernav.core.goal import Goal
 from hypernav.episodes.recorder import OUTPUT_FILES
+from hypernav.io.layered_config import layered
 from hypernav.robot.client.links import HttpLink, HttpServer, Link
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.server_address import ServerAddress

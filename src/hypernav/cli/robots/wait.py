@@ -13,10 +13,10 @@ from hypernav.cli.find import check_start, given_start
 from hypernav.cli.options.agent import check_steps_and_seed
 from hypernav.cli.options.robot import Wait
 from hypernav.cli.screen.terminal import Terminal
-from hypernav.core.config import layered
-from hypernav.core.episodes.episode import MAX_STEPS, Episode
+from hypernav.core.episode import MAX_STEPS, Episode
 from hypernav.core.errors import ConfigError, LinkLostError, RequestRefusedError
 from hypernav.core.goal import Goal
+from hypernav.io.layered_config import layered
 from hypernav.robot.client.links import HttpLink, HttpServer
 from hypernav.robot.client.robot_client import RobotClient
 from hypernav.robot.client.server_address import ServerAddress
@@ -75,7 +75,7 @@ def run(options: Wait) -> int:
                     continue
                 if given.goal is None or given.key is None:
                     continue
-                goal = Goal(given.goal).told
+                goal = Goal(given.goal).in_sentence
                 try:
                     ending = _search(options, server, address, base, given, status)
                 except RequestRefusedError as refused:

@@ -8,14 +8,14 @@ from typing import Any
 import cv2
 import numpy as np
 
-from hypernav.core.files.allowance import megabytes
 from hypernav.core.labels import names_of
-from hypernav.mapping.memory.connectors import Connector
+from hypernav.core.words import megabytes
 from hypernav.mapping.memory.floor import Floor
 from hypernav.mapping.memory.key_images import KeyImage
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.memory_folder import MemoryFolder
 from hypernav.mapping.memory.thing import MOST_CHANCE, Thing
+from hypernav.mapping.stairs.connectors import Connector
+from hypernav.mapping.storage.memory_folder import MemoryFolder
 from hypernav.show.climbs import StairsMark
 from hypernav.show.drawing.map_painter import MapPainter
 from hypernav.show.drawing.map_view import MapView

@@ -6,10 +6,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.markup import escape
 
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.episode import Outcome
 from hypernav.core.goal import Goal
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeStep
-from hypernav.mapping.memory.unknown_start import FoundStart
+from hypernav.mapping.memory.relocalization import FoundStart
 from hypernav.show.captions import floor_prefix
 
 _ENDINGS = {
@@ -20,12 +20,12 @@ _ENDINGS = {
     Outcome.MODEL_UNAVAILABLE: "[red]the model was unavailable[/]; the search is not counted",
     Outcome.INTERRUPTED: "[yellow]interrupted[/] while looking for {goal}",
 }
-"""How a search for a goal, `Goal.told`, ended."""
+"""How a search for a goal, `Goal.in_sentence`, ended."""
 
 
 def ending_words(outcome: Outcome, goal: Goal) -> str:
     """How a search ended, with the terminal's markup."""
-    return _ENDINGS[outcome].format(goal=escape(goal.told))
+    return _ENDINGS[outcome].format(goal=escape(goal.in_sentence))
 
 
 def found_start_line(found: FoundStart, memory: Path | None) -> str:

@@ -16,13 +16,12 @@ from hypernav.cli.guards.interruptions import Terminated, interrupt
 from hypernav.cli.guards.outputs import check_file
 from hypernav.cli.options.views import ViewOptions
 from hypernav.cli.screen.terminal import Terminal
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.config import check_option
 from hypernav.core.errors import ConfigError, OutputError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
-from hypernav.core.trace import StepTrace
-from hypernav.core.view import View, WatchedView
+from hypernav.core.trace import StepTrace, View, WatchedView
 from hypernav.episodes.recorder import OUTPUT_FILES
 from hypernav.show.video_frame import EpisodeInfo
 
@@ -72,7 +71,7 @@ def check_not_written_by_search(file: Path, folder: Path) -> None:
 
 
 class Views:
-    """All views of one search as one `hypernav.core.view.View`, at a pace that people can follow.
+    """All views of one search as one `hypernav.core.trace.View`, at a pace that people can follow.
 
     Attributes:
         watched: The views that people connect to.

@@ -11,7 +11,7 @@ from hypernav.core.components.protocols import Agent, Remembers
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import ConfigError
 from hypernav.core.exploring.exploration import ExplorationView
-from hypernav.core.exploring.sightings import SeenThing
+from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation

@@ -1,7 +1,7 @@
-"""What `os._exit` and `os.exec…` do while a component of a user's own is at work.
+"""What ends a process while a component of a user's own, or compiled code, is at work.
 
-They would end or replace the process without a word, and with a status that the component chooses;
-0 means that the goal was found.
+`os._exit` and `os.exec…` would end or replace the process without a word, and with a status that
+the component chooses; 0 means that the goal was found.
 """
 
 import os
@@ -66,3 +66,25 @@ def _answered(name: str, real: Callable[..., Any]) -> Callable[..., Any]:
 
     end.__module__ = os.__name__  # so that it can be pickled, as the real one can
     return end
+
+
+@contextmanager
+def interruptions_of_kernels() -> Iterator[None]:
+    """Raise an interruption in the block unchanged, even if a compiled function was running.
+
+    If a signal handler raises while a numba function returns, Python finds both a result and an
+    error, and raises `SystemError` with the interruption as its cause.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C or SIGTERM came.
+        SystemExit: A signal came that ends the process.
+    """
+    try:
+        yield
+    except SystemError as error:
+        cause = error.__cause__
+        while isinstance(cause, SystemError):
+            cause = cause.__cause__
+        if isinstance(cause, KeyboardInterrupt | SystemExit):
+            raise cause from None
+        raise

@@ -6,11 +6,10 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Bool, Float32
 
-from hypernav.core.actions import Action
 from hypernav.core.chat import Answer, Image, Question
-from hypernav.core.exploring.arrows import ArrowChoice, ArrowView
+from hypernav.core.embodiment import Action
 from hypernav.core.exploring.exploration import Destination, ExplorationView
-from hypernav.core.exploring.guidance import GuideChoice, GuideView
+from hypernav.core.exploring.guidance import ArrowChoice, ArrowView, GuideChoice, GuideView
 from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.grid import OccupancyGrid

@@ -14,14 +14,34 @@ from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import entry_points
 from pathlib import Path
+from types import ModuleType
 from typing import Any, Generic, TypeVar, cast
 
 from hypernav.core.components.door import calling
-from hypernav.core.errors import ConfigError, ImportTargetError
+from hypernav.core.errors import ConfigError, ImportTargetError, MissingExtraError
 
 T = TypeVar("T")
 
 _MODULE = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*")
+
+
+def require(module: str, *, extra: str) -> ModuleType:
+    """Import an optional module; if it is missing, raise an error that says how to install it.
+
+    Args:
+        module: Import name, for example ``"onnxruntime"``.
+        extra: The extra of this package that brings it.
+
+    Raises:
+        MissingExtraError: The module is not installed.
+    """
+    try:
+        return importlib.import_module(module)
+    except ModuleNotFoundError as error:
+        raise MissingExtraError(
+            f"this needs the package '{module}', which is not installed; "
+            f"try: pip install 'hypernav[{extra}]'"
+        ) from error
 
 
 @dataclass(frozen=True)

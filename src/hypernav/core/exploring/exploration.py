@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from hypernav.core.exploring.floors import Drop, KnownFloor, WayOut
+from hypernav.core.exploring.floors import Drop, KnownFloor, SeenThing, WayOut
 from hypernav.core.exploring.insight import Insight
 from hypernav.core.exploring.overview import Block
-from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -31,12 +30,12 @@ class ExplorationView:
         notes: Explorers' own notes on this floor for this goal, each under a key of its own; the
             only part of the view that they may change. The memory keeps them, so they hold plain
             values, arrays or generators that can be copied, and no component.
-        ways_out: Stairs that the robot has not taken yet, up or down where it knows no way to the
+        ways_out: Stairs that the robot has not taken yet, up or down where it knows no path to the
             next floor. Others, and those to floors that it left before all was seen, are taken
             where the explorer has nothing left to offer.
         elsewhere: Other floors that the robot knows, those with the fewest stairs on the way first.
         drops: Where the floor ends, so that stairs down may begin there, and where stairs down seem
-            to. There are none where the robot knows a way to the next floor down.
+            to. There are none where the robot knows a path to the next floor down.
         may_be_here: Whether a component has just said that the goal is where the robot is.
     """
 

@@ -1,11 +1,91 @@
-"""Stairs, and the floors that they lead to, as explorers are told of them."""
+"""What explorers are told of a building: things seen, stairs, and the floors that they lead to."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from hypernav.core.exploring.sightings import SeenThing
+import numpy as np
+
+from hypernav.core.geometry.boxes import Detection
+from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.observation import Observation
+
+_SAME_THING_M = 1.0
+_MOST_THINGS = 200
+
+
+@dataclass(frozen=True)
+class SeenThing:
+    """A thing on the map.
+
+    Attributes:
+        label: Name that the detector gave it.
+        position: Position ``(x, y)`` in the ``map`` frame, metres.
+    """
+
+    label: str
+    position: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Sightings:
+    """Things that a detector has named, other than the goal.
+
+    Attributes:
+        things: Things in the order of their first sighting.
+        named: Numbers of the things named by a detector that numbers them.
+    """
+
+    things: tuple[SeenThing, ...] = ()
+    named: frozenset[int] = frozenset()
+
+    def with_detections(
+        self, observation: Observation, detections: Iterable[Detection]
+    ) -> "Sightings":
+        """Add the objects detected beside the goal in an image; those without depth are skipped."""
+        things = [
+            SeenThing(one.label, position)
+            for one in detections
+            if not one.is_goal and (position := _position(one, observation)) is not None
+        ]
+        return replace(self, things=_joined(self.things, things))
+
+    def with_named(self, things: Mapping[int, SeenThing]) -> "Sightings":
+        """Add things that have numbers."""
+        return Sightings(_joined(self.things, things.values()), self.named.union(things))
+
+
+def _joined(known: tuple[SeenThing, ...], things: Iterable[SeenThing]) -> tuple[SeenThing, ...]:
+    """Known and new things; a new thing near a known one of the same name is the same."""
+    for new in things:
+        is_known = any(
+            one.label == new.label and math.dist(one.position, new.position) < _SAME_THING_M
+            for one in known
+        )
+        if not is_known and len(known) < _MOST_THINGS:
+            known = (*known, new)
+    return known
+
+
+def _position(detection: Detection, observation: Observation) -> tuple[float, float] | None:
+    """Position of the object in a box, by the median depth of the box's middle."""
+    height, width = observation.depth.shape
+    box = detection.box.clipped(width, height)
+    dx, dy = (box.x_max - box.x_min) / 4.0, (box.y_max - box.y_min) / 4.0
+    rows = slice(round(box.y_min + dy), round(box.y_max - dy) + 1)
+    columns = slice(round(box.x_min + dx), round(box.x_max - dx) + 1)
+    depths = observation.depth[rows, columns]
+    depths = depths[is_measured(depths)]
+    if not depths.size:
+        return None
+    row, column = int(box.y_min + box.y_max) // 2, int(box.x_min + box.x_max) // 2
+    point = observation.camera.unproject_pixels(
+        np.array([row]), np.array([column]), float(np.median(depths))
+    )
+    x, y, _ = observation.camera_to_map.apply(point.reshape(-1, 3))[0]
+    return float(x), float(y)
 
 
 @dataclass(frozen=True)
@@ -57,7 +137,7 @@ class Drop:
 
 @dataclass(frozen=True, eq=False)
 class KnownFloor:
-    """Another floor that the robot knows, and knows a way to.
+    """Another floor that the robot knows, and knows a path to.
 
     Attributes:
         number: Its number, in the order in which the robot came to know floors.
@@ -67,9 +147,9 @@ class KnownFloor:
         visits: Destinations on it that were reached or given up, as in `ExplorationView`.
         things: Things that were seen on it, other than the goal.
         stairs: Stairs on it that the robot may take; as in `ExplorationView.ways_out`, new ones
-            only towards floors that it knows no way to.
+            only towards floors that it knows no path to.
         way: Stairs that lead to it, in the order in which the robot takes them, one a floor.
-        arrival: Position ``(x, y)`` on it where the way ends, ``map`` frame, metres.
+        arrival: Position ``(x, y)`` on it where the path ends, ``map`` frame, metres.
         notes: What explorers keep from choice to choice there, as in `ExplorationView`.
         was_explored: Whether a search, this one or an earlier one, left nothing to explore on it.
     """

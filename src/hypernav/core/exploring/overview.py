@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float64, UInt8
 
-from hypernav.core.exploring.floors import KnownFloor
-from hypernav.core.exploring.sightings import SeenThing
+from hypernav.core.exploring.floors import KnownFloor, SeenThing
 from hypernav.core.geometry.transforms import Pose2
 
 

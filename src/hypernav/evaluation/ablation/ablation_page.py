@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.core.errors import OutputError
-from hypernav.core.text.counted import number_of
+from hypernav.core.words import number_of
 from hypernav.evaluation.ablation.figures import results_figure, write_figure
 from hypernav.evaluation.ablation.quality_curves import drawn_axes
 from hypernav.evaluation.ablation.results import StudyResults, VariantResult, read_results

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from hypernav.core.text.counted import number_of
+from hypernav.core.words import number_of
 from hypernav.evaluation.ablation.study import Study, Variant
 from hypernav.evaluation.report.run_data import RunData, load_runs
 from hypernav.evaluation.report.tables import Pair, own_protocol, pair

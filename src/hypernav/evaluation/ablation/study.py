@@ -7,7 +7,7 @@ from functools import cached_property
 from hypernav.build.choosing import ChosenComponents, choose_components
 from hypernav.build.component_specs import ComponentSpecs, PresetName
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.config import layered
+from hypernav.io.layered_config import layered
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from hypernav.core.actions import Action
 from hypernav.core.components.abilities import BuiltForRobot
 from hypernav.core.components.protocols import ExplainsItself
+from hypernav.core.embodiment import Action
 from hypernav.core.errors import LabelsMissingError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal

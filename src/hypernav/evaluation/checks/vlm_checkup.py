@@ -25,11 +25,10 @@ from hypernav.evaluation.checks.known_answers import (
     drawn_house,
     drawn_shape,
 )
-from hypernav.models.chat.answer_parsing import shortened
-from hypernav.models.chat.server.detection import ServerInfo
+from hypernav.models.chat.answer_parsing import final_answer, shortened
+from hypernav.models.chat.server.dialects import ServerInfo
 from hypernav.models.chat.server.refusals import CONSTRAINTS
 from hypernav.models.chat.server.thinking import ENDLESS, Thinking
-from hypernav.models.chat.unwrapping import final_answer
 from hypernav.models.chat.vlm_families import VlmFamily, family_named, family_of
 from hypernav.perception.explorers.block_explorer import OverviewConfig
 from hypernav.perception.explorers.map_question import (
@@ -39,8 +38,8 @@ from hypernav.perception.explorers.map_question import (
     offered_blocks,
 )
 from hypernav.perception.local.grounding_format import read_grounding
-from hypernav.perception.local.presence import PresenceConfig, presence_question
 from hypernav.perception.local.vlm_detector import VlmDetectorConfig, grounding_question
+from hypernav.perception.local.yes_no_checks import PresenceConfig, presence_question
 
 _MATCH = 0.5
 _COLOURS: dict[str, tuple[int, int, int]] = {"blue": (30, 60, 220), "green": (40, 160, 60)}

@@ -10,8 +10,8 @@ import numpy as np
 from gymnasium import spaces
 from gymnasium.utils.env_checker import check_env
 
-from hypernav.core.actions import Action
-from hypernav.core.episodes.metrics import EpisodeMetrics
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import EpisodeMetrics
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.evaluation.checks.faults import Faults, While

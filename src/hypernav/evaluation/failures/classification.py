@@ -35,7 +35,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.episode import Outcome
 
 MISPLACED_M = 1.0
 """Distance between a goal area and its object beyond which the map is at fault, metres."""

@@ -13,11 +13,11 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
 from hypernav.datasets.benchmarks import BENCHMARKS, benchmark_of
 from hypernav.evaluation.habitat_lab.task import HabitatTask
 from hypernav.evaluation.run_plan import RunPlan, Selection
+from hypernav.io.layered_config import layered
 
 _CAMERAS = {
     "HabitatSimRGBSensor": "rgb",

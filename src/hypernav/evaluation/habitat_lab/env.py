@@ -13,8 +13,8 @@ from gymnasium import spaces
 from jaxtyping import UInt8
 
 from hypernav.build.worlds import open_world
-from hypernav.core.actions import Action
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.embodiment import Action
+from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError, WorldError
 from hypernav.core.observation import Observation
 from hypernav.core.world import Simulator, TiltsCamera

@@ -6,7 +6,7 @@ Source: habitat-lab, ``habitat/core/dataset.py`` (``EpisodeIterator``).
 import random
 from collections.abc import Iterable, Iterator
 
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 
 
 def passes(episodes: Iterable[Episode], *, shuffle: bool, seed: int) -> Iterator[list[Episode]]:

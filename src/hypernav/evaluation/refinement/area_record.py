@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.evaluation.record import EpisodeLine
 from hypernav.evaluation.refinement.footprint import OffTarget
 from hypernav.evaluation.refinement.goal_position import GoalPosition

@@ -12,7 +12,7 @@ from jaxtyping import Bool
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.components.abilities import ChecksGoal
 from hypernav.core.components.protocols import Agent, Detector, Segmenter
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.errors import GoalError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.observation import Observation
@@ -25,7 +25,7 @@ from hypernav.evaluation.refinement.goal_position import judge_position
 from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.perception.local.config import LocalConfig
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.perception.local.refinement import eroded, projected
+from hypernav.perception.local.local_perception import eroded, projected
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from jaxtyping import Float64
 from scipy.spatial import KDTree
 
 from hypernav.build.presets import HyPerNavConfig
-from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
+from hypernav.core.episode import SUCCESS_DISTANCE_M
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.world import GoalTruth, SceneTruth

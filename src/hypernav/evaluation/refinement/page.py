@@ -6,7 +6,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 
 from hypernav.core.errors import OutputError
-from hypernav.core.text.counted import number_of
+from hypernav.core.words import number_of
 from hypernav.datasets.paper_results import REFINEMENT_DROPS_PERCENT
 from hypernav.evaluation.ablation.ablation_page import PAGE
 from hypernav.evaluation.ablation.figures import write_figure

@@ -11,7 +11,7 @@ from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.registries import DETECTORS, SEGMENTERS, Factory
 from hypernav.build.worlds import open_world
 from hypernav.core.components.registry import Choice
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.world import Simulator
 from hypernav.evaluation.refinement.area_record import AreaRecord, EpisodeAreas
 from hypernav.evaluation.refinement.episode_study import EpisodeStudy

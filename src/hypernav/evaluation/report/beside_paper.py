@@ -7,7 +7,7 @@ between the two is said in sentences, since no run is the paper's own.
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from hypernav.core.episodes.episode import MAX_STEPS
+from hypernav.core.episode import MAX_STEPS
 from hypernav.core.goal import Goal
 from hypernav.datasets import paper_results
 from hypernav.datasets.benchmark_files import scene_number

@@ -9,7 +9,7 @@ from urllib.parse import quote
 import yaml
 
 from hypernav.core.errors import RunFolderError
-from hypernav.core.text.counted import number_of
+from hypernav.core.words import number_of
 from hypernav.evaluation.failures.classification import RULES, Failure
 from hypernav.evaluation.protocol import PROTOCOLS, StopRule
 from hypernav.evaluation.record import EpisodeRecord

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from hypernav.core.text.counted import number_of
+from hypernav.core.words import number_of
 from hypernav.datasets.goal_types import goal_type_words
 from hypernav.episodes.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.evaluation import statistics

@@ -7,9 +7,9 @@ from typing import Generic, TypeVar
 from pydantic import ValidationError
 
 from hypernav.core.errors import RunFolderError
-from hypernav.core.files.reading import read_file
 from hypernav.evaluation.record import EpisodeKey, EpisodeLine
 from hypernav.evaluation.store.run_files import append_line, write_whole
+from hypernav.io.reading import read_file
 
 _LOGGER = logging.getLogger(__name__)
 

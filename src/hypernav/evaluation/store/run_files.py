@@ -4,8 +4,8 @@ from contextlib import closing
 from pathlib import Path
 
 from hypernav.core.errors import RunFolderError
-from hypernav.core.files import whole_files
-from hypernav.core.files.append_only import AppendOnlyFile
+from hypernav.io import writing
+from hypernav.io.writing import AppendOnlyFile
 
 
 def append_line(path: Path, line: str) -> None:
@@ -28,7 +28,7 @@ def write_whole(path: Path, content: str | bytes) -> None:
         RunFolderError: The disk is full, or the file can't be written. The file is unchanged.
     """
     try:
-        whole_files.write_whole(path, content)
+        writing.write_whole(path, content)
     except OSError as error:
         raise _unwritable(path, error) from error
 

@@ -21,13 +21,13 @@ from typing import Any
 from pydantic import ValidationError
 
 from hypernav.core.errors import RunFolderError
-from hypernav.core.files.folder_lock import folder_lock
-from hypernav.core.files.json_text import parse_json
-from hypernav.core.files.reading import read_file
 from hypernav.evaluation.record import EpisodeKey, EpisodeRecord
 from hypernav.evaluation.store.record_file import RecordFile, file_content, read_record_file
 from hypernav.evaluation.store.run_files import append_line, write_whole
 from hypernav.evaluation.store.session import Session
+from hypernav.io.folder_lock import folder_lock
+from hypernav.io.parsing import parse_json
+from hypernav.io.reading import read_file
 
 RUN_FILE = "run.json"
 EPISODES_FILE = "episodes.jsonl"

@@ -13,12 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.build.data.sources import Progress
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.errors import RunFolderError, SceneError
-from hypernav.core.files.json_text import parse_json
-from hypernav.core.files.reading import read_file
 from hypernav.evaluation.store.run_files import write_whole
 from hypernav.evaluation.store.run_store import RunStore
+from hypernav.io.parsing import parse_json
+from hypernav.io.reading import read_file
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
 

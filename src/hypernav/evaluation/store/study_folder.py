@@ -5,8 +5,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from hypernav.core.files.folder_lock import folder_lock
 from hypernav.evaluation.store.run_store import keep_configuration
+from hypernav.io.folder_lock import folder_lock
 
 
 @contextmanager

@@ -18,10 +18,9 @@ from pathlib import Path
 from types import FrameType
 from typing import NoReturn
 
-from hypernav.core.components.exits import end_at_once
-from hypernav.core.episodes.life import Life
+from hypernav.core.components.exits import end_at_once, interruptions_of_kernels
+from hypernav.core.episode import Life
 from hypernav.core.errors import ComponentError, HyPerNavError
-from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.evaluation.workers.own_components import own_components
 from hypernav.evaluation.workers.resource_usage import peak_memory_mb
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job

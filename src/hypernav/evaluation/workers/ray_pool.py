@@ -9,8 +9,8 @@ import socket
 from dataclasses import replace
 from typing import Any
 
-from hypernav.core.components.extras import require
-from hypernav.core.episodes.life import Life
+from hypernav.core.components.registry import require
+from hypernav.core.episode import Life
 from hypernav.core.errors import ComponentError, HyPerNavError, RunFolderError
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.workers.process_pool import ONE_THREAD

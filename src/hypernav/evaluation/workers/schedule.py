@@ -3,7 +3,7 @@
 from collections import Counter, deque
 from collections.abc import Iterable
 
-from hypernav.core.episodes.life import Life
+from hypernav.core.episode import Life
 
 ATTEMPTS = 3
 """Number of lost workers after which a life is not tried again."""

@@ -9,7 +9,7 @@ from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.components.abilities import looks_at_colours
 from hypernav.core.components.door import calling, through_door
 from hypernav.core.components.protocols import Agent
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.show.captions import ITS_OWN
 
 

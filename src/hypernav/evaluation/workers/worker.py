@@ -17,8 +17,7 @@ from hypernav.build.worlds import open_world
 from hypernav.core.components.abilities import BeginsMemory, Closes, PlansSteps, remembers
 from hypernav.core.components.door import SIMULATOR_ERRORS
 from hypernav.core.components.protocols import Agent
-from hypernav.core.episodes.episode import Episode, Outcome
-from hypernav.core.episodes.life import Life
+from hypernav.core.episode import Episode, Life, Outcome
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.trace import Ending, StepTrace
 from hypernav.core.world import Simulator

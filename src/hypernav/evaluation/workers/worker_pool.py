@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
-from hypernav.core.episodes.life import Life
+from hypernav.core.episode import Life
 from hypernav.evaluation.record import EpisodeRecord
 
 

@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 
 from hypernav.core.errors import EpisodeError
-from hypernav.core.files.cache_folder import cache_folder
 from hypernav.datasets.building_splits import BuildingSplit, GoalStyle, split_named
 from hypernav.datasets.habitat_files import read_episodes, write_episodes
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectNavEpisode
@@ -26,6 +25,7 @@ from hypernav.houses.building import Building
 from hypernav.houses.episodes.house_episodes import EPISODES_VERSION, house_episodes
 from hypernav.houses.episodes.queries import RULES
 from hypernav.houses.house_cache import cached_building, generator_version
+from hypernav.io.cache_folder import cache_folder
 
 
 def cached_episodes(

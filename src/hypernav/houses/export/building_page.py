@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.whole_files import write_whole
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.world import Instance
 from hypernav.houses.assembly import to_scene
@@ -17,6 +16,7 @@ from hypernav.houses.export.walk import walk_data, walk_graph
 from hypernav.houses.generator import build_compact, storeys_of
 from hypernav.houses.plan.floor_plan import OUTER_M, WALL_M, FloorPlan, Opening, Rect
 from hypernav.houses.plan.openings import leaf_rect
+from hypernav.io.writing import write_whole
 from hypernav.show.templating import image_uri, page_environment
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.surface.walkable import WalkableGrid

@@ -29,7 +29,7 @@ _SAME_VIEW = 0.5
 
 
 @dataclass(frozen=True)
-class Look:
+class ViewEvidence:
     """Evidence of the images from about one position for or against a candidate.
 
     Attributes:
@@ -85,7 +85,7 @@ class Candidate:
     area: GoalArea
     best_view: Observation
     best_pixels: float
-    looks: tuple[Look, ...] = ()
+    looks: tuple[ViewEvidence, ...] = ()
     measures: tuple[Measure, ...] = ()
     form: float = 0.0
     is_form_doubtful: bool = False
@@ -206,7 +206,7 @@ class Candidate:
         """
         same = [one for one in self.looks if self._is_same_view(one.position, position)]
         if not same:
-            return replace(self, looks=(*self.looks, Look(position, weight)))
+            return replace(self, looks=(*self.looks, ViewEvidence(position, weight)))
         nearest = min(same, key=lambda one: math.dist(one.position, position))
         if weight <= nearest.weight:
             return self

@@ -1,22 +1,28 @@
-"""One floor as the robot knows it, and what the present search has learned on it."""
+"""One floor as the robot knows it, and what the present search has learned and seen of it."""
 
 import math
 from collections import Counter
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import cv2
 import numpy as np
 from jaxtyping import Bool
 
-from hypernav.core.exploring.sightings import Sightings
+from hypernav.core.exploring.floors import Sightings
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.candidate import GoalEvidence
-from hypernav.mapping.memory.looked_over import LookedOver
+from hypernav.mapping.memory.image_kernels import fan_of_view
 from hypernav.mapping.memory.thing import Thing
 from hypernav.mapping.memory.things import Things
-from hypernav.mapping.top_down.top_down_map import TopDownMap
+from hypernav.mapping.top_down_map import TopDownMap
+
+_EVERY_PX = 16
+_BESIDE_M = 0.3
+"""Radius around the robot within which the floor counts as looked at, metres."""
 
 _MOST_POSITIONS = 5000
 """Number of positions of earlier searches that a floor's trajectory keeps."""
@@ -25,8 +31,57 @@ _NEW_VIEW_DEG = 45.0
 """Way and turn from which an image shows enough that the one before didn't to look at all of it."""
 
 
+@dataclass(eq=False)
+class CoverageMask:
+    """The cells of a floor that the images of this search have shown.
+
+    Things move, and detectors overlook them: where nothing new is left to explore, the search goes
+    on where it has not looked yet itself.
+
+    Attributes:
+        cells: Mask of the cells.
+        origin: Lower left corner ``(x, y)`` of the mask, metres.
+    """
+
+    cells: Bool[np.ndarray, "rows columns"]
+    origin: tuple[float, float]
+
+    @staticmethod
+    def nothing(grid: OccupancyGrid) -> "CoverageMask":
+        """Nothing of a floor."""
+        return CoverageMask(np.zeros(grid.cells.shape, dtype=bool), grid.origin)
+
+    def add(self, observation: Observation, grid: OccupancyGrid) -> None:
+        """Add what an image shows: in every direction up to the farthest that has depth."""
+        self._grow(grid)
+        lens, pose = observation.camera.lens, observation.camera_to_map.rows
+        farthest, side = observation.farthest_m, grid.resolution_m
+        mask = self.cells.view(np.uint8)
+        cv2.fillPoly(mask, [fan_of_view(farthest, _EVERY_PX, lens, pose, self.origin, side)], 1)
+        row, column = grid.cell_of(*observation.robot.xy)
+        cv2.circle(mask, (column, row), math.ceil(_BESIDE_M / side), 1, -1)
+
+    def applied(self, grid: OccupancyGrid) -> OccupancyGrid:
+        """The map as if only this search had been on the floor: the rest is unknown."""
+        self._grow(grid)
+        return replace(grid, cells=np.where(self.cells, grid.cells, np.uint8(Cell.UNKNOWN)))
+
+    def _grow(self, grid: OccupancyGrid) -> None:
+        """Cover the cells of a map, which only grows."""
+        if self.cells.shape == grid.cells.shape and self.origin == grid.origin:
+            return
+        column, row = (
+            round((old - new) / grid.resolution_m)
+            for old, new in zip(self.origin, grid.origin, strict=True)
+        )
+        grown = np.zeros(grid.cells.shape, dtype=bool)
+        rows, columns = self.cells.shape
+        grown[row : row + rows, column : column + columns] = self.cells
+        self.cells, self.origin = grown, grid.origin
+
+
 @dataclass(frozen=True, eq=False)
-class Looked:
+class HeadingsSeen:
     """Where the robot has looked from its present position.
 
     Attributes:
@@ -62,8 +117,8 @@ class SearchMemory:
         images_to_visit: Numbers of those in which it sees the goal, or that look like it where no
             chat model is asked, and that are left to go to.
         meant: The one that is gone to before all others, as it was known; None if any will do.
-        looked_over: What it has looked at of the floor; None if the floor was not known before.
-        looks_again: Whether it explores what it has not looked at itself, known or not.
+        coverage: What it has looked at of the floor; None if the floor was not known before.
+        revisits: Whether it explores what it has not looked at itself, known or not.
         seen_off_floor: Position ``(x, y, z)`` where the goal was last seen below or above the room
             of this floor, heights from the floor, metres; it lies at that height or farther
             on from here. None if it was not, or has been found on this floor since.
@@ -76,7 +131,7 @@ class SearchMemory:
 
     evidence: GoalEvidence = field(default_factory=GoalEvidence)
     visits: list[tuple[float, float]] = field(default_factory=list)
-    looked: Looked | None = None
+    looked: HeadingsSeen | None = None
     notes: dict[str, Any] = field(default_factory=dict)
     is_explored: bool = False
     number: int = 0
@@ -90,8 +145,8 @@ class SearchMemory:
     images_to_ask: tuple[int, ...] | None = None
     images_to_visit: tuple[int, ...] = ()
     meant: Thing | None = None
-    looked_over: LookedOver | None = None
-    looks_again: bool = False
+    coverage: CoverageMask | None = None
+    revisits: bool = False
     seen_off_floor: tuple[float, float, float] | None = None
     went_off_floor: bool = False
     views: list[Pose2] = field(default_factory=list)
@@ -185,8 +240,8 @@ class Floor:
         self.trajectory.append(observation.robot.xy)
         self.search.note_view(observation.robot)
         self.map.integrate(observation)
-        if self.search.looked_over is not None:
-            self.search.looked_over.add(observation, self.map.grid)
+        if self.search.coverage is not None:
+            self.search.coverage.add(observation, self.map.grid)
 
     def begin_search(self, number: int, *, lasts: bool) -> None:
         """Forget what the search for another goal learned; `SearchMemory` has the arguments."""
@@ -194,7 +249,7 @@ class Floor:
             number=number,
             lasts=lasts,
             remembered=frozenset(one.number for one in self.things.known),
-            looked_over=LookedOver.nothing(self.map.grid) if self.trajectory else None,
+            coverage=CoverageMask.nothing(self.map.grid) if self.trajectory else None,
         )
         del self.trajectory[:-_MOST_POSITIONS]
 

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float64, Int32
 
 from hypernav.core.geometry.grid import has_cell
 from hypernav.core.observation import Observation
-from hypernav.mapping.distance import distance_from
+from hypernav.mapping.inflation import distance_from
 from hypernav.mapping.memory.image_kernels import points_under
 from hypernav.mapping.memory.visibility import lies_open
 

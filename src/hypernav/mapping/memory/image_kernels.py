@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numba import njit
 
-from hypernav.mapping.top_down.depth_kernels import is_measured
+from hypernav.mapping.top_down_kernels import is_measured
 
 
 @njit(cache=True, nogil=True)

@@ -15,9 +15,10 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.mapping.config import UNEVEN_M, MappingConfig
-from hypernav.mapping.elevation_map import ElevationMap
-from hypernav.mapping.ground import Ground
-from hypernav.mapping.memory.connectors import (
+from hypernav.mapping.elevation_map import ElevationMap, Ground
+from hypernav.mapping.memory.floor import Floor, SearchMemory, counted_from
+from hypernav.mapping.memory.key_images import KeyImages
+from hypernav.mapping.stairs.connectors import (
     Connector,
     Passage,
     UnderWay,
@@ -25,12 +26,9 @@ from hypernav.mapping.memory.connectors import (
     with_crossing,
     with_sightings,
 )
-from hypernav.mapping.memory.floor import Floor, SearchMemory, counted_from
-from hypernav.mapping.memory.footing import ANOTHER_M, Footing
-from hypernav.mapping.memory.key_images import KeyImages
-from hypernav.mapping.memory.seen_connectors import connectors_in, reliable
-from hypernav.mapping.memory.stair_edges import without_sides
-from hypernav.mapping.top_down.top_down_map import TopDownMap
+from hypernav.mapping.stairs.footing import ANOTHER_M, Footing
+from hypernav.mapping.stairs.seen_connectors import connectors_in, reliable, without_sides
+from hypernav.mapping.top_down_map import TopDownMap
 
 
 class Memory:
@@ -48,10 +46,10 @@ class Memory:
         images: Key images; None if none are kept.
         connectors: Connectors between floors, seen from both ends; a number is an index.
         elevation: Heights of the ground around the robot; None if it looks for no stairs.
-        way: Positions ``(x, y)`` of the robot in the present search, stairs included, metres.
+        track: Positions ``(x, y)`` of the robot in the present search, stairs included, metres.
         footing: What the robot stands on.
         under_way: The connector that the robot is on its way over, for a search that begins there;
-            None if it is on no way over one.
+            None if it is on no path over one.
     """
 
     def __init__(
@@ -77,7 +75,7 @@ class Memory:
         self.number: int = 0
         self.connectors: tuple[Connector, ...] = ()
         self.elevation: ElevationMap | None = None
-        self.way: list[tuple[float, float]] = []
+        self.track: list[tuple[float, float]] = []
         self.footing: Footing = Footing.on_level_ground(Pose2(0.0, 0.0, 0.0), 0.0, 0.0)
         self.under_way: UnderWay | None = None
 
@@ -99,7 +97,7 @@ class Memory:
             sees_stairs: Whether connectors are looked for, if the robot can climb stairs.
         """
         self.searches += 1
-        self.way.clear()
+        self.track.clear()
         if not (sees_stairs and self.embodiment.body.climbs_stairs):
             self.elevation = None
             if self.under_way is not None:
@@ -128,10 +126,10 @@ class Memory:
     def follow(self, observation: Observation) -> Floor:
         """Note the robot's height, in every step; return the floor that the robot is on now."""
         z, here = self.height_of(observation), observation.robot.xy
-        if not (self.way or self.is_still_under_way(observation)):
+        if not (self.track or self.is_still_under_way(observation)):
             self.under_way = None
-        moved_m = math.dist(self.way[-1], here) if self.way else 0.0
-        self.way.append(here)
+        moved_m = math.dist(self.track[-1], here) if self.track else 0.0
+        self.track.append(here)
         shows_steps = self.elevation is not None and self.elevation.integrate(
             observation, on_stairs=self.on_stairs
         )
@@ -173,15 +171,15 @@ class Memory:
         position = (*observation.robot.xy, self.height_of(observation))
         return self.under_way is not None and self.under_way.is_at(position)
 
-    def goes_over(self, number: int | None) -> None:
+    def set_current_connector(self, number: int | None) -> None:
         """Note the connector that the robot is on its way over, in every step; None for none."""
-        at = None if number is None else UnderWay(number, (*self.way[-1], self.footing.z))
+        at = None if number is None else UnderWay(number, (*self.track[-1], self.footing.z))
         self.under_way = at
 
     def settle(self, robot: Pose2) -> None:
         """Take what the robot stands on for its ground, where it has given up to climb.
 
-        From there it sees at least the way back; on stairs nothing is drawn and nothing looked for.
+        From there it sees at least the path back; on stairs nothing is drawn or looked for.
         """
         self.footing = Footing.on_level_ground(robot, self.footing.z, self.floor.z)
 
@@ -269,7 +267,7 @@ class Memory:
         if not self.on_stairs:
             self.floor.map.mark_occupied(points_xy)
 
-    def gets_onto_stairs_down(self, robot: Pose2) -> int | None:
+    def register_stairs_underfoot(self, robot: Pose2) -> int | None:
         """Rely on stairs down that the robot got onto, seen too seldom or never; say which.
 
         Returns:
@@ -283,9 +281,9 @@ class Memory:
         self.connectors, number = relied_on(self.connectors, stairs)
         return None if number in self.search.given_up else number
 
-    def stays_here(self) -> bool:
+    def try_accept_new_floor(self) -> bool:
         """Take what stairs led to for another floor from the next step on, if it can be one."""
-        here = self.way[-1]
+        here = self.track[-1]
         if not self.footing.is_storey_away:
             return False
         footing = self.footing.as_if_walked()

@@ -5,22 +5,28 @@ image that should show a thing and doesn't is a miss, and misses tell the more, 
 the thing was seen before.
 """
 
+import math
 from collections import defaultdict
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
+import cv2
 import numpy as np
+from jaxtyping import Bool, Int32
 
 from hypernav.core.embodiment import CameraConfig
-from hypernav.core.geometry.boxes import Detection
+from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.geometry.depth import is_measured
+from hypernav.core.geometry.grid import Cell, OccupancyGrid, has_cell
 from hypernav.core.goal import Goal
 from hypernav.core.labels import canonical
 from hypernav.core.observation import Observation
+from hypernav.mapping.memory.goal_area import points_under_mask
+from hypernav.mapping.memory.goal_words import chances_by_name
 from hypernav.mapping.memory.image_kernels import are_near
-from hypernav.mapping.memory.namesakes import chances_by_name
-from hypernav.mapping.memory.seen_thing import seen_thing
 from hypernav.mapping.memory.thing import (
+    SAME_SIDE,
     Thing,
     fit,
     holds,
@@ -28,9 +34,20 @@ from hypernav.mapping.memory.thing import (
     overlap,
     stands_in_room,
 )
-from hypernav.mapping.memory.two_sides import is_wall_between
 from hypernav.mapping.memory.visibility import are_visible
-from hypernav.mapping.top_down.top_down_map import TopDownMap
+from hypernav.mapping.top_down_map import TopDownMap
+
+_BESIDE_M = 0.6
+"""Distance beside two things, metres, within which a wall between them must have no end."""
+
+_MOST_POINTS = 250
+"""Number of pixels of a detection's box that are read, about."""
+_LARGEST_STRIDE = 24
+_LEAST_POINTS = 3
+_STRAYS = 0.05
+"""Share of a detection's points at each end of each axis that don't count to its extent."""
+_SAME_DEPTH_M = 0.5
+"""Distance in depth from a box's middle up to which its pixels are the thing's, without a mask."""
 
 MOST_THINGS = 500
 """Number of things that a floor remembers; the least certain are forgotten first."""
@@ -43,6 +60,131 @@ _WHOLLY, _ITS_KIND = 1.0, 0.5
 """How well a thing's label may fit a goal; see `Thing.fits`."""
 _LARGER = 4.0
 """Times that a thing must be larger in an image than in all key images for one more of it."""
+
+
+def is_wall_between(one: Thing, other: Thing, floor_map: TopDownMap) -> bool:
+    """Whether a known wall parts all lines of sight to one thing from those to another.
+
+    Around what stands free, however tall it is, the map shows a path from one line of sight to the
+    other; so it does where the wall is not known to go on beside the things.
+
+    Args:
+        one: A thing.
+        other: A thing in the same place, or right beside it.
+        floor_map: Map of their floor.
+    """
+    if _is_seen_from_one_side(one, other):
+        return False
+    corners = np.array([(*thing.low[:2], *thing.high[:2]) for thing in (one, other)])
+    low, high = corners[:, :2].min(axis=0), corners[:, 2:].max(axis=0)
+    reach_m = float((high - low).max()) / 2.0 + _BESIDE_M
+    middle = (low + high) / 2.0
+    around = np.array([middle - reach_m, middle + reach_m])
+    grid = floor_map.eye_level(around)
+    (bottom, left), (top, right) = np.maximum(grid.cells_of(around), 0).tolist()
+    is_open = grid.cells[bottom : top + 1, left : right + 1] != Cell.OCCUPIED
+    parts = cv2.connectedComponents(is_open.view(np.uint8), connectivity=4)[1]
+    sides = [_parts_in_sight(thing, grid, parts, (bottom, left)) for thing in (one, other)]
+    return all(sides) and sides[0].isdisjoint(sides[1])
+
+
+def _is_seen_from_one_side(one: Thing, other: Thing) -> bool:
+    """As `Thing.was_seen_from`, much faster for so few views."""
+    x, y, _ = one.position
+    return any(
+        (a - x) * (c - x) + (b - y) * (d - y)
+        >= SAME_SIDE * math.hypot(a - x, b - y) * math.hypot(c - x, d - y)
+        for a, b, _ in one.views
+        for c, d, _ in other.views
+    )
+
+
+def _parts_in_sight(
+    thing: Thing,
+    grid: OccupancyGrid,
+    parts: Int32[np.ndarray, "rows columns"],
+    corner: tuple[int, int],
+) -> set[int]:
+    """The parts of a map that the lines of sight to a thing lie in, before they end at an obstacle.
+
+    Args:
+        thing: The thing.
+        grid: The map.
+        parts: Number of the part of each cell around the thing; 0 where an obstacle is.
+        corner: Row and column of the first of these cells in the map.
+    """
+    middle, found = np.array(thing.position[:2]), set[int]()
+    for view in np.array(thing.views)[:, :2]:
+        length_m = math.dist(view, middle)
+        samples = math.ceil(2.0 * length_m / grid.resolution_m) + 1
+        line = view + np.linspace(0.0, 1.0, samples)[:, None] * (middle - view)
+        cells = grid.cells_of(line) - corner
+        along = parts[tuple(cells[has_cell(parts.shape, *cells.T)].T)]
+        is_end = along == 0
+        found |= set(along[: int(is_end.argmax()) if is_end.any() else None].tolist())
+    return found
+
+
+def seen_thing(
+    detection: Detection, observation: Observation, camera: CameraConfig, search: int
+) -> Thing | None:
+    """A detection as a thing, without a number yet; None with too few pixels of depth.
+
+    Args:
+        detection: The detection.
+        observation: The image, with heights counted from the floor.
+        camera: Camera, whose range of depth counts.
+        search: Number of the present search.
+    """
+    height, width = observation.depth.shape
+    box = detection.box.clipped(width, height)
+    points = points_under_mask(
+        _mask(box, observation, camera) if detection.mask is None else detection.mask,
+        observation,
+        min_depth_m=camera.min_depth_m,
+        max_depth_m=camera.max_depth_m,
+        stride=min(max(int(math.sqrt(box.area / _MOST_POINTS)), 1), _LARGEST_STRIDE),
+        window=box.pixels(),
+    )
+    if len(points) < _LEAST_POINTS:
+        return None
+    spread = np.sort(points, axis=0)  # much faster than percentiles
+    first = int(_STRAYS * len(points))
+    (x0, y0, z0), (x1, y1, z1) = spread[[first, -1 - first]].round(3).tolist()
+    score = round(float(detection.score), 4)
+    return Thing(
+        number=-1,
+        label=detection.label,
+        score=score,
+        low=(x0, y0, z0),
+        high=(x1, y1, z1),
+        views=((*observation.robot.xy, score),),
+        pixels=float(detection.box.area),
+        first_search=search,
+        last_search=search,
+    )
+
+
+def _mask(
+    box: Box, observation: Observation, camera: CameraConfig
+) -> Bool[np.ndarray, "height width"]:
+    """The pixels of a box that are about as far away as its middle, where it has no mask."""
+    mask = np.zeros(observation.depth.shape, dtype=bool)
+    x_min, y_min, x_max, y_max = box.pixels()
+    window = (slice(y_min, y_max), slice(x_min, x_max))
+    middle_m = _middle_depth(box, observation, camera)
+    mask[window] = np.abs(observation.depth[window] - middle_m) <= _SAME_DEPTH_M
+    return mask
+
+
+def _middle_depth(box: Box, observation: Observation, camera: CameraConfig) -> float:
+    """Median depth in the middle half of a box, metres; NaN where nothing is measured."""
+    dx, dy = (box.x_max - box.x_min) / 4.0, (box.y_max - box.y_min) / 4.0
+    rows = slice(round(box.y_min + dy), round(box.y_max - dy) + 1)
+    columns = slice(round(box.x_min + dx), round(box.x_max - dx) + 1)
+    depths = observation.depth[rows, columns]
+    depths = depths[is_measured(depths, camera.min_depth_m, camera.max_depth_m)]
+    return float(np.median(depths)) if depths.size else math.nan
 
 
 @dataclass(frozen=True)

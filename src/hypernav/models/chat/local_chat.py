@@ -10,11 +10,11 @@ import time
 from typing import Any
 
 from hypernav.core.chat import Answer, Question, Usage
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.errors import ModelError, ModelUnavailableError
 from hypernav.models.chat.answer_parsing import parse_answer
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.torch_device import (
+from hypernav.models.network_loading import (
     EXTRA,
     choose_device,
     choose_dtype,

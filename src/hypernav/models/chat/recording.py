@@ -1,4 +1,4 @@
-"""Recording of a chat model's exchanges, and their replay without the model.
+"""Recording of a chat model's exchanges, their replay without it, and a restart after a crash.
 
 A recording is a JSON-lines file: a header, then one exchange per line in the order of the answers.
 Images are named by the hash of their pixels, so a recording stays small and a replay notices when
@@ -18,11 +18,10 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from hypernav.core.chat import Answer, Fault, Question, Usage
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.errors import ModelUnavailableError, OutputError, RecordingError
-from hypernav.core.files.allowance import Allowance
-from hypernav.core.files.json_text import check_json_size
-from hypernav.core.files.reading import read_file
+from hypernav.io.parsing import check_json_size
+from hypernav.io.reading import Allowance, read_file
 from hypernav.models.chat.answer_parsing import parse_answer, shortened
-from hypernav.models.chat.image_encoding import content_hash
+from hypernav.models.chat.message_parts import content_hash
 
 _MOST_BYTES = 500_000_000
 _MOST_TOKENS = 1_000_000_000
@@ -268,3 +267,51 @@ def _similarity(a: _RecordedQuestion, b: _RecordedQuestion) -> float:
 def _images(question: _RecordedQuestion) -> str:
     hashes = " ".join(name[:8] for name in question.images)
     return f"with image {hashes}" if hashes else "without an image"
+
+
+class ResumingChat:
+    """Answers from the recording, in order, and asks the model for everything else.
+
+    So a search that is repeated with the same images asks no question twice. New exchanges are
+    appended to the recording immediately. Thread-safe.
+    """
+
+    def __init__(self, model: ChatModel, path: Path) -> None:
+        """Read the existing recording, and continue it.
+
+        Args:
+            model: Model that is asked for what the recording does not hold.
+            path: File of the recording; a line that was cut off by a crash is removed from it.
+
+        Raises:
+            RecordingError: The file is broken, or cannot be written.
+        """
+        self._model = model
+        self._recorded = ReplayChat(path) if _without_half_a_line(path) else None
+        self._recording = RecordingChat(model, path, append=True)
+
+    def identify(self) -> str:
+        """The model's name; that of the recording, if there is one."""
+        return self._recording.identify() if self._recorded is None else self._recorded.identify()
+
+    def ask(self, question: Question) -> Answer:
+        """The recorded answer, or that of the model."""
+        answer = None if self._recorded is None else self._recorded.take(question)
+        return self._recording.ask(question) if answer is None else answer
+
+    def close(self) -> None:
+        """Close the file; the recorded exchanges are on disk already."""
+        self._recording.close()
+
+
+def _without_half_a_line(path: Path) -> int:
+    """Remove what follows the last line feed; returns the remaining size, bytes."""
+    if not path.exists():
+        return 0
+    try:
+        size = path.read_bytes().rfind(b"\n") + 1
+        with path.open("r+b") as file:
+            file.truncate(size)
+    except OSError as error:
+        raise RecordingError(f"cannot continue {path}: {error.strerror}") from error
+    return size

@@ -7,6 +7,7 @@ makers that says so. A model without such a page is in no family: it is not gues
 import math
 import re
 from dataclasses import dataclass
+from importlib.resources import files
 from typing import Literal
 
 import cv2
@@ -196,168 +197,17 @@ class ModelLine:
     source: str
 
 
-MODEL_LINES: tuple[ModelLine, ...] = (
-    ModelLine(
-        "RoboBrain 2.0",
-        r"robobrain[-_. ]?2[._-]?0",
-        "qwen2.5-vl",
-        "its makers: absolute coordinates (FlagOpen/RoboBrain2.5, issue 2)",
-    ),
-    ModelLine(
-        "RoboBrain 2.5",
-        r"robobrain[-_. ]?2[._-]?5",
-        "thousandths",
-        "FlagOpen/RoboBrain2.5, inference.py: relative, 0 to 1000",
-    ),
-    ModelLine(
-        "Cosmos-Reason2",
-        r"cosmos[-_. ]?reason[-_. ]?2",
-        "thousandths",
-        "nvidia-cosmos/cosmos-cookbook, reason_guide.md: normalized to 0 to 1000",
-    ),
-    ModelLine(
-        "MiMo-VL",
-        r"mimo[-_. ]?vl",
-        "qwen2.5-vl",
-        "XiaomiMiMo/MiMo-VL, examples/grounding.ipynb: pixels after smart_resize",
-    ),
-    ModelLine(
-        "Embodied-R1",
-        r"embodied[-_. ]?r1(?![._]5)",
-        "embodied-r1",
-        "pickxiguapi/Embodied-R1, eval/hf_inference_affordance.py: points in pixels",
-    ),
-    ModelLine(
-        "MiniCPM-V and MiniCPM-o",
-        r"minicpm[-_. ]?(?:llama3[-_. ]?)?[vo](?![a-z])",
-        "thousandths",
-        "its makers: normalized to 1000 (OpenBMB/MiniCPM-V, issues 772 and 982)",
-    ),
-    ModelLine(
-        "Qwen2.5-VL",
-        r"qwen[-_. ]?2[._-]?5[-_. ]?vl",
-        "qwen2.5-vl",
-        "its makers: absolute, of the image after the processor (QwenLM/Qwen3-VL, issues 676 and "
-        "866); smart_resize of qwen-vl-utils, patches of 14 pixels merged two by two",
-    ),
-    ModelLine(
-        "Qwen2.5-Omni",
-        r"qwen[-_. ]?2[._-]?5[-_. ]?omni",
-        "qwen2.5-vl",
-        "its vision encoder and processor are those of Qwen2.5-VL (transformers, qwen2_5_omni)",
-    ),
-    ModelLine(
-        "Qwen2-VL",
-        r"qwen[-_. ]?2[-_. ]?vl",
-        "qwen2-vl",
-        "its makers: relative, 0 to 1000 (QwenLM/Qwen3-VL, issue 866)",
-    ),
-    ModelLine(
-        "Qwen3-VL and Qwen3.5",
-        r"qwen[-_. ]?3",
-        "qwen3-vl",
-        "its makers: relative, 0 to 1000 (QwenLM/Qwen3-VL, issue 1486; "
-        "QwenLM/Qwen3.8-Flash-Next, issue 4)",
-    ),
-    ModelLine(
-        "Qwen-VL",
-        r"qwen[-_. ]?vl[-_. ]?(?:chat|7b)|qwen[-_. ]?vl$",
-        "thousandths",
-        "QwenLM/Qwen-VL, README: <ref>, <box>(x1,y1),(x2,y2)</box>, 0 to 1000",
-    ),
-    ModelLine(
-        "GLM-4.1V, 4.5V, 4.6V",
-        r"glm[-_. ]?4[._-]?\dv|glm[-_. ]?4[._-]?\d[-_. ]v",
-        "glm-v",
-        "zai-org/GLM-V, README: normalized by the image's sides and scaled by 1000",
-    ),
-    ModelLine(
-        "GLM-5V",
-        r"glm[-_. ]?5(?:[._-]?\d)?[-_. ]?v",
-        "glm-v",
-        "zai-org/GLM-V, README and skills/glmv-grounding: 0 to 1000",
-    ),
-    ModelLine(
-        "Gemini",
-        r"gemini",
-        "gemini",
-        "ai.google.dev/gemini-api/docs/image-understanding: box_2d, rows first, 0 to 1000",
-    ),
-    ModelLine(
-        "Gemma 4",
-        r"gemma[-_. ]?4",
-        "gemini",
-        "users' converters: box_2d, rows first, 0 to 1000; no page of its makers was found",
-    ),
-    ModelLine(
-        "PaliGemma",
-        r"pali[-_. ]?gemma",
-        "paligemma",
-        "google-research/big_vision, proj/paligemma/README.md: <loc0000> to <loc1023>, rows first",
-    ),
-    ModelLine(
-        "Florence-2",
-        r"florence[-_. ]?2",
-        "florence-2",
-        "transformers, processing_florence2.py: <loc_0> to <loc_999>, columns first",
-    ),
-    ModelLine(
-        "InternVL",
-        r"intern[-_. ]?vl",
-        "thousandths",
-        "internvl.readthedocs.io, chat data format: <ref>, <box>[[x1, y1, x2, y2]]</box>, 0 to "
-        "1000; OpenGVLab/InternVL, eval/refcoco/evaluate_grounding.py",
-    ),
-    ModelLine(
-        "LFM2.5-VL",
-        r"lfm[-_. ]?2[._-]?5[-_. ]?vl",
-        "unit",
-        "its model card, as users quote it: bbox, normalized to 0 to 1",
-    ),
-    ModelLine(
-        "Molmo2",
-        r"molmo[-_. ]?2",
-        "molmo2",
-        "allenai/molmo2, olmo/preprocessing/point_formatter.py: coords of index, x, y, 0 to 1000",
-    ),
-    ModelLine(
-        "Molmo",
-        r"molmo(?!act|[-_. ]?point)",
-        "molmo",
-        "its makers: points in percent (huggingface.co/allenai/Molmo-7B-O-0924, discussion 1)",
-    ),
-    ModelLine(
-        "DeepSeek-VL2",
-        r"deepseek[-_. ]?vl[-_. ]?2",
-        "deepseek-vl2",
-        "deepseek-ai/DeepSeek-VL2, README and issue 100: <|ref|>, <|det|>, 0 to 999",
-    ),
-    ModelLine(
-        "Seed1.5-VL and Doubao vision",
-        r"seed[-_. ]?1[._-]?[5-9][-_. ]?vl|doubao.*(?:vision|seed)",
-        "thousandths",
-        "ByteDance-Seed/Seed1.5-VL, cookbook: relative, 0 to 999",
-    ),
-    ModelLine(
-        "Yi-VL",
-        r"(?<![a-z])yi[-_. ]?vl",
-        "thousandths",
-        "its makers: 0 to 999 (01-ai/Yi, issue 376)",
-    ),
-    ModelLine(
-        "Moondream",
-        r"moondream",
-        "unit",
-        "docs.moondream.ai: x_min, y_min, x_max, y_max, 0 to 1",
-    ),
-    ModelLine(
-        "Claude",
-        r"claude",
-        "claude",
-        "platform.claude.com, vision-coordinates: pixels of the image that the model sees",
-    ),
-)
-"""The lines of models that are known by name; the first whose spelling fits counts."""
+def _parsed(table: str) -> tuple[ModelLine, ...]:
+    rows = (re.split(" {2,}", line) for line in table.splitlines())
+    return tuple(
+        ModelLine(name, spelling, FAMILIES[family].name, source)
+        for name, family, spelling, source in rows
+    )
+
+
+MODEL_LINES = _parsed(files("hypernav.models.chat").joinpath("model_lines.txt").read_text("utf-8"))
+"""The lines of models that are known by name (``model_lines.txt``: name, family, spelling and
+source, with two spaces or more between them); the first whose spelling fits counts."""
 
 
 def family_named(name: str) -> VlmFamily:

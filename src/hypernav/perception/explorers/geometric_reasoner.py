@@ -72,7 +72,7 @@ class GeometricReasoner:
     is weighted by what is unseen then (the travelling deliveryman problem, posed for search by
     Kulich, Přeučil and Miranda Bront, "On Multi-Robot Search for a Stationary Object", 2017).
     What two blocks would show both counts once, and less where both show little. A block of another
-    floor comes before all where exploring that floor shows more for each metre of the way.
+    floor comes before all where exploring that floor shows more for each metre of the path.
 
     Attributes:
         log: Log of all choices, for the trace.
@@ -131,7 +131,7 @@ class GeometricReasoner:
     ) -> BlockChoice | None:
         """A block of another floor, if exploring that one shows more a metre; else None.
 
-        A place is left when others yield more for the time, the way there included: the marginal
+        A place is left when others yield more for the time, the path there included: the marginal
         value theorem of Charnov, "Optimal Foraging, the Marginal Value Theorem", 1976. A floor of
         which less was seen than is expected of an unseen one is not left.
         """
@@ -150,7 +150,7 @@ class GeometricReasoner:
             its = _discounted(floor.prospects(there))
             a_metre = _shown_a_metre(there, its)
             if a_metre > most:
-                values = _values(its, [_way_m(block) for block in there])
+                values = _values(its, [_path_m(block) for block in there])
                 best = there[int(np.argmax(values))]
                 more = f"more is left for the way on {floor.known.words}"
                 reason = f"block {best.number}: {more}, {best.travel_m:.1f} m away"
@@ -180,8 +180,8 @@ class GeometricReasoner:
 
     def _cost_m(self, block: Block, robot: Pose2) -> float:
         if self.config.order == "tour":
-            return _way_m(block)
-        return _way_m(block) + _TURN_COST_M * abs(robot.bearing_to(*block.destination))
+            return _path_m(block)
+        return _path_m(block) + _TURN_COST_M * abs(robot.bearing_to(*block.destination))
 
     def _reason(self, block: Block, gain: float) -> str:
         if block.connector is not None:
@@ -197,8 +197,8 @@ class GeometricReasoner:
         return f"block {block.number}: {worth}, {block.travel_m:.1f} m away"
 
 
-def _way_m(block: Block) -> float:
-    """Length of the way to a block, and over the stairs that begin there, metres."""
+def _path_m(block: Block) -> float:
+    """Length of the path to a block, and over the stairs that begin there, metres."""
     return block.travel_m + (0.0 if block.connector is None else CLIMB_M)
 
 
@@ -211,9 +211,9 @@ def _values(prospects: Prospects, costs_m: Sequence[float]) -> list[float]:
 
 
 def _shown_a_metre(blocks: list[Block], shown: Prospects) -> float:
-    """What some blocks would show for each metre of path, the way to the nearest included, m²."""
+    """What some blocks would show for each metre of path, the path to the nearest included, m²."""
     left_m2 = float(shown.areas_m2.sum())
-    path_m = min(_way_m(block) for block in blocks) + left_m2 / _SHOWN_M2
+    path_m = min(_path_m(block) for block in blocks) + left_m2 / _SHOWN_M2
     return left_m2 / path_m if path_m > 0.0 else 0.0
 
 

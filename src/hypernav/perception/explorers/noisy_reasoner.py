@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.errors import ConfigError
 from hypernav.core.exploring.overview import Block, BlockChoice, Overview
 from hypernav.core.goal import Goal

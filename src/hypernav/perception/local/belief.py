@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from hypernav.core.curve import along
+from hypernav.core.config import along
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -21,7 +21,7 @@ from hypernav.mapping.memory.goal_area import GoalArea
 from hypernav.mapping.memory.things import Things
 from hypernav.mapping.memory.visibility import is_cut_off, seems_to_hold, should_be_visible
 from hypernav.perception.local.config import LocalConfig
-from hypernav.perception.shape.evidence import form_evidence
+from hypernav.perception.local.shape import form_evidence
 
 _YOLOX = (
     *((0.0, -0.8), (0.1, -0.4), (0.2, 0.0), (0.3, 0.2), (0.45, 1.2)),

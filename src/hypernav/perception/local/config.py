@@ -4,8 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from hypernav.core.config import RoomConfig
-from hypernav.core.curve import Curve
+from hypernav.core.config import Curve, RoomConfig
 
 
 def _odd(side: int) -> int:

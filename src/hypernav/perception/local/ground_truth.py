@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from scipy import ndimage
 
 from hypernav.core.errors import LabelsMissingError
-from hypernav.core.exploring.sightings import SeenThing
+from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.perception.local.census_kernels import census
 
 MIN_AREA_SHARE = 0.0005
 """Share of the image below which objects are overlooked, as by a real detector: 12×12 pixels in
@@ -64,14 +64,16 @@ class GroundTruthDetector:
             LabelsMissingError: The world supplies no labels.
         """
         truth = true_labels(observation)
-        ids = np.ascontiguousarray(truth.ids[::_COARSE, ::_COARSE])
-        pixels, boxes = census(ids, int(ids.max()))
+        ids = truth.ids[::_COARSE, ::_COARSE]
+        pixels, windows = np.bincount(ids[ids >= 0]), ndimage.find_objects(ids + 1)
         least = max(self.min_area_share * ids.size, 1.0)
         found = []
         for number in np.flatnonzero(pixels >= least).tolist():
             if number not in truth.labels:
                 continue
-            left, top, right, bottom = (_COARSE * boxes[number]).tolist()
+            rows, columns = windows[number]
+            top, bottom = _COARSE * rows.start, _COARSE * rows.stop
+            left, right = _COARSE * columns.start, _COARSE * columns.stop
             mask = np.zeros(truth.ids.shape, dtype=bool)
             window = np.s_[top:bottom, left:right]
             np.equal(truth.ids[window], number, out=mask[window])
@@ -125,7 +127,7 @@ def true_labels(observation: Observation) -> LabelledPixels:
 
 def visible_objects(truth: LabelledPixels, min_area_share: float = MIN_AREA_SHARE) -> list[int]:
     """Numbers of labelled instances with at least this share of the image, largest first."""
-    pixels, _ = census(truth.ids, int(truth.ids.max()))
+    pixels = np.bincount(truth.ids[truth.ids >= 0])
     enough = np.flatnonzero(pixels >= min_area_share * truth.ids.size)
     visible = [int(number) for number in enough if int(number) in truth.labels]
     return sorted(visible, key=lambda number: (-int(pixels[number]), number))

@@ -6,14 +6,14 @@ import numpy as np
 from pydantic import Field
 
 from hypernav.core.config import RoomConfig
-from hypernav.core.episodes.truth import EpisodeTruth
+from hypernav.core.episode import EpisodeTruth
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel, normalise, same_name
 from hypernav.core.observation import Observation
-from hypernav.perception.local.crop_check import confusions
 from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
+from hypernav.perception.local.yes_no_checks import confusions
 
 _LEAST_SCORE = 0.05
 _ALARM_SIDES = (0.05, 0.4)

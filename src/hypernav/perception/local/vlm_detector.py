@@ -15,13 +15,12 @@ from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel, asked_place, label_for, place_in
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.models.chat.unwrapping import final_answer
+from hypernav.models.chat.answer_parsing import final_answer
 from hypernav.models.chat.vlm_families import FamilyName, VlmFamily, family_named, family_of
-from hypernav.perception.exchanges import YesNoAsker, exchange_of
-from hypernav.perception.local.crop_check import crop_of, crop_question
+from hypernav.perception.exchanges import YesNoAsker, check_placeholders, exchange_of
 from hypernav.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.perception.local.grounding_format import NEGATED, Grounding, PointedAt, read_grounding
-from hypernav.perception.prompt_text import check_placeholders
+from hypernav.perception.local.yes_no_checks import crop_of, crop_question
 
 _PROMPT = (
     "Locate every {goal} in the picture and report the bounding boxes in JSON format, for example "

@@ -10,13 +10,12 @@ import numpy as np
 from hypernav.core.chat import Question
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.errors import ModelUnavailableError
-from hypernav.core.exploring.arrows import TURN_AROUND, ArrowChoice, ArrowView
+from hypernav.core.exploring.guidance import TURN_AROUND, ArrowChoice, ArrowView
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Exchange, ExchangeLog
-from hypernav.models.chat.answer_parsing import shortened
-from hypernav.models.chat.unwrapping import final_answer
+from hypernav.models.chat.answer_parsing import final_answer, shortened
 from hypernav.perception.exchanges import exchange_of
-from hypernav.perception.visual_prompts.config import ArrowsConfig
+from hypernav.perception.visual_prompts.proposals import ArrowsConfig
 
 _ONE = (
     "You steer a robot that looks for the nearest {goal} in a building that it doesn't know, and "

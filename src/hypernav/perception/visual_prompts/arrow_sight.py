@@ -9,14 +9,19 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploring.arrows import Arrow, ArrowView
 from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.guidance import Arrow, ArrowView
 from hypernav.core.exploring.insight import ImageMark, Insight
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
-from hypernav.perception.visual_prompts.config import ArrowsConfig
-from hypernav.perception.visual_prompts.free_range import RayMemory, all_headings, free_ranges
-from hypernav.perception.visual_prompts.proposals import FreeDirections, Move
+from hypernav.perception.visual_prompts.proposals import (
+    ArrowsConfig,
+    FreeDirections,
+    Move,
+    RayMemory,
+    all_headings,
+    free_ranges,
+)
 from hypernav.show.drawing.shapes import ArrowStyle, draw_arrows, foot_pixel
 
 _KEY = "arrows"

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numba import njit
 
-from hypernav.mapping.top_down.depth_kernels import is_measured
+from hypernav.mapping.top_down_kernels import is_measured
 
 
 @njit(cache=True, nogil=True)
@@ -27,7 +27,7 @@ def walk_lines(depth, lens, rotation, height, headings, band, farthest, limits, 
         least: Length in the image, pixels, up to which a line counts as blocked.
 
     Returns:
-        float64 (n,), metres; 0 where the way is blocked or out of the image.
+        float64 (n,), metres; 0 where the path is blocked or out of the image.
     """
     fx, fy, cx, cy = lens
     rows, columns = depth.shape

@@ -13,12 +13,16 @@ from jaxtyping import Float64
 
 from hypernav.core.components.protocols import ArrowReasoner
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploring.arrows import TURN_AROUND, Arrow
 from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.guidance import TURN_AROUND, Arrow
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.perception.visual_prompts.arrow_sight import ArrowSight
-from hypernav.perception.visual_prompts.config import ArrowsConfig
-from hypernav.perception.visual_prompts.proposals import MOST_MOVE_M, FreeDirections, Move
+from hypernav.perception.visual_prompts.proposals import (
+    MOST_MOVE_M,
+    ArrowsConfig,
+    FreeDirections,
+    Move,
+)
 from hypernav.show.drawing.shapes import ArrowStyle
 
 _KEY = "pivot"

@@ -15,8 +15,8 @@ from hypernav.core.errors import (
     RobotLinkError,
 )
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
-from hypernav.core.network.bounded_http import Deadline, Session
 from hypernav.core.trace import StepTrace
+from hypernav.io.bounded_http import Deadline, Session
 from hypernav.robot.client.server_address import ServerAddress
 from hypernav.robot.wire.replies import ErrorBody, Reply, SearchOpened, Status
 from hypernav.robot.wire.requests import CloseRequest, OpenSearch, StopRequest

@@ -8,8 +8,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Float32, UInt8
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import SensorError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.depth import is_measured

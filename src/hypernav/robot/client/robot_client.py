@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from types import TracebackType
 
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.errors import (
     ContractError,
     LinkLostError,

@@ -5,7 +5,7 @@ from contextlib import ExitStack
 
 from pydantic import ValidationError
 
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.errors import LinkLostError, RequestRefusedError
 from hypernav.robot.client.links import give_up
 from hypernav.robot.client.server_address import ServerAddress

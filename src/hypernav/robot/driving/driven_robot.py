@@ -5,8 +5,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.robot.client.robot import Executed, Sensed
 from hypernav.robot.driving.base import Base

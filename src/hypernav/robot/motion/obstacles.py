@@ -7,7 +7,7 @@ from jaxtyping import Float64
 from scipy.spatial import KDTree
 
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.mapping.distance import distance_from
+from hypernav.mapping.inflation import distance_from
 
 
 @runtime_checkable

@@ -7,8 +7,7 @@ import cv2
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.geometry.segments import distances_to_segment
-from hypernav.core.geometry.transforms import wrap_angle
+from hypernav.core.geometry.transforms import distances_to_segment, wrap_angle
 
 _SAME_LINE_M = 0.02
 """Deviation below which a corner is ignored: paths from cell to cell are staircases."""

@@ -7,7 +7,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.errors import RecordingError, RosMessageError, TransformMissingError
 from hypernav.robot.recordings.unclosed import ClosedView, closed_view
 

@@ -13,10 +13,9 @@ from jaxtyping import Float32, UInt8
 from PIL import Image
 
 from hypernav.core.errors import CameraError, RecordingError
-from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
-from hypernav.core.files.reading import read_file, text_of
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
+from hypernav.io.reading import MOST_PIXELS, image_size, read_file, text_of
 from hypernav.robot.recordings.recording import RecordedFrame, Recording
 
 _NO_RETURN = 65_535

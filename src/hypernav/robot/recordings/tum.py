@@ -16,9 +16,9 @@ from jaxtyping import Float64
 from scipy.spatial.transform import Rotation
 
 from hypernav.core.errors import RecordingError
-from hypernav.core.files.reading import path_below
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
+from hypernav.io.reading import path_below
 from hypernav.robot.recordings.frame_files import (
     FrameFiles,
     broken_line,

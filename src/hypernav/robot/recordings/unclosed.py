@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 
 _MAGIC = b"\x89MCAP0\r\n"
 _FOOTER, _CHUNK, _DATA_END = 2, 6, 15

@@ -18,7 +18,7 @@ from jaxtyping import Float32, UInt8
 from PIL import Image
 
 from hypernav.core.errors import RosMessageError
-from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
+from hypernav.io.reading import MOST_PIXELS, image_size
 
 _COLOURS: Mapping[str, tuple[type[np.uint8 | np.uint16], int, int | None]] = {
     "rgb8": (np.uint8, 3, None),

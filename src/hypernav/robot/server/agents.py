@@ -14,7 +14,7 @@ from hypernav.core.components.abilities import check_remembers
 from hypernav.core.components.protocols import Agent
 from hypernav.core.errors import ConfigError
 from hypernav.core.goal import Goal
-from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.mapping.storage.memory_folder import MemoryFolder
 from hypernav.robot.server.state.journal import MODEL_FILE
 from hypernav.robot.wire.requests import OpenSearch
 

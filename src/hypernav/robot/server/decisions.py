@@ -8,16 +8,15 @@ from typing import cast
 import numpy as np
 
 from hypernav.build.agents import BuiltAgent
-from hypernav.core.actions import Action
 from hypernav.core.components.protocols import ExplainsItself, Remembers
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import OutputError, WireError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, StepTrace, floor_of
-from hypernav.mapping.memory.memory_folder import MemoryFolder
+from hypernav.mapping.storage.memory_folder import MemoryFolder
 from hypernav.robot.motion.config import DriveConfig
 from hypernav.robot.motion.obstacles import MapObstacles
 from hypernav.robot.motion.pure_pursuit import PurePursuit

@@ -10,8 +10,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 from hypernav.core.errors import HyPerNavError, RequestRefusedError, RunFolderError
-from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.goal import Goal
+from hypernav.io.folder_lock import folder_lock
 from hypernav.mapping.memory.memory import Memory
 from hypernav.robot.server.agents import AgentPlan, PlanAgent, check_labels
 from hypernav.robot.server.decisions import Decisions

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float32
 
-from hypernav.core.actions import Action
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import SensorError
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import wrap_angle

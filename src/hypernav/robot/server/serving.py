@@ -11,7 +11,7 @@ from fastapi import FastAPI
 from starlette.concurrency import run_in_threadpool
 
 from hypernav.core.errors import ConfigError
-from hypernav.core.files.reading import read_file
+from hypernav.io.reading import read_file
 from hypernav.robot.server.access import Access
 from hypernav.robot.server.agents import PlanAgent
 from hypernav.robot.server.app import make_app

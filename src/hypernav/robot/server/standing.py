@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.errors import RequestRefusedError, RunFolderError, WireError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import floor_of

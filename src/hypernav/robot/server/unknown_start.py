@@ -18,8 +18,8 @@ from hypernav.core.geometry.transforms import Transform, wrap_angle
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.memory_folder import MemoryFolder
-from hypernav.mapping.memory.unknown_start import found_by_turn
+from hypernav.mapping.memory.relocalization import found_by_turn
+from hypernav.mapping.storage.memory_folder import MemoryFolder
 from hypernav.robot.server.state.journal import StepRecord
 from hypernav.robot.wire.replies import Reply, StartInMemory
 from hypernav.robot.wire.requests import ObservationFacts

@@ -10,7 +10,7 @@ from pydantic import Field
 
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.episodes.episode import Episode
+from hypernav.core.episode import Episode
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle

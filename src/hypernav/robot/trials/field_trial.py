@@ -9,10 +9,10 @@ import yaml
 from pydantic import Field, ValidationError
 
 from hypernav.core.config import RoomConfig
-from hypernav.core.episodes.metrics import EpisodeMetrics, measure
+from hypernav.core.episode import EpisodeMetrics, measure
 from hypernav.core.errors import RunFolderError
-from hypernav.core.files.reading import read_file, text_of
-from hypernav.core.files.yaml_text import parse_yaml
+from hypernav.io.parsing import parse_yaml
+from hypernav.io.reading import read_file, text_of
 from hypernav.robot.server.state.journal import Journal
 from hypernav.robot.wire.frames import first_mistake, unpack_observation
 from hypernav.robot.wire.replies import SearchEnding

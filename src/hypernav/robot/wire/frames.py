@@ -19,10 +19,10 @@ from PIL import Image
 from pydantic import ValidationError
 
 from hypernav.core.errors import WireError
-from hypernav.core.files.image_sizes import image_size
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import LabelledPixels, Observation
+from hypernav.io.reading import image_size
 from hypernav.robot.wire.requests import (
     ColourPart,
     DepthPart,

@@ -2,7 +2,7 @@
 
 from enum import StrEnum
 
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.trace import Mode

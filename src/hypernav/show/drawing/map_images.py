@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import UInt8
 from PIL import Image
 
+from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.exploring.insight import ThingGraph, ValueImage
-from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import StepTrace, floor_of, on_floor, on_last_floor

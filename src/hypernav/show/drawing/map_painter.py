@@ -6,8 +6,8 @@ import cv2
 import numpy as np
 from jaxtyping import Float64, UInt8
 
+from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.exploring.overview import Block
-from hypernav.core.exploring.sightings import SeenThing
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import BlockRecord

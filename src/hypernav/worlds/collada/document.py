@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.files.allowance import Allowance
-from hypernav.core.files.reading import read_file
-from hypernav.core.files.xml_text import parse_xml
+from hypernav.io.parsing import parse_xml
+from hypernav.io.reading import Allowance, read_file
 from hypernav.worlds.collada.paints import PLAIN, FindImage, read_paints
 from hypernav.worlds.collada.transforms import local_matrix
 from hypernav.worlds.collada.triangles import Triangles, triangles_of

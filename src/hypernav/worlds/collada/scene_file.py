@@ -3,8 +3,7 @@
 from pathlib import Path, PurePosixPath
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.allowance import Allowance
-from hypernav.core.files.reading import path_below
+from hypernav.io.reading import Allowance, path_below
 from hypernav.worlds.collada.document import read_collada
 from hypernav.worlds.config import Axis
 from hypernav.worlds.scenes.paints import materials_of

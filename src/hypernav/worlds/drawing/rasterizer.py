@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float32, Float64, Int32, Int64
 
-from hypernav.core.files.kept_arrays import digest_of, kept_arrays
 from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.io.kept_arrays import digest_of, kept_arrays
 from hypernav.worlds.drawing.raster_kernels import draw_triangles, find_visible
 from hypernav.worlds.scenes.scene import Scene
 

@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float32, Int32, Int64, UInt8, UInt32
 
-from hypernav.core.files.kept_arrays import digest_of, kept_arrays
+from hypernav.io.kept_arrays import digest_of, kept_arrays
 from hypernav.worlds.drawing import texture_kernels
 from hypernav.worlds.drawing.texture_kernels import encode, halve
 from hypernav.worlds.scenes.scene import Material, Scene

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.world import RenderedView

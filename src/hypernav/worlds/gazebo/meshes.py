@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.allowance import Allowance
+from hypernav.io.reading import Allowance
 from hypernav.worlds.collada.document import read_collada
 from hypernav.worlds.gazebo.model_folders import Found, found_beside
 from hypernav.worlds.scenes.gltf import read_gltf

@@ -8,9 +8,8 @@ from itertools import product
 from pathlib import Path
 from urllib.parse import unquote
 
-from hypernav.core.files.allowance import Allowance
-from hypernav.core.files.reading import path_below, read_file
-from hypernav.core.files.xml_text import parse_xml
+from hypernav.io.parsing import parse_xml
+from hypernav.io.reading import Allowance, path_below, read_file
 
 VARIABLES = (
     "GAZEBO_MODEL_PATH",

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hypernav.core.files.reading import read_file, text_of
+from hypernav.io.reading import read_file, text_of
 from hypernav.worlds.collada.triangles import numbers_of
 from hypernav.worlds.gazebo.model_folders import Found, ModelFolders, found_beside
 from hypernav.worlds.scenes.paints import Paint

@@ -14,9 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.allowance import Allowance
-from hypernav.core.files.reading import read_file
-from hypernav.core.files.xml_text import parse_xml
+from hypernav.io.parsing import parse_xml
+from hypernav.io.reading import Allowance, read_file
 from hypernav.worlds.collada.triangles import numbers_of
 from hypernav.worlds.gazebo.instances import NamedPart, named_instances
 from hypernav.worlds.gazebo.meshes import Meshes

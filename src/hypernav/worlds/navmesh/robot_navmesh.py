@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from hypernav.core.embodiment import BodyConfig
-from hypernav.core.files.kept_arrays import digest_of, kept_arrays
+from hypernav.io.kept_arrays import digest_of, kept_arrays
 from hypernav.worlds.config import NavmeshChoice
 from hypernav.worlds.navmesh.files.reader import navmesh_of, read_navmesh
 from hypernav.worlds.navmesh.files.settings import is_mesh_of, settings_for

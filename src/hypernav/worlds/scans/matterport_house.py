@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.reading import read_file, text_of
+from hypernav.io.reading import read_file, text_of
 from hypernav.worlds.scans.semantic_text import Annotation
 
 HEADER = "ASCII 1.1"

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float32, Int64
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.reading import read_file
+from hypernav.io.reading import read_file
 from hypernav.worlds.scans.nearest_marks import MOST_POINTS, nearest_marks, spread_points
 
 _MOST_BYTES = 1_000_000_000

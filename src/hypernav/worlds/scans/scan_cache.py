@@ -17,10 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from hypernav.core.files.cache_folder import cache_folder
-from hypernav.core.files.kept_arrays import digest_of, keep, mapped_array
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.world import Instance
+from hypernav.io.cache_folder import cache_folder
+from hypernav.io.kept_arrays import digest_of, keep, mapped_array
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scenes.scene import Material, Scene, Wrap
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.reading import read_file, text_of
+from hypernav.io.reading import read_file, text_of
 
 HEADER = "HM3D Semantic Annotations"
 

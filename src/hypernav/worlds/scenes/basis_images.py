@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import UInt8
 
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 
 _KTX2, _BASIS = b"\xabKTX 20\xbb\r\n\x1a\n", b"sB"
 _ZSTANDARD = 2

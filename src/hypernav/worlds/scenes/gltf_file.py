@@ -13,9 +13,8 @@ import numpy as np
 from pydantic import ValidationError
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.allowance import Allowance
-from hypernav.core.files.json_text import parse_json
-from hypernav.core.files.reading import path_below, read_file
+from hypernav.io.parsing import parse_json
+from hypernav.io.reading import Allowance, path_below, read_file
 from hypernav.worlds.scenes.gltf_format import Accessor, Document, Image
 
 _MAGIC = b"glTF"

@@ -8,7 +8,7 @@ from typing import Any, Literal
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic.alias_generators import to_camel
 
-from hypernav.core.files.json_text import Items
+from hypernav.io.parsing import Items
 
 
 class _Part(BaseModel):

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
+from hypernav.io.reading import MOST_PIXELS, image_size
 from hypernav.worlds.drawing.textures import linear_to_srgb
 from hypernav.worlds.scenes.basis_images import basis_size, is_basis
 from hypernav.worlds.scenes.gltf_file import GltfFile

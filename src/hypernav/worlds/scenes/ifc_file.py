@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.components.extras import require
+from hypernav.core.components.registry import require
 from hypernav.core.errors import MissingExtraError, SceneError
 from hypernav.worlds.scenes.node_names import unique_name
 from hypernav.worlds.scenes.scene import Material

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.reading import back_slashes, check_file
 from hypernav.core.labels import ObjectLabel
+from hypernav.io.reading import back_slashes, check_file
 from hypernav.worlds.config import Axis
 from hypernav.worlds.scenes.doubts import doubts_of
 from hypernav.worlds.scenes.gltf import read_gltf

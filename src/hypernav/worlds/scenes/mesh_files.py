@@ -19,8 +19,7 @@ from trimesh.visual import ColorVisuals, TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
-from hypernav.core.files.reading import path_below, read_file, text_of
+from hypernav.io.reading import MOST_PIXELS, image_size, path_below, read_file, text_of
 from hypernav.worlds.config import Axis
 from hypernav.worlds.scenes.axes import TO_Z_UP
 from hypernav.worlds.scenes.obj_text import ObjText

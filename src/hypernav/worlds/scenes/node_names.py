@@ -6,7 +6,7 @@ detail; this module removes them.
 
 import re
 
-from hypernav.core.text.unicode_words import composed, is_single_letter, words_within
+from hypernav.core.words import composed, is_single_letter, words_within
 from hypernav.worlds.scenes.bim_names import is_of_the_building, plain_name
 
 _FILE_SUFFIX = re.compile(

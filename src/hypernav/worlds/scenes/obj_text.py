@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hypernav.core.text.unicode_words import composed
+from hypernav.core.words import composed
 from hypernav.worlds.scenes.polygons import triangles_of_polygons
 
 _NAME_LINE = re.compile(rb"^[ \t]*([og])(?:[ \t]+([^\r\n]*?))?[ \t]*\r?$", re.MULTILINE)

@@ -6,10 +6,10 @@ from typing import Annotated
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from hypernav.core.errors import SceneError
-from hypernav.core.files.json_text import Items, parse_json
-from hypernav.core.files.reading import read_file
 from hypernav.core.labels import ObjectLabel
-from hypernav.core.text.unicode_words import composed
+from hypernav.core.words import composed
+from hypernav.io.parsing import Items, parse_json
+from hypernav.io.reading import read_file
 from hypernav.worlds.scenes.scene_assembly import SceneObject
 
 

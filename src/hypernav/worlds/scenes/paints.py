@@ -7,9 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from hypernav.core.files.allowance import Allowance
-from hypernav.core.files.image_sizes import MOST_PIXELS, image_size
-from hypernav.core.files.reading import read_file
+from hypernav.io.reading import MOST_PIXELS, Allowance, image_size, read_file
 from hypernav.worlds.scenes.images import DecodedImage, decode_images
 from hypernav.worlds.scenes.scene import Material
 

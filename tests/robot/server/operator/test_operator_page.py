@@ -19,7 +19,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.errors import LinkLostError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import Cell, OccupancyGrid

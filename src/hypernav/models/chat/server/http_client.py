@@ -15,13 +15,15 @@ from hypernav.core.errors import (
     ConfigError,
     ModelSetupError,
 )
-from hypernav.core.network.bounded_http import (
+from hypernav.io.bounded_http import (
     Deadline,
     Reply,
     ReplyTooLargeError,
     Session,
+    environment_proxy,
+    is_loopback,
+    without_password,
 )
-from hypernav.core.network.proxies import environment_proxy, is_loopback, without_password
 from hypernav.models.chat.answer_parsing import shortened
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.server.reply_errors import (

@@ -23,22 +23,25 @@ from hypernav.core.errors import (
     ModelSetupError,
     ModelUnavailableError,
 )
-from hypernav.core.network.bounded_http import Deadline
-from hypernav.models.chat.answer_parsing import parse_answer, shortened
+from hypernav.io.bounded_http import Deadline
+from hypernav.models.chat.answer_parsing import final_answer, parse_answer, shortened
 from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.image_encoding import jpeg_data_url
+from hypernav.models.chat.message_parts import jpeg_data_url, read_usage
 from hypernav.models.chat.server.answer_probabilities import (
+    accepts_question,
     answer_probabilities,
+    decision_request,
+    parse_decision,
     parse_logprobs,
     tokens_of_answer,
 )
-from hypernav.models.chat.server.decision_api import (
-    accepts_question,
-    decision_request,
-    parse_decision,
+from hypernav.models.chat.server.dialects import (
+    Constraint,
+    ServerInfo,
+    constraint_for,
+    detect_server,
+    with_known_models,
 )
-from hypernav.models.chat.server.detection import ServerInfo, detect_server, with_known_models
-from hypernav.models.chat.server.dialects import Constraint, constraint_for
 from hypernav.models.chat.server.http_client import HttpClient
 from hypernav.models.chat.server.refusals import (
     DECISION,
@@ -49,9 +52,12 @@ from hypernav.models.chat.server.refusals import (
     Refusals,
     is_of_the_question,
 )
-from hypernav.models.chat.server.reply_errors import LONGEST_MESSAGE, RefusedError
-from hypernav.models.chat.server.reply_fields import read_usage
-from hypernav.models.chat.server.retry import Retry, RetryLaterError
+from hypernav.models.chat.server.reply_errors import (
+    LONGEST_MESSAGE,
+    RefusedError,
+    Retry,
+    RetryLaterError,
+)
 from hypernav.models.chat.server.thinking import (
     ENDLESS,
     PROBES,
@@ -61,7 +67,6 @@ from hypernav.models.chat.server.thinking import (
     read_written,
     switches,
 )
-from hypernav.models.chat.unwrapping import final_answer
 
 _log = logging.getLogger(__name__)
 _DETECTION_LIMIT_S = 10.0

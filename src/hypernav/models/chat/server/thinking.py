@@ -26,10 +26,14 @@ import zlib
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from hypernav.models.chat.answer_parsing import LONGEST_ANSWER
+from hypernav.models.chat.answer_parsing import (
+    LONGEST_ANSWER,
+    begin_of_thinking,
+    end_of_thinking,
+    final_answer,
+)
 from hypernav.models.chat.config import DialectName
-from hypernav.models.chat.server.reply_fields import read_content, read_reasoning, thinking_tokens
-from hypernav.models.chat.unwrapping import begin_of_thinking, end_of_thinking, final_answer
+from hypernav.models.chat.message_parts import read_content, read_reasoning, thinking_tokens
 
 ROOMS = (0, 1024, 4096, 16384)
 """Tokens for thinking that a question may get besides those for its answer, step by step."""

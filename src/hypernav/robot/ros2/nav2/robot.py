@@ -5,7 +5,7 @@ import math
 import threading
 from collections.abc import Callable, Sequence
 
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.core.errors import Nav2Error
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.robot.client.robot import Executed, Sensed

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from starlette.responses import Response
 
-from hypernav.core.actions import Action
+from hypernav.core.embodiment import Action
 from hypernav.show.captions import MODES, QUESTIONS
 from hypernav.show.drawing import palette
 from hypernav.show.templating import page_environment

@@ -4,10 +4,10 @@ import threading
 from pathlib import Path
 
 from hypernav.core.errors import MemoryFolderError, RequestRefusedError
-from hypernav.mapping.memory.index import Index
-from hypernav.mapping.memory.reading import read_index
-from hypernav.mapping.memory.ways import routes
-from hypernav.mapping.memory.writing import INDEX_NAME
+from hypernav.mapping.stairs.floor_exits import routes
+from hypernav.mapping.storage.memory_index import Index
+from hypernav.mapping.storage.memory_reader import read_index
+from hypernav.mapping.storage.memory_writer import INDEX_NAME
 from hypernav.robot.server.searches import check_remembers_things, no_such_thing
 from hypernav.robot.wire.requests import ThingName
 from hypernav.robot.wire.waiting import RememberedThing

@@ -30,9 +30,9 @@ from pydantic import BaseModel, ValidationError
 from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.errors import HyPerNavError, RunFolderError
-from hypernav.core.files.reading import read_file
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
+from hypernav.io.reading import read_file
 from hypernav.mapping.ros_map import load_ros_map, save_ros_map
 from hypernav.robot.server.state.record_file import RecordFile
 from hypernav.robot.wire.frames import unpack_observation

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from hypernav.core.errors import RunFolderError
-from hypernav.core.files.append_only import AppendOnlyFile
+from hypernav.io.writing import AppendOnlyFile
 
 _HEADER = struct.Struct("<II")
 

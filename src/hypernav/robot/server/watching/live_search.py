@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-from hypernav.core.episodes.episode import Outcome
+from hypernav.core.episode import Outcome
 from hypernav.core.errors import RequestRefusedError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace, floor_of

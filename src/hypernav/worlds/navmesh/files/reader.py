@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from hypernav.core.errors import NavmeshError
-from hypernav.core.files.reading import read_file
+from hypernav.io.reading import read_file
 from hypernav.worlds.navmesh.files.checks import check_set, check_tile, expect
 from hypernav.worlds.navmesh.files.file_format import (
     SET_HEADER,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
-from hypernav.core.geometry.segments import distances_to_segment
+from hypernav.core.geometry.transforms import distances_to_segment
 
 _TOWARDS = ((0, 1), (1, 0), (0, -1), (-1, 0))
 """Steps in rows and columns along the sides of a cell, counter-clockwise: each turns left."""

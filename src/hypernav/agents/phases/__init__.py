@@ -1,1 +1,0 @@
-"""The phases of a search: look around, explore, approach, verify, look from another side, end."""

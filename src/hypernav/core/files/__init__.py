@@ -1,1 +1,0 @@
-"""Reads files from outside with limits, and writes files safely."""

@@ -1,1 +1,0 @@
-"""What model servers and robots have in common: requests over HTTP that end in time."""

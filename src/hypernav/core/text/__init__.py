@@ -1,1 +1,0 @@
-"""Text from people and for people."""

@@ -1,0 +1,1 @@
+"""What is read and written outside this program: files, folders and the network."""

@@ -1,0 +1,199 @@
+"""Writes files: replaced in one step, in complete pieces, or as a search goes on."""
+
+import errno
+import os
+import stat
+from contextlib import suppress
+from pathlib import Path
+
+from hypernav.core.errors import OutputError
+
+
+def write_whole(path: Path, content: str | bytes) -> None:
+    """Replace a file in one step, and wait for the disk. If that fails, the file is unchanged.
+
+    Args:
+        path: The file.
+        content: Its new content; text is written as UTF-8.
+
+    Raises:
+        OSError: The disk is full, or the file can't be written.
+    """
+    fresh = path.with_name(f".{path.name}.new")
+    try:
+        with fresh.open("wb") as file:
+            file.write(content.encode() if isinstance(content, str) else content)
+            file.flush()
+            os.fsync(file.fileno())
+        fresh.replace(path)
+    finally:
+        fresh.unlink(missing_ok=True)
+
+
+class AppendOnlyFile:
+    """Appends bytes completely or not at all, and passes them to the operating system at once.
+
+    Not thread-safe. A process that is killed may leave an incomplete last piece.
+
+    Attributes:
+        size: Number of bytes.
+    """
+
+    def __init__(self, path: Path, *, mode: int = 0o644, to_read: bool = False) -> None:
+        """Open or create the file, and continue at its end.
+
+        Args:
+            path: Path of the file.
+            mode: Permissions of a new file.
+            to_read: Whether to open it for reading only, since somebody else may be writing it.
+
+        Raises:
+            OSError: It cannot be opened.
+        """
+        how = "rb" if to_read else "a+b"
+        self._file = open(  # noqa: SIM115  # closed by `close`
+            path, how, 0, opener=lambda name, flags: os.open(name, flags, mode)
+        )
+        self.size = self._file.seek(0, os.SEEK_END)
+
+    def append(self, data: bytes, *, sync: bool = False) -> None:
+        """Write at the end.
+
+        Args:
+            data: The bytes.
+            sync: Whether to wait until they, and all before them, are on the disk. Without that
+                they survive a crash of this program, but not a loss of power.
+
+        Raises:
+            OSError: The disk is full, or the file can't be written. It is unchanged.
+        """
+        view = memoryview(data)
+        try:
+            while view:
+                view = view[self._file.write(view) :]
+            if sync:
+                self.sync()
+        except OSError:
+            self._file.truncate(self.size)  # shrinking needs no free space
+            raise
+        self.size += len(data)
+
+    def sync(self) -> None:
+        """Wait until all bytes are on the disk.
+
+        Raises:
+            OSError: The disk fails.
+        """
+        os.fsync(self._file.fileno())
+
+    def read(self, at: int, count: int) -> bytes:
+        """Bytes from an offset on; fewer at the end of the file. Not on Windows."""
+        return os.pread(self._file.fileno(), count, at)
+
+    def cut(self, size: int) -> None:
+        """Keep the first bytes only."""
+        self._file.truncate(size)
+        self.size = size
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+def check_regular(path: Path) -> None:
+    """Refuse what is no regular file, such as a pipe, which nobody may ever read.
+
+    A link to a file that is not there yet will do where that file can be made.
+
+    Raises:
+        OutputError: It is something else, its name is impossible, or it is a link to nowhere.
+    """
+    try:
+        mode = path.stat().st_mode
+    except FileNotFoundError:
+        target = path.resolve() if path.is_symlink() else None
+        if target is not None and not target.parent.is_dir():
+            raise OutputError(
+                f"{path} cannot be written (it is a link to {target}, and there is no folder "
+                f"{target.parent}); remove it, or choose another file"
+            ) from None
+        return
+    except OSError as error:
+        raise _unwritten(path, error) from error
+    if stat.S_ISDIR(mode):
+        raise OutputError(f"{path} is a folder where a file would be; choose another name")
+    if not stat.S_ISREG(mode):
+        raise OutputError(
+            f"{path} is a pipe or a device where a file would be; choose another name"
+        )
+
+
+class OutputFile:
+    """An open file that discards what is written after an error, for libraries that print errors.
+
+    Attributes:
+        path: Its path.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Open the file; an existing one is replaced, missing folders are created.
+
+        Raises:
+            OutputError: It cannot be written.
+        """
+        check_regular(path)
+        self.path = path
+        self._error: OSError | None = None
+        self._at = self._end = 0
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = path.open("wb", buffering=0)
+        except OSError as error:
+            raise _unwritten(path, error) from error
+
+    def write(self, data: bytes | bytearray) -> int:
+        """Write bytes, unless an earlier write failed."""
+        view = memoryview(data)
+        try:
+            while view and self._error is None:
+                view = view[self._file.write(view) :]
+        except OSError as error:
+            self._error = error
+        self._at += len(data)
+        self._end = max(self._end, self._at)
+        return len(data)
+
+    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
+        """Move to another position; returns it. After an error it is that of a file without one."""
+        self._at = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._at, os.SEEK_END: self._end}[whence]
+        if self._error is None:
+            self._file.seek(self._at)
+        return self._at
+
+    def flush(self) -> None:
+        """Do nothing: all bytes are with the operating system already."""
+
+    def close(self) -> None:
+        """Close the file."""
+        with suppress(OSError):
+            self._file.close()
+
+    def check(self) -> None:
+        """Raise the first error of writing.
+
+        Raises:
+            OutputError: Something could not be written.
+        """
+        if self._error is not None:
+            raise _unwritten(self.path, self._error)
+
+
+def _unwritten(path: Path, error: OSError) -> OutputError:
+    if error.errno == errno.ELOOP:
+        return OutputError(
+            f"{path} cannot be written (links on the way lead in a circle); remove them, or choose "
+            "another file"
+        )
+    return OutputError(
+        f"{path} cannot be written ({error.strerror}); free some space, or choose another file"
+    )

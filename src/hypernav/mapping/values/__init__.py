@@ -1,1 +1,0 @@
-"""Value maps: how well what the camera saw of each place fits the goal."""

@@ -1,1 +1,0 @@
-"""Published trained navigation policies, whose weights are read from safetensors."""

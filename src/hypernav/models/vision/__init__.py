@@ -1,1 +1,0 @@
-"""Networks that give boxes, masks and similarities."""

@@ -1,1 +1,0 @@
-"""NavVLM: exploration of areas that a model points to in the camera image."""

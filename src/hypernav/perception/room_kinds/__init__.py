@@ -1,1 +1,0 @@
-"""The table of what stands in which kind of room."""

@@ -1,1 +1,0 @@
-"""VLFM: exploration by a value map; what the camera sees is scored, and frontiers by the scores."""

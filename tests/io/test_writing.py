@@ -1,0 +1,30 @@
+"""Files that are replaced in one step."""
+
+import os
+
+import pytest
+
+from hypernav.io.writing import write_whole
+
+
+@pytest.mark.parametrize("content", ["grüße\n", b"\x00\xff"])
+def test_a_file_is_made_and_replaced_and_nothing_else_is_left(tmp_path, content):
+    path = tmp_path / "file"
+    write_whole(path, "much longer than what comes next")
+    write_whole(path, content)
+    assert path.read_bytes() == (content.encode() if isinstance(content, str) else content)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_on_a_full_disk_the_file_is_as_before(tmp_path, monkeypatch):
+    path = tmp_path / "file"
+    write_whole(path, "before")
+
+    def full(_file: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match="No space"):
+        write_whole(path, "after")
+    assert path.read_text() == "before"
+    assert list(tmp_path.iterdir()) == [path]
