@@ -19,8 +19,8 @@ from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
 from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.scene import Scene
+from hypernav.worlds.surface.goal_regions import view_points
 from hypernav.worlds.surface.storeys import Storeys
-from hypernav.worlds.surface.view_points import view_points
 from hypernav.worlds.surface.walkable import WalkableGrid
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
 

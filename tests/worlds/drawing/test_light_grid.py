@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from box_scenes import room_boxes, scene_of
-from hypernav.worlds.drawing.light_grid import LightGrid
 from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.drawing.shading import LightGrid
 
 UP, DOWN = 4, 5
 

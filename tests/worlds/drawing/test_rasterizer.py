@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 from box_scenes import room_boxes, scene_of
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.worlds.drawing.geometry_kernels import fill_rays
-from hypernav.worlds.drawing.rasterizer import Rasterizer
-from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.drawing.ray_kernels import fill_rays
+from hypernav.worlds.drawing.rays import Rasterizer, RayCaster
 from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 

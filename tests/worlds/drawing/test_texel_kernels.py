@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from hypernav.worlds.drawing.texel_kernels import (
+from hypernav.worlds.drawing.texture_kernels import (
     HEIGHT,
     LEVEL_ROWS,
     READ_ROWS,

@@ -10,7 +10,7 @@ import pytest
 
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.worlds.drawing import rasterizer, textures
+from hypernav.worlds.drawing import rays, textures
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scans.loading import load_scan
@@ -120,7 +120,7 @@ def test_what_drawing_needs_is_kept_with_the_scan(files, tmp_path, monkeypatch):
         found = cached_scan(files, load_scan, folder=tmp_path / "cache", least_bytes=0)
         assert np.array_equal(drawn(found), fresh)
         monkeypatch.setattr(textures, "collect_textures", None)
-        monkeypatch.setattr(rasterizer, "_along_a_curve", None)
+        monkeypatch.setattr(rays, "_along_a_curve", None)
 
 
 def test_and_is_made_anew_for_another_scan_and_where_it_is_broken(files, tmp_path):

@@ -6,8 +6,12 @@ import pytest
 from box_scenes import room_boxes, scene_of
 from hypernav.core.goal import Goal
 from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions
-from hypernav.worlds.surface.view_points import surface_points, view_points
+from hypernav.worlds.surface.goal_regions import (
+    GoalRegion,
+    GoalRegions,
+    surface_points,
+    view_points,
+)
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 WALL = [(None, (2.9, 0.0, 0.0), (3.0, 1.5, 2.5)), (None, (2.9, 2.4, 0.0), (3.0, 4.0, 2.5))]

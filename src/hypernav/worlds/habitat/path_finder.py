@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float64
 from hypernav.core.errors import StartError
 from hypernav.core.world import Position
 from hypernav.worlds.habitat.simulator import require_habitat
-from hypernav.worlds.surface.box_distance import floors_of_box, is_near_box
+from hypernav.worlds.surface.walkable_surface import floors_of_box, is_near_box
 
 _POINTS = 4000
 _DRAWS = 1000

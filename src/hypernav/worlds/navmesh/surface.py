@@ -14,9 +14,8 @@ from hypernav.datasets.habitat_frames import positions_from_habitat, positions_t
 from hypernav.worlds.config import StopChoice
 from hypernav.worlds.navmesh.goal_paths import GoalPaths
 from hypernav.worlds.navmesh.navmesh import Navmesh, Point
-from hypernav.worlds.surface.box_distance import floors_of_box, is_near_box
-from hypernav.worlds.surface.main_part import by_importance
 from hypernav.worlds.surface.storeys import Storeys
+from hypernav.worlds.surface.walkable_surface import by_importance, floors_of_box, is_near_box
 
 _SPACING_M = 0.05
 _DRAWS = 1000

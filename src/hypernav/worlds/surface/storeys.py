@@ -12,8 +12,13 @@ from hypernav.core.world import Instance
 from hypernav.mapping.inflation import inflate
 from hypernav.worlds.config import CELL_M
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.columns_kernels import floors_of_columns, rasterise
-from hypernav.worlds.surface.main_part import (
+from hypernav.worlds.surface.walkable_kernels import (
+    floors_of_columns,
+    label_components,
+    mark_cliffs,
+    rasterise,
+)
+from hypernav.worlds.surface.walkable_surface import (
     BESIDE_M,
     FloorPart,
     by_importance,
@@ -21,7 +26,6 @@ from hypernav.worlds.surface.main_part import (
     stands_at,
     things_on,
 )
-from hypernav.worlds.surface.walkable_kernels import label_components, mark_cliffs
 
 _MOST_CELLS = 10_000_000
 _MOST_INTERVALS = 20_000_000
