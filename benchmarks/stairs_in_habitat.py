@@ -21,7 +21,7 @@ from hypernav.houses.building import Building
 from hypernav.houses.export.files import ExportedBuilding, export_building
 from hypernav.houses.generator import generate
 from hypernav.worlds.config import NavmeshChoice
-from hypernav.worlds.habitat.simulator import HabitatRenderer, require_habitat
+from hypernav.worlds.habitat import HabitatRenderer, require_habitat
 from hypernav.worlds.navmesh.navmesh import Point
 from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
 from hypernav.worlds.navmesh.surface import NavmeshSurface

@@ -22,7 +22,7 @@ from hypernav.datasets.benchmarks import benchmark_of
 from hypernav.datasets.goal_types import RUNNABLE, of_types
 from hypernav.evaluation.protocol import StopRule
 from hypernav.worlds.navmesh.robot_navmesh import is_computed
-from hypernav.worlds.scans.layout import ScanFiles
+from hypernav.worlds.scans.scan_loading import ScanFiles
 
 
 @dataclass(frozen=True)

@@ -17,8 +17,8 @@ from hypernav.worlds.navmesh.files.writer import navmesh_bytes
 from hypernav.worlds.navmesh.meshing.from_grid import mesh_from_grid
 from hypernav.worlds.navmesh.navmesh import Navmesh
 from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.scenes.mesh_parts import MeshPart, SceneObject, assemble
 from hypernav.worlds.scenes.scene import Material
-from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject, assemble
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 _STEPS = 12

@@ -19,11 +19,16 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.world import Simulator
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.evaluation.world_comparison import compare_worlds
-from hypernav.worlds.habitat.graphics import egl_devices, graphics_device
-from hypernav.worlds.habitat.path_finder import HabitatSurface
-from hypernav.worlds.habitat.simulator import HabitatRenderer, quaternion_of, require_habitat
+from hypernav.worlds.habitat import (
+    HabitatRenderer,
+    HabitatSurface,
+    egl_devices,
+    graphics_device,
+    quaternion_of,
+    require_habitat,
+)
 from hypernav.worlds.navmesh.surface import NavmeshSurface
-from hypernav.worlds.scans.loading import open_scene
+from hypernav.worlds.scans.scan_loading import open_scene
 from hypernav.worlds.surface.walkable import WalkableGrid
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
 from scan_writers.episodes import HASH, SCENE

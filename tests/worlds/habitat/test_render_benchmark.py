@@ -5,7 +5,7 @@ import pytest
 from rich.table import Table
 
 import fake_habitat
-from hypernav.worlds.scans.loading import open_scene
+from hypernav.worlds.scans.scan_loading import open_scene
 from scan_writers.episodes import HASH, SCENE
 
 SCRIPT = Path(__file__).parents[3] / "benchmarks" / "render.py"

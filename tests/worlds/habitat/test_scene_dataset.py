@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from hypernav.worlds.habitat.scene_dataset import scene_dataset
-from hypernav.worlds.scans.loading import open_scene
+from hypernav.worlds.scans.scan_loading import open_scene
 from scan_writers.episodes import HASH, SCENE
 
 

@@ -12,9 +12,7 @@ from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.worlds.drawing import rays, textures
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.scans.layout import ScanFiles
-from hypernav.worlds.scans.loading import load_scan
-from hypernav.worlds.scans.scan_cache import cached_scan
+from hypernav.worlds.scans.scan_loading import ScanFiles, cached_scan, load_scan
 from hypernav.worlds.scenes.scene import Scene
 from scan_writers.buildings import two_storeys
 from scan_writers.scans import write_scan

@@ -5,9 +5,8 @@ import pytest
 
 from hypernav.core.errors import SceneError
 from hypernav.core.goal import Goal
-from hypernav.worlds.scans.layout import ScanFiles
-from hypernav.worlds.scans.loading import open_scene
-from hypernav.worlds.scans.semantic_text import read_annotations
+from hypernav.worlds.scans.scan_annotations import read_annotations
+from hypernav.worlds.scans.scan_loading import ScanFiles, open_scene
 from scan_writers.buildings import two_storeys
 from scan_writers.scans import (
     color_of,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from hypernav.core.errors import MissingExtraError
-from hypernav.worlds.scans.loading import open_scene
-from hypernav.worlds.scenes.basis_images import basis_size, decode_basis, is_basis
+from hypernav.worlds.scans.scan_loading import open_scene
+from hypernav.worlds.scenes.material_images import basis_size, decode_basis, is_basis
 from scan_writers.basis_bytes import basis, ktx2
 from scan_writers.buildings import two_storeys
 from scan_writers.encoded_images import FINE, HEIGHT, HOLES, MIPS, WIDTH, picture

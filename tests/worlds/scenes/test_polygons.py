@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from dae_writer import dae
 from hypernav.worlds.scenes.loading import read_scene
-from hypernav.worlds.scenes.polygons import triangles_of_polygons
+from hypernav.worlds.scenes.mesh_parts import triangles_of_polygons
 
 # A wall of 6 × 3 m with a doorway of 1 × 2 m, as one polygon.
 WALL = [(0, 0), (2, 0), (2, 2), (3, 2), (3, 0), (6, 0), (6, 3), (0, 3)]

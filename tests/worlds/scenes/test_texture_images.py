@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from hypernav.worlds.scenes.images import decode_images
+from hypernav.worlds.scenes.material_images import decode_images
 
 
 def test_broken_images_are_none_without_a_word_of_the_decoders(capfd):

@@ -14,8 +14,8 @@ from hypernav.worlds.navmesh.navmesh import Navmesh
 from hypernav.worlds.navmesh.recast.build import compute_navmesh
 from hypernav.worlds.navmesh.recast.scene_triangles import habitat_vertices
 from hypernav.worlds.scenes.gltf import read_gltf
+from hypernav.worlds.scenes.mesh_parts import SceneObject, assemble
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.scenes.scene_assembly import SceneObject, assemble
 
 ROBOTS = ("r18_h088", "r17_h141", "r10_h150", "r18_h100")
 

@@ -1,33 +1,147 @@
 """Reading of Gazebo worlds: models with their poses, and what they look like.
 
 A world is an SDF file that places models, most of them kept in folders of their own. What cannot be
-shown is left out and named; what remains is a building.
+shown is left out and named; what remains is a building, in which each model is one thing.
 """
 
 import errno
+import math
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float64
 
 from hypernav.core.errors import SceneError
 from hypernav.core.files.allowance import Allowance
 from hypernav.core.files.reading import read_file
 from hypernav.core.files.xml_text import parse_xml
-from hypernav.worlds.collada.triangles import numbers_of
-from hypernav.worlds.gazebo.instances import NamedPart, named_instances
-from hypernav.worlds.gazebo.meshes import Meshes
-from hypernav.worlds.gazebo.model_folders import Found, ModelFolders, sdf_of
-from hypernav.worlds.gazebo.poses import Matrix, frame_of, matrix_of
-from hypernav.worlds.gazebo.shapes import endless_ground, shape_of
-from hypernav.worlds.gazebo.visual_paints import paint_of
-from hypernav.worlds.scenes.node_names import unique_name
-from hypernav.worlds.scenes.paints import Paint, materials_of
+from hypernav.worlds.gazebo.model_folders import Found, Meshes, ModelFolders, sdf_of
+from hypernav.worlds.gazebo.visuals import endless_ground, paint_of, shape_of
+from hypernav.worlds.scenes.collada import numbers_of
+from hypernav.worlds.scenes.material_images import Paint, materials_of
+from hypernav.worlds.scenes.mesh_parts import MeshPart, placed
+from hypernav.worlds.scenes.node_names import is_meaningful, unique_name
 from hypernav.worlds.scenes.scene import Material
-from hypernav.worlds.scenes.scene_assembly import MeshPart, placed
+
+Matrix = Float64[np.ndarray, "4 4"]
+
+
+def matrix_of(pose: ElementTree.Element | None) -> Matrix:
+    """The transform of a pose to what it is relative to; that of none is no motion.
+
+    Args:
+        pose: An element ``pose``: x, y, z and roll, pitch, yaw, or a quaternion x, y, z, w.
+
+    Raises:
+        ValueError: It hasn't the numbers that it needs.
+    """
+    matrix = np.eye(4)
+    if pose is None or not (pose.text or "").strip():
+        return matrix
+    values = numbers_of(pose.text)
+    if pose.get("rotation_format") == "quat_xyzw":
+        if len(values) != 7:
+            raise ValueError(f"a pose has {len(values)} numbers, expected 7")
+        matrix[:3, :3] = _from_quaternion(values[3:])
+    elif len(values) == 6:
+        angles = np.radians(values[3:]) if pose.get("degrees") in ("true", "1") else values[3:]
+        matrix[:3, :3] = _from_angles(*angles.tolist())
+    else:
+        raise ValueError(f"a pose has {len(values)} numbers, expected 6")
+    matrix[:3, 3] = values[:3]
+    return matrix
+
+
+def frame_of(pose: ElementTree.Element | None) -> str:
+    """Name of what a pose is relative to; empty for what the element stands in."""
+    name = "" if pose is None else pose.get("relative_to") or pose.get("frame") or ""
+    return "" if name in ("world", "__model__", "/map") else name
+
+
+def _from_angles(roll: float, pitch: float, yaw: float) -> Float64[np.ndarray, "3 3"]:
+    about_x, about_y, about_z = ((math.cos(a), math.sin(a)) for a in (roll, pitch, yaw))
+    (c, s), (d, t), (e, u) = about_x, about_y, about_z
+    return (
+        np.array([[e, -u, 0.0], [u, e, 0.0], [0.0, 0.0, 1.0]])
+        @ np.array([[d, 0.0, t], [0.0, 1.0, 0.0], [-t, 0.0, d]])
+        @ np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+    )
+
+
+def _from_quaternion(quaternion: Float64[np.ndarray, "4"]) -> Float64[np.ndarray, "3 3"]:
+    x, y, z, w = quaternion / max(float(np.linalg.norm(quaternion)), 1e-12)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+_ROOM_M = 6.0
+"""What is longer and wider is no single thing."""
+
+
+@dataclass(frozen=True, eq=False)
+class NamedPart:
+    """A part and the names of what it belongs to.
+
+    Attributes:
+        names: Model, models within it, link, visual, node of the mesh file: from the outside in.
+        part: The part.
+    """
+
+    names: tuple[str, ...]
+    part: MeshPart
+
+
+def named_instances(parts: Sequence[NamedPart]) -> list[MeshPart]:
+    """The parts with one node for each thing.
+
+    A model is one thing, called as the world calls it. One that is as large as a room is none, and
+    the models, links, visuals and nodes within it are looked at in the same way.
+    """
+    taken: dict[str, int] = {}
+    return [part for group in _things(parts, 1) for part in _as_one(group, taken)]
+
+
+@dataclass(frozen=True, eq=False)
+class _Thing:
+    level: int
+    parts: Sequence[NamedPart]
+
+
+def _things(parts: Sequence[NamedPart], level: int) -> Iterator[_Thing]:
+    groups: dict[tuple[str, ...], list[NamedPart]] = {}
+    for part in parts:
+        groups.setdefault(part.names[:level], []).append(part)
+    for names, group in groups.items():
+        has_more = any(len(part.names) > len(names) for part in group)
+        if has_more and _is_large(group):
+            yield from _things(group, level + 1)
+        else:
+            yield _Thing(len(names), group)
+
+
+def _is_large(parts: Sequence[NamedPart]) -> bool:
+    corners = np.concatenate([item.part.vertices[:, :2] for item in parts])
+    corners = corners[np.isfinite(corners).all(axis=1)]
+    return len(corners) > 0 and bool((np.ptp(corners, axis=0) > _ROOM_M).all())
+
+
+def _as_one(thing: _Thing, taken: dict[str, int]) -> Iterator[MeshPart]:
+    names = thing.parts[0].names
+    node = unique_name("/".join(name for name in names[: thing.level] if name), taken)
+    within = names[thing.level - 1 :]
+    telling = next((name for name in within if is_meaningful(name)), names[thing.level - 1])
+    for item in thing.parts:
+        yield replace(item.part, node=node, descriptive_name=telling)
+
 
 _MOST_BYTES = 100_000_000
 _MOST_MODELS, _MOST_PARTS, _DEEPEST = 10_000, 50_000, 20

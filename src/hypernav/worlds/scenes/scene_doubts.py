@@ -15,9 +15,8 @@ from jaxtyping import Float64
 
 from hypernav.core.kind_shapes import KindShape, kind_shape
 from hypernav.worlds.config import Axis
-from hypernav.worlds.scenes.axes import TO_Z_UP, axis_along
+from hypernav.worlds.scenes.mesh_parts import TO_Z_UP, MeshPart, SceneObject, axis_along
 from hypernav.worlds.scenes.node_names import is_structural, words_of
-from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject
 
 _LEVEL = frozenset("floor floors flooring ground ceiling ceilings".split())  # noqa: SIM905
 _UPRIGHT = frozenset({"wall", "walls"})
