@@ -17,11 +17,10 @@ import tyro
 from hypernav.core.embodiment import BodyConfig
 from hypernav.houses.building import Building
 from hypernav.houses.generator import generate
-from hypernav.worlds.navmesh.files.reader import navmesh_of
-from hypernav.worlds.navmesh.files.writer import navmesh_bytes
-from hypernav.worlds.navmesh.goal_paths import GoalPaths
-from hypernav.worlds.navmesh.meshing.from_grid import mesh_from_grid
-from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.grid_mesh import mesh_from_grid
+from hypernav.worlds.navmesh.navmesh import GoalPaths, Navmesh
+from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
+from hypernav.worlds.navmesh.navmesh_writer import navmesh_bytes
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 _OFFICE = Building("offices", 9)

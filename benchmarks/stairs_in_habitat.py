@@ -23,8 +23,8 @@ from hypernav.houses.generator import generate
 from hypernav.worlds.config import NavmeshChoice
 from hypernav.worlds.habitat import HabitatRenderer, require_habitat
 from hypernav.worlds.navmesh.navmesh import Point
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
-from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.loading import read_scene
 
 ROBOT = BENCHMARKS["hm3d"].embodiment

@@ -20,9 +20,8 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.worlds import habitat
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.navmesh.files.reader import navmesh_of
-from hypernav.worlds.navmesh.goal_paths import GoalPaths
-from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.navmesh import GoalPaths, Navmesh
+from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
 from hypernav.worlds.navmesh.robot_navmesh import computed_for
 from hypernav.worlds.scans.scan_loading import ScanFiles, open_scene
 from hypernav.worlds.scenes.scene import Scene

@@ -26,8 +26,8 @@ from hypernav.houses.export.habitat_data import HabitatData, export_split
 from hypernav.houses.house_cache import cached_building
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.habitat import HabitatRenderer
-from hypernav.worlds.navmesh.files.reader import read_navmesh
-from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.navmesh.navmesh_reader import read_navmesh
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.scans.scan_loading import open_scene
 from small_worlds import small_config
 

@@ -16,7 +16,7 @@ from hypernav.houses.export.descriptions import describe
 from hypernav.houses.export.files import ExportedBuilding, export_building
 from hypernav.houses.export.page import building_page
 from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid

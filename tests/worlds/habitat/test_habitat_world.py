@@ -27,7 +27,7 @@ from hypernav.worlds.habitat import (
     quaternion_of,
     require_habitat,
 )
-from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.scans.scan_loading import open_scene
 from hypernav.worlds.surface.walkable import WalkableGrid
 from hypernav.worlds.surface.walkable_surface import WalkableSurface

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from hypernav.core.errors import NavmeshError
-from hypernav.worlds.navmesh.meshing.from_grid import mesh_from_grid
-from hypernav.worlds.navmesh.meshing.outlines import outlines
-from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.navmesh.grid_mesh import mesh_from_grid, outlines
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.surface.walkable import WalkableGrid
 from navmesh_files import navmesh_from
 

@@ -9,10 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hypernav.core.errors import StartError
-from hypernav.worlds.navmesh.files.file_format import EXTERNAL
-from hypernav.worlds.navmesh.files.reader import navmesh_of
-from hypernav.worlds.navmesh.goal_paths import GoalPaths
-from hypernav.worlds.navmesh.navmesh import Navmesh, Point
+from hypernav.worlds.navmesh.file_format import EXTERNAL
+from hypernav.worlds.navmesh.navmesh import GoalPaths, Navmesh, Point
+from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
 from navmesh_files import FileParts, content_of, navmesh_from, squares, two_floors
 
 RING = navmesh_from(squares(3, 3, holes=((1, 1),)))

@@ -11,11 +11,9 @@ import pytest
 from hypernav.core.embodiment import BodyConfig
 from hypernav.datasets.habitat_frames import positions_from_habitat
 from hypernav.worlds.config import StopChoice
-from hypernav.worlds.navmesh.files.polygon_mesh import PolygonMesh
-from hypernav.worlds.navmesh.files.reader import navmesh_of, read_navmesh
-from hypernav.worlds.navmesh.files.writer import navmesh_bytes
-from hypernav.worlds.navmesh.goal_paths import GoalPaths
-from hypernav.worlds.navmesh.navmesh import Navmesh, Point
+from hypernav.worlds.navmesh.navmesh import GoalPaths, Navmesh, Point
+from hypernav.worlds.navmesh.navmesh_reader import navmesh_of, read_navmesh
+from hypernav.worlds.navmesh.navmesh_writer import PolygonMesh, navmesh_bytes
 
 FILES = (
     "apt_2",

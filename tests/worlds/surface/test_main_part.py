@@ -10,7 +10,7 @@ from box_scenes import Box, room_boxes, scene_of
 from hypernav.build.data.sources import DatasetRequest, scene_episodes
 from hypernav.core.embodiment import BodyConfig, Embodiment
 from hypernav.worlds.config import SimulationConfig
-from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.storeys import Storeys

@@ -32,7 +32,7 @@ from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
 from hypernav.datasets.habitat_episodes import episodes_of, read_split
 from hypernav.houses.episodes.splits import SPLITS, load_split, numbers_of
 from hypernav.worlds.config import SimulationConfig
-from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.surface.starts import random_start
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
 from hypernav.worlds.survey import SurveyedScene

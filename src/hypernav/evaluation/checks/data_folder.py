@@ -24,7 +24,7 @@ from hypernav.datasets.benchmarks import BENCHMARKS, GENERATED, Benchmark
 from hypernav.datasets.goal_types import RUNNABLE, goal_type_words
 from hypernav.datasets.habitat_files import CONTENT, episode_files, read_as
 from hypernav.evaluation.checks.findings import Finding, State
-from hypernav.worlds.navmesh.files.reader import read_navmesh
+from hypernav.worlds.navmesh.navmesh_reader import read_navmesh
 from hypernav.worlds.scans.scan_loading import ScanFiles
 from hypernav.worlds.scenes.gltf_file import check_glb
 

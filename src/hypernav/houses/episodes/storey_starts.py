@@ -24,8 +24,8 @@ from hypernav.houses.episodes.rules import EpisodeRules
 from hypernav.houses.episodes.starts import Start
 from hypernav.houses.random_stream import RandomStream
 from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
-from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions
 

@@ -18,8 +18,8 @@ from hypernav.houses.export.backs import with_backs
 from hypernav.houses.export.descriptions import describe
 from hypernav.houses.export.glb import write_house, write_semantics
 from hypernav.houses.generator import build_compact, storeys_of
-from hypernav.worlds.navmesh.files.writer import navmesh_bytes
-from hypernav.worlds.navmesh.meshing.from_grid import mesh_from_grid
+from hypernav.worlds.navmesh.grid_mesh import mesh_from_grid
+from hypernav.worlds.navmesh.navmesh_writer import navmesh_bytes
 from hypernav.worlds.navmesh.robot_navmesh import computed_for
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
 from hypernav.worlds.scenes.scene import Scene

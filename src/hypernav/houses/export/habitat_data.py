@@ -30,7 +30,7 @@ from hypernav.houses.episodes.splits import SPLITS
 from hypernav.houses.export.dataset_config import DATASET_CONFIG, write_dataset_config
 from hypernav.houses.export.files import FIRST_ANNOTATION, export_building
 from hypernav.houses.house_cache import cached_building
-from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 
 _NAME = GENERATED.scenes[0]
 """Name of the buildings among Habitat's sets of scenes."""

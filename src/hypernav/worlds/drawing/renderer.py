@@ -12,7 +12,7 @@ import threading
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Float32, Float64, Int32, Int64, UInt8
@@ -21,15 +21,12 @@ from pydantic import Field
 from hypernav.core.config import MOST_THREADS, RoomConfig
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
-from hypernav.core.world import RenderedView
+from hypernav.core.world import RenderedView, Renderer
 from hypernav.worlds.config import RendererName
 from hypernav.worlds.drawing.ray_kernels import fill_rays, fill_rays_around, find_edges, mix_samples
 from hypernav.worlds.drawing.rays import Rasterizer, RayCaster
 from hypernav.worlds.drawing.shading import PendingRays, Rays, Shader
 from hypernav.worlds.scenes.scene import Scene
-
-if TYPE_CHECKING:
-    from hypernav.worlds.drawing.warp_renderer import WarpRenderer
 
 _BAND_ROWS = 24
 OFFSETS = np.array([[-0.35, -0.15], [0.15, -0.35], [0.25, 0.35]])
@@ -194,9 +191,7 @@ class CpuRenderer:
         return rays.first(count)
 
 
-def renderer_of(
-    scene: Scene, name: RendererName, config: RenderConfig | None = None
-) -> "CpuRenderer | WarpRenderer":
+def renderer_of(scene: Scene, name: RendererName, config: RenderConfig | None = None) -> Renderer:
     """A renderer of a scene.
 
     Args:
