@@ -21,8 +21,7 @@ from hypernav.build.presets import preset
 from hypernav.core.chat import Question
 from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError, EpisodeError, RecordingError, SceneError
-from hypernav.datasets.habitat_episodes import episodes_of
-from hypernav.datasets.habitat_files import read_episodes
+from hypernav.datasets.habitat_files import episodes_of, read_episodes
 from hypernav.models.chat.answer_parsing import parse_answer
 from hypernav.models.chat.recording import ReplayChat
 from hypernav.models.chat.vlm_families import FAMILIES

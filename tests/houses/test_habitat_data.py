@@ -16,7 +16,7 @@ from hypernav.build.data.datasets import load_episodes
 from hypernav.cli.main import main
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.datasets.habitat_frames import positions_from_habitat
+from hypernav.datasets.habitat_format import positions_from_habitat
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.houses.building import house
 from hypernav.houses.episodes import episode_cache

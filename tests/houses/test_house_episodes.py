@@ -11,7 +11,7 @@ from certainty import certain
 from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_files import read_episodes, write_episodes
-from hypernav.datasets.habitat_frames import pose_from_habitat
+from hypernav.datasets.habitat_format import pose_from_habitat
 from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
 from hypernav.houses.episodes import episode_cache
 from hypernav.houses.episodes.difficulty import difficulty

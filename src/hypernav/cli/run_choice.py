@@ -16,7 +16,7 @@ from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.datasets.benchmarks import benchmark_of
-from hypernav.datasets.goal_types import goal_type_words, goal_types_in
+from hypernav.datasets.goat import goal_type_words, goal_types_in
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.run_session import available_cores
 from hypernav.models.chat.vlm_spec import parse_vlm_spec

@@ -19,7 +19,7 @@ from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M
 from hypernav.datasets.benchmarks import benchmark_of
-from hypernav.datasets.goal_types import RUNNABLE, of_types
+from hypernav.datasets.goat import RUNNABLE, of_types
 from hypernav.evaluation.protocol import StopRule
 from hypernav.worlds.navmesh.robot_navmesh import is_computed
 from hypernav.worlds.scans.scan_loading import ScanFiles

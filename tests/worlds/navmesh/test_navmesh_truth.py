@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hypernav.core.embodiment import BodyConfig
-from hypernav.datasets.habitat_frames import positions_from_habitat
+from hypernav.datasets.habitat_format import positions_from_habitat
 from hypernav.worlds.config import StopChoice
 from hypernav.worlds.navmesh.navmesh import GoalPaths, Navmesh, Point
 from hypernav.worlds.navmesh.navmesh_reader import navmesh_of, read_navmesh

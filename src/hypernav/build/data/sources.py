@@ -29,7 +29,7 @@ from hypernav.datasets.benchmark_files import (
     split_of,
 )
 from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
-from hypernav.datasets.habitat_episodes import episodes_of, read_split
+from hypernav.datasets.habitat_files import episodes_of, read_split
 from hypernav.houses.episodes.splits import SPLITS, load_split, numbers_of
 from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float64, Int64
 
 from hypernav.core.errors import SceneError, StartError
 from hypernav.core.world import Position
-from hypernav.datasets.habitat_frames import positions_from_habitat, positions_to_habitat
+from hypernav.datasets.habitat_format import positions_from_habitat, positions_to_habitat
 from hypernav.worlds.config import StopChoice
 from hypernav.worlds.navmesh.navmesh import GoalPaths, Navmesh, Point
 from hypernav.worlds.surface.storeys import Storeys

@@ -11,7 +11,7 @@ from jaxtyping import Float64, Int64, UInt16
 
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import NavmeshError
-from hypernav.datasets.habitat_frames import positions_to_habitat
+from hypernav.datasets.habitat_format import positions_to_habitat
 from hypernav.worlds.navmesh.file_format import (
     DETAIL_MESH,
     EXTERNAL,

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from hypernav.datasets.benchmarks import BENCHMARKS
-from hypernav.datasets.habitat_episodes import episodes_of
-from hypernav.datasets.habitat_files import read_episodes
-from hypernav.datasets.habitat_frames import pose_from_habitat, positions_from_habitat
+from hypernav.datasets.habitat_files import episodes_of, read_episodes
+from hypernav.datasets.habitat_format import pose_from_habitat, positions_from_habitat
 
 ROUNDING_M = 2e-5
 """The file keeps five decimals."""

@@ -13,10 +13,15 @@ from hypothesis import strategies as st
 from certainty import certain
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.datasets.habitat_episodes import episodes_of, read_split
-from hypernav.datasets.habitat_files import episode_files, read_episodes, write_episodes
-from hypernav.datasets.habitat_format import EpisodeDataset
-from hypernav.datasets.habitat_frames import (
+from hypernav.datasets.habitat_files import (
+    episode_files,
+    episodes_of,
+    read_episodes,
+    read_split,
+    write_episodes,
+)
+from hypernav.datasets.habitat_format import (
+    EpisodeDataset,
     pose_from_habitat,
     pose_to_habitat,
     positions_from_habitat,
