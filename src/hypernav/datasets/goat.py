@@ -38,6 +38,8 @@ _WORDS = {
     "image": "image",
     LONG_DESCRIPTION: "over-long description",
 }
+_MOST_WORDS = 55
+"""Greatest number of words of a description, counted by single spaces, as the code does."""
 
 
 def goal_types_in(text: str) -> tuple[str, ...]:
@@ -82,10 +84,6 @@ def goal_type_words(counts: Mapping[str, int]) -> str:
         f"{count:,} {_WORDS.get(kind, kind)} goal{'' if count == 1 else 's'}"
         for kind, count in counts.items()
     )
-
-
-_MOST_WORDS = 55
-"""Greatest number of words of a description, counted by single spaces, as the code does."""
 
 
 class GoatObject(ObjectGoal):

@@ -27,6 +27,11 @@ from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.core.goal import Goal
 from hypernav.core.text.whole_numbers import is_whole_number
 
+Number = StrictInt | Annotated[StrictFloat, AllowInfNan(False)]
+"""A finite JSON number; 0 and 0.0 stay distinct."""
+Position = tuple[Number, Number, Number]
+Quaternion = tuple[Number, Number, Number, Number]
+
 
 def positions_from_habitat(
     positions: Float64[np.ndarray, "n 3"],
@@ -73,13 +78,6 @@ def pose_to_habitat(
     """A pose on the floor as Habitat's position and quaternion ``[x, y, z, w]``."""
     half = (pose.yaw - math.pi / 2.0) / 2.0
     return (pose.x, floor_z, -pose.y), (0.0, math.sin(half), 0.0, math.cos(half))
-
-
-Number = StrictInt | Annotated[StrictFloat, AllowInfNan(False)]
-"""A finite JSON number; 0 and 0.0 stay distinct."""
-
-Position = tuple[Number, Number, Number]
-Quaternion = tuple[Number, Number, Number, Number]
 
 
 class _Entry(BaseModel):

@@ -52,6 +52,19 @@ _INSTALL = (
     "without a graphics card), or NVIDIA's with its EGL. The native world does not need it: leave "
     "out --world habitat"
 )
+_NAMES = (
+    "hm3d_annotated_basis.scene_dataset_config.json",
+    "hm3d_basis.scene_dataset_config.json",
+    "mp3d.scene_dataset_config.json",
+    "hypernav.scene_dataset_config.json",
+)
+_FOLDERS_ABOVE = 4
+_WITH_COLOURS, _WITHOUT = 0, 1  # habitat-sim draws what an agent has sensors for, so there are two
+_OPTICAL_TO_GL = np.diag([1.0, -1.0, -1.0])
+_SCENE_TO_HABITAT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+_POINTS = 4000
+_DRAWS = 1000
+_NAVIGABLE_M = 0.5
 
 
 def graphics_device() -> int:
@@ -105,15 +118,6 @@ def egl_devices() -> list[int | None]:
     return numbers
 
 
-_NAMES = (
-    "hm3d_annotated_basis.scene_dataset_config.json",
-    "hm3d_basis.scene_dataset_config.json",
-    "mp3d.scene_dataset_config.json",
-    "hypernav.scene_dataset_config.json",
-)
-_FOLDERS_ABOVE = 4
-
-
 @contextmanager
 def scene_dataset(scene: Scene, mesh: Path) -> Iterator[Path | None]:
     """The configuration of a scene; None where habitat-sim's own assumptions hold.
@@ -146,11 +150,6 @@ def _upright(mesh: Path) -> dict[str, object]:
     attributes = {"shader_type": "flat", "up": [0, 1, 0], "front": [0, 0, -1], "origin": [0, 0, 0]}
     stages = {"default_attributes": attributes, "paths": {".glb": [str(mesh.resolve())]}}
     return {"stages": stages}
-
-
-_WITH_COLOURS, _WITHOUT = 0, 1  # habitat-sim draws what an agent has sensors for, so there are two
-_OPTICAL_TO_GL = np.diag([1.0, -1.0, -1.0])
-_SCENE_TO_HABITAT = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 
 
 def require_habitat() -> ModuleType:
@@ -341,11 +340,6 @@ def _instance_numbers(scene: Scene, mesh: Path) -> Int32[np.ndarray, "numbers"]:
     for annotated, own in numbers.items():
         table[annotated] = own
     return table
-
-
-_POINTS = 4000
-_DRAWS = 1000
-_NAVIGABLE_M = 0.5
 
 
 class HabitatSurface:

@@ -25,6 +25,9 @@ UV = 9  # 2 columns
 UV_RIGHT = 11  # 2 columns: change of uv to the next pixel on the right
 UV_DOWN = 13  # 2 columns: to the next pixel below
 SURFACE_COLUMNS = 15
+_CONTRAST = 28
+# A strong contrast needs less of a bend: depth hardly shows where ceilings meet walls.
+_BEND_CONTRAST = 0.35
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -227,11 +230,6 @@ def locate(hits, directions, depth, camera, vertices, faces, normals, uv, surfac
         surface[ray, NORMAL + 2] = mz
         facing = -(mx * dx + my * dy + mz * dz) / math.sqrt(dx * dx + dy * dy + dz * dz)
         surface[ray, FACING] = max(facing, 0.0)
-
-
-_CONTRAST = 28
-# A strong contrast needs less of a bend: depth hardly shows where ceilings meet walls.
-_BEND_CONTRAST = 0.35
 
 
 @register_jitable(error_model="numpy", no_cfunc_wrapper=True)

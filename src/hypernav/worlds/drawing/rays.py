@@ -13,6 +13,10 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.worlds.drawing.raster_kernels import draw_triangles, find_visible
 from hypernav.worlds.scenes.scene import Scene
 
+_GROUP = 64
+"""Number of triangles that are skipped together when they are outside the image."""
+_CURVE_BITS = 10
+
 
 class RayCaster:
     """Embree's search tree over all triangles of a scene. Safe to use from several threads."""
@@ -61,11 +65,6 @@ class RayCaster:
         """Distance to the first triangle in lengths of the direction, at most `reach_m`."""
         reach = np.full(len(origins), reach_m, dtype=np.float32)
         return self._tree.run(origins, directions, reach, query="DISTANCE")
-
-
-_GROUP = 64
-"""Number of triangles that are skipped together when they are outside the image."""
-_CURVE_BITS = 10
 
 
 class Rasterizer:

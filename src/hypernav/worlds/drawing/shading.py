@@ -48,6 +48,9 @@ CastDistances = Callable[
     Float32[np.ndarray, "rays"],
 ]
 """``(origins, directions, reach)`` to the distance of the first hit; negative or more if none."""
+_MAX_LAYERS = 8
+_BEYOND = 1e-4
+_KNEE = 0.7
 
 
 class LightGrid:
@@ -159,11 +162,6 @@ def sky_light(directions: Float32[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n"
     upward = directions[:, 2].astype(np.float64)
     sideways = directions[:, 0] * 0.8 + directions[:, 1] * 0.6
     return 0.66 + 0.22 * upward + 0.12 * sideways
-
-
-_MAX_LAYERS = 8
-_BEYOND = 1e-4
-_KNEE = 0.7
 
 
 @dataclass(frozen=True, eq=False)

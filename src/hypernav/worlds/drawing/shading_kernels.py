@@ -37,6 +37,7 @@ _RAYS = 256
 FLAG_UNLIT = 1
 FLAG_CUTOUT = 2
 FLAG_COLORED = 4
+TONE_STEPS = 8192
 
 
 @register_jitable(error_model="numpy", no_cfunc_wrapper=True)
@@ -212,9 +213,6 @@ def find_holes(
             holes[count] = ray
             count += 1
     return count
-
-
-TONE_STEPS = 8192
 
 
 @register_jitable(error_model="numpy", no_cfunc_wrapper=True)

@@ -10,6 +10,20 @@ import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
+U, V = 0, 1  # coordinates, v upwards
+SHARE = 2  # by which the colour is multiplied
+RED, GREEN, BLUE = 3, 4, 5  # output: sRGB codes 0 to 255, times the share
+READ_ROWS = 6
+WIDTH, HEIGHT = 0, 1  # of the level of the texture, texels
+WRAP_U, WRAP_V = 2, 3  # modes of `Wrap`
+_RIGHT, _BELOW = 4, 5  # how far between the texels, in 256
+_CORNER = 6  # 4 rows: the texels, at first by their numbers within the level
+LEVEL_ROWS = 10
+_CODE = np.int32(255)
+_ONE = np.int32(1)
+_NONE = np.int32(0)
+_WHOLE = np.int32(256)
+
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def halve(codes, light_of_code, light):
@@ -51,22 +65,6 @@ def encode(light, code_of_root, codes):
                 own = min(max(light[row, column, channel], np.float32(0.0)), np.float32(1.0))
                 index = np.float32(np.sqrt(own)) * last + np.float32(0.5)
                 codes[row, column, channel] = code_of_root[np.int32(index)]
-
-
-U, V = 0, 1  # coordinates, v upwards
-SHARE = 2  # by which the colour is multiplied
-RED, GREEN, BLUE = 3, 4, 5  # output: sRGB codes 0 to 255, times the share
-READ_ROWS = 6
-WIDTH, HEIGHT = 0, 1  # of the level of the texture, texels
-WRAP_U, WRAP_V = 2, 3  # modes of `Wrap`
-_RIGHT, _BELOW = 4, 5  # how far between the texels, in 256
-_CORNER = 6  # 4 rows: the texels, at first by their numbers within the level
-LEVEL_ROWS = 10
-
-_CODE = np.int32(255)
-_ONE = np.int32(1)
-_NONE = np.int32(0)
-_WHOLE = np.int32(256)
 
 
 @register_jitable(error_model="numpy", no_cfunc_wrapper=True)

@@ -20,6 +20,14 @@ from hypernav.worlds.drawing.warp_surface_kernels import (
 )
 
 UNLIT = wp.constant(FLAG_UNLIT)
+_FAR = wp.constant(1e6)
+_LAYERS = wp.constant(32)
+"""Holes and backs of triangles that one ray may pass."""
+_BEYOND = wp.constant(1e-4)
+"""Metres beyond what a ray has passed, at depth 0 and for every metre of it, where it goes on."""
+_BEFORE_M = wp.constant(2e-6)
+"""Metres before a node where its rays begin."""
+_CUTOUT = wp.constant(FLAG_CUTOUT)
 
 
 @wp.struct
@@ -135,15 +143,6 @@ def shown(scene: Triangles, nodes: LightNodes, look: Look, face: int, surface: S
 
 
 wp.set_module_options({"enable_backward": False})
-
-_FAR = wp.constant(1e6)
-_LAYERS = wp.constant(32)
-"""Holes and backs of triangles that one ray may pass."""
-_BEYOND = wp.constant(1e-4)
-"""Metres beyond what a ray has passed, at depth 0 and for every metre of it, where it goes on."""
-_BEFORE_M = wp.constant(2e-6)
-"""Metres before a node where its rays begin."""
-_CUTOUT = wp.constant(FLAG_CUTOUT)
 
 
 @wp.func

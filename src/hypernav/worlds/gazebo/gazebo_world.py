@@ -28,6 +28,15 @@ from hypernav.worlds.scenes.node_names import is_meaningful, unique_name
 from hypernav.worlds.scenes.scene import Material
 
 Matrix = Float64[np.ndarray, "4 4"]
+_ROOM_M = 6.0
+"""What is longer and wider is no single thing."""
+_MOST_BYTES = 100_000_000
+_MOST_MODELS, _MOST_PARTS, _DEEPEST = 10_000, 50_000, 20
+_BYTES_PER_TRIANGLE = 150
+_INVISIBLE = 0.95
+_GROUND, _SUN = "ground_plane", "sun"
+_NO_SURFACE = ("actor", "road", "population")
+_PLAIN = Paint("default", (0.8, 0.8, 0.8))
 
 
 def matrix_of(pose: ElementTree.Element | None) -> Matrix:
@@ -81,10 +90,6 @@ def _from_quaternion(quaternion: Float64[np.ndarray, "4"]) -> Float64[np.ndarray
             [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
         ]
     )
-
-
-_ROOM_M = 6.0
-"""What is longer and wider is no single thing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,15 +146,6 @@ def _as_one(thing: _Thing, taken: dict[str, int]) -> Iterator[MeshPart]:
     telling = next((name for name in within if is_meaningful(name)), names[thing.level - 1])
     for item in thing.parts:
         yield replace(item.part, node=node, descriptive_name=telling)
-
-
-_MOST_BYTES = 100_000_000
-_MOST_MODELS, _MOST_PARTS, _DEEPEST = 10_000, 50_000, 20
-_BYTES_PER_TRIANGLE = 150
-_INVISIBLE = 0.95
-_GROUND, _SUN = "ground_plane", "sun"
-_NO_SURFACE = ("actor", "road", "population")
-_PLAIN = Paint("default", (0.8, 0.8, 0.8))
 
 
 def read_world(path: Path) -> tuple[list[MeshPart], list[Material], list[str]]:

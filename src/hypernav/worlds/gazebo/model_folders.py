@@ -33,6 +33,7 @@ _FUEL = re.compile(
 )
 _FUEL_FOLDERS = (".gz/fuel", ".ignition/fuel")
 _SCHEME = re.compile(r"(?:model|package|file)://+")
+_TEXTURES = "../materials/textures"
 
 
 @dataclass(frozen=True)
@@ -143,9 +144,6 @@ def _models_in(folder: Path) -> list[Path]:
         return sorted(item for item in folder.iterdir() if "models" in item.name and item.is_dir())
     except OSError:
         return []
-
-
-_TEXTURES = "../materials/textures"
 
 
 class Meshes:

@@ -19,6 +19,35 @@ _SIDES = 24
 _ENDLESS_M = 100.0
 _SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 _BOX_SIDES = ((0, 1), (1, 2), (2, 0))
+_MOST_BYTES = 1_000_000
+_WORDS = re.compile(r"^\s*(material|diffuse|texture)\s+(.+?)\s*$", re.MULTILINE)
+_COLORS = {
+    "grey": (0.7, 0.7, 0.7),
+    "darkgrey": (0.18, 0.18, 0.18),
+    "white": (1.0, 1.0, 1.0),
+    "flatblack": (0.1, 0.1, 0.1),
+    "black": (0.1, 0.1, 0.1),
+    "red": (1.0, 0.0, 0.0),
+    "green": (0.0, 1.0, 0.0),
+    "blue": (0.0, 0.0, 1.0),
+    "yellow": (1.0, 1.0, 0.0),
+    "orange": (1.0, 0.5, 0.1),
+    "purple": (1.0, 0.0, 1.0),
+    "turquoise": (0.0, 1.0, 1.0),
+    "skyblue": (0.1, 0.7, 1.0),
+    "indigo": (0.3, 0.0, 0.5),
+    "gold": (0.8, 0.65, 0.1),
+    "wood": (0.6, 0.42, 0.25),
+    "woodfloor": (0.65, 0.48, 0.3),
+    "woodpallet": (0.7, 0.55, 0.35),
+    "bricks": (0.6, 0.35, 0.28),
+    "ceilingtiled": (0.85, 0.85, 0.82),
+    "grass": (0.3, 0.5, 0.2),
+    "road": (0.35, 0.35, 0.35),
+    "asphalt": (0.3, 0.3, 0.3),
+    "residential": (0.6, 0.6, 0.6),
+}
+"""What Gazebo's own materials look like, by their names without ``Gazebo/``."""
 
 
 def shape_of(geometry: ElementTree.Element) -> MeshPart | None:
@@ -127,37 +156,6 @@ def _part(vertices: np.ndarray, faces: np.ndarray, uv: np.ndarray | None) -> Mes
         0,
         None if uv is None else np.asarray(uv, dtype=np.float32),
     )
-
-
-_MOST_BYTES = 1_000_000
-_WORDS = re.compile(r"^\s*(material|diffuse|texture)\s+(.+?)\s*$", re.MULTILINE)
-_COLORS = {
-    "grey": (0.7, 0.7, 0.7),
-    "darkgrey": (0.18, 0.18, 0.18),
-    "white": (1.0, 1.0, 1.0),
-    "flatblack": (0.1, 0.1, 0.1),
-    "black": (0.1, 0.1, 0.1),
-    "red": (1.0, 0.0, 0.0),
-    "green": (0.0, 1.0, 0.0),
-    "blue": (0.0, 0.0, 1.0),
-    "yellow": (1.0, 1.0, 0.0),
-    "orange": (1.0, 0.5, 0.1),
-    "purple": (1.0, 0.0, 1.0),
-    "turquoise": (0.0, 1.0, 1.0),
-    "skyblue": (0.1, 0.7, 1.0),
-    "indigo": (0.3, 0.0, 0.5),
-    "gold": (0.8, 0.65, 0.1),
-    "wood": (0.6, 0.42, 0.25),
-    "woodfloor": (0.65, 0.48, 0.3),
-    "woodpallet": (0.7, 0.55, 0.35),
-    "bricks": (0.6, 0.35, 0.28),
-    "ceilingtiled": (0.85, 0.85, 0.82),
-    "grass": (0.3, 0.5, 0.2),
-    "road": (0.35, 0.35, 0.35),
-    "asphalt": (0.3, 0.3, 0.3),
-    "residential": (0.6, 0.6, 0.6),
-}
-"""What Gazebo's own materials look like, by their names without ``Gazebo/``."""
 
 
 def paint_of(

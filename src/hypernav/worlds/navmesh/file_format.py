@@ -109,6 +109,8 @@ DETAIL_MESH = np.dtype(
     ]
 )
 TREE_NODE = np.dtype([("lowest", "<u2", 3), ("highest", "<u2", 3), ("index", "<i4")])
+_DEFAULT_ROBOT = BodyConfig(radius_m=0.1, height_m=1.5)
+"""Robot of a file without settings, as habitat-sim assumes."""
 
 
 class TileArray(NamedTuple):
@@ -178,10 +180,6 @@ class NavmeshFile:
     header: np.void
     settings: np.void | None
     tiles: tuple[NavmeshTile, ...]
-
-
-_DEFAULT_ROBOT = BodyConfig(radius_m=0.1, height_m=1.5)
-"""Robot of a file without settings, as habitat-sim assumes."""
 
 
 def settings_for(body: BodyConfig, cell_m: float = 0.05) -> np.ndarray:

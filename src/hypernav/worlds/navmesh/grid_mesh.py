@@ -18,6 +18,10 @@ from hypernav.worlds.surface.walkable import WalkableGrid
 
 _TOWARDS = ((0, 1), (1, 0), (0, -1), (-1, 0))
 """Steps in rows and columns along the sides of a cell, counter-clockwise: each turns left."""
+_ROUNDS = 40
+_LEAST_AREA_M2 = 1e-9
+_TOLERANCE = 0.34
+"""Cells: 1.7 cm. Outlines are at least 0.7 cells apart, so that they stay apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,10 +109,6 @@ def _straightened(line: Outline, tolerance: float) -> Outline:
     if len(order) < 3:  # A thin outline must keep an area.
         order = list(range(len(points)))
     return Outline(points[order], line.cells[order])
-
-
-_ROUNDS = 40
-_LEAST_AREA_M2 = 1e-9
 
 
 def fill(
@@ -216,10 +216,6 @@ def _is_convex(plane: Float64[np.ndarray, "n 2"], corners: list[int]) -> bool:
     sides = np.roll(around, -1, axis=0) - around
     after = np.roll(sides, -1, axis=0)
     return bool((sides[:, 0] * after[:, 1] - sides[:, 1] * after[:, 0] >= 0.0).all())
-
-
-_TOLERANCE = 0.34
-"""Cells: 1.7 cm. Outlines are at least 0.7 cells apart, so that they stay apart."""
 
 
 def mesh_from_grid(walkable: WalkableGrid) -> PolygonMesh:

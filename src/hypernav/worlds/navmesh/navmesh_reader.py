@@ -32,6 +32,8 @@ from hypernav.worlds.navmesh.file_format import (
 _FARTHEST_M = 1e5
 _REFERENCE_BITS = 22
 """Bits of a polygon's reference that Detour uses for the numbers of tiles and polygons."""
+_MOST_BYTES = 256_000_000
+"""The navigation meshes of HM3D's largest buildings have less than 1 MB."""
 
 
 def expect(holds: bool | np.bool_, message: str) -> None:
@@ -170,10 +172,6 @@ def _check_tree(tile: NavmeshTile, name: str) -> None:
         (tile.tree["index"] < len(tile.polygons)).all(),
         f"{name}: a leaf of the tree holds a polygon of a number beyond {len(tile.polygons)}",
     )
-
-
-_MOST_BYTES = 256_000_000
-"""The navigation meshes of HM3D's largest buildings have less than 1 MB."""
 
 
 def read_navmesh(path: Path) -> NavmeshFile:

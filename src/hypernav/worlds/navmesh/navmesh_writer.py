@@ -30,6 +30,11 @@ from hypernav.worlds.navmesh.file_format import (
 )
 
 _MOST_VERTICES = 0xFFFF
+MOST_STEPS = 0xFFFF
+"""Largest coordinate of a box."""
+_LINK_BYTES = 12
+_EDGE_FLAGS = (0b000001, 0b000100, 0b010000)
+"""Flags of a detail triangle's edges that lie on the boundary of its polygon."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,10 +104,6 @@ class PolygonMesh:
         return neighbours
 
 
-MOST_STEPS = 0xFFFF
-"""Largest coordinate of a box."""
-
-
 def search_tree(low: UInt16[np.ndarray, "p 3"], high: UInt16[np.ndarray, "p 3"]) -> np.ndarray:
     """Nodes of the tree, parents first: records of type `file_format.TREE_NODE`.
 
@@ -127,12 +128,6 @@ def search_tree(low: UInt16[np.ndarray, "p 3"], high: UInt16[np.ndarray, "p 3"])
             half = len(run) // 2
             waiting += [len(nodes) - 1, ordered[half:], ordered[:half]]
     return np.array(nodes, dtype=TREE_NODE)
-
-
-_LINK_BYTES = 12
-
-_EDGE_FLAGS = (0b000001, 0b000100, 0b010000)
-"""Flags of a detail triangle's edges that lie on the boundary of its polygon."""
 
 
 def navmesh_bytes(

@@ -32,6 +32,16 @@ HEADER = "ASCII 1.1"
 _MOST_HOUSE_BYTES = 200_000_000
 """Largest size of a file; the largest house has some 20 MB, mostly segments."""
 _NOTHING = "unknown"
+_MOST_MESH_BYTES = 1_000_000_000
+_MOST_HEADER_BYTES = 10_000
+_END = b"end_header\n"
+_TYPES = {
+    **{"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1"},
+    **{"short": "<i2", "int16": "<i2", "ushort": "<u2", "uint16": "<u2"},
+    **{"int": "<i4", "int32": "<i4", "uint": "<u4", "uint32": "<u4"},
+    **{"float": "<f4", "float32": "<f4", "double": "<f8", "float64": "<f8"},
+}
+_INDICES = ("vertex_indices", "vertex_index")
 
 
 def read_house(path: Path) -> list[Annotation]:
@@ -91,18 +101,6 @@ def _object(
 def _words(name: str) -> str:
     """A category with spaces in place of ``#`` and ``_``."""
     return name.replace("#", " ").replace("_", " ").strip() or _NOTHING
-
-
-_MOST_MESH_BYTES = 1_000_000_000
-_MOST_HEADER_BYTES = 10_000
-_END = b"end_header\n"
-_TYPES = {
-    **{"char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1"},
-    **{"short": "<i2", "int16": "<i2", "ushort": "<u2", "uint16": "<u2"},
-    **{"int": "<i4", "int32": "<i4", "uint": "<u4", "uint32": "<u4"},
-    **{"float": "<f4", "float32": "<f4", "double": "<f8", "float64": "<f8"},
-}
-_INDICES = ("vertex_indices", "vertex_index")
 
 
 class _Element(NamedTuple):

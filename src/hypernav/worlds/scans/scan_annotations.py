@@ -31,6 +31,10 @@ _SPACING_M = 0.05
 _REACH_M = 0.25
 _GOLDEN = 1.324717957244746
 """Multiples of the two-dimensional golden ratio, modulo 1, are spread evenly for any number."""
+HEADER = "HM3D Semantic Annotations"
+_MOST_BYTES = 20_000_000
+_MOST_ANNOTATIONS = 65_535
+"""habitat-sim keeps the numbers of instances in 16 bits."""
 
 
 class Spread(NamedTuple):
@@ -111,13 +115,6 @@ def _spread(
     middles = np.full((len(more), 3), 1.0 / 3.0)
     weights = np.concatenate([middles, np.column_stack([1.0 - u - v, u, v])])
     return np.concatenate([np.arange(len(more)), face]), weights
-
-
-HEADER = "HM3D Semantic Annotations"
-
-_MOST_BYTES = 20_000_000
-_MOST_ANNOTATIONS = 65_535
-"""habitat-sim keeps the numbers of instances in 16 bits."""
 
 
 @dataclass(frozen=True)

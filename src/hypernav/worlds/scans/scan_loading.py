@@ -41,6 +41,13 @@ HOUSE_SUFFIX = ".house"
 """Suffix of Matterport3D's annotation."""
 
 _SCENE = re.compile(r"(?P<stem>.+?)(?:\.basis)?\.glb", re.IGNORECASE)
+LEAST_BYTES = 10_000_000
+"""Smaller meshes are read as fast without a cache."""
+_ARRAYS = ("vertices", "faces", "uv", "colors", "face_material", "face_instance")
+_IMAGES = ("texture", "opaque")
+_BROKEN = (EOFError, ValueError, KeyError, TypeError, IndexError, zipfile.BadZipFile)
+_LOGGER = logging.getLogger(__name__)
+_NO_OBJECTS = frozenset({"wall", "floor", "ceiling", "unknown", "unlabeled", "void", "misc"})
 
 
 @dataclass(frozen=True)
@@ -90,15 +97,6 @@ class ScanFiles:
 
 def _there(path: Path) -> Path | None:
     return path if path.is_file() else None
-
-
-LEAST_BYTES = 10_000_000
-"""Smaller meshes are read as fast without a cache."""
-
-_ARRAYS = ("vertices", "faces", "uv", "colors", "face_material", "face_instance")
-_IMAGES = ("texture", "opaque")
-_BROKEN = (EOFError, ValueError, KeyError, TypeError, IndexError, zipfile.BadZipFile)
-_LOGGER = logging.getLogger(__name__)
 
 
 def cached_scan(
@@ -214,9 +212,6 @@ def _write(home: Path, scene: Scene) -> None:
     text = np.frombuffer(json.dumps(about).encode(), dtype=np.uint8)
     arrays = {name: getattr(scene, name) for name in _ARRAYS}
     np.savez(home / "scan.npz", about=text, **arrays)
-
-
-_NO_OBJECTS = frozenset({"wall", "floor", "ceiling", "unknown", "unlabeled", "void", "misc"})
 
 
 def annotated(

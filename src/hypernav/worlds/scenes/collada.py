@@ -21,6 +21,21 @@ from hypernav.worlds.scenes.node_names import is_meaningful, unique_name
 from hypernav.worlds.scenes.scene import Material
 
 _KINDS = ("triangles", "polylist", "polygons", "tristrips", "trifans")
+_NUMBERS = {
+    "matrix": 16,
+    "bind_shape_matrix": 16,
+    "translate": 3,
+    "rotate": 4,
+    "scale": 3,
+    "lookat": 9,
+}
+PLAIN = Paint("default", (0.8, 0.8, 0.8))
+"""For triangles without a material."""
+FindImage = Callable[[str], Path | None]
+_MOST_NODES, _DEEPEST = 50_000, 200
+_MOST_BYTES = 500_000_000
+_BYTES_PER_NUMBER = 8
+_UP: dict[str, Axis] = {"X_UP": "x", "Y_UP": "y", "Z_UP": "z"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,16 +209,6 @@ def _first(values: Float64[np.ndarray, "n width"], width: int) -> Float64[np.nda
     return np.ascontiguousarray(values[:, :width])
 
 
-_NUMBERS = {
-    "matrix": 16,
-    "bind_shape_matrix": 16,
-    "translate": 3,
-    "rotate": 4,
-    "scale": 3,
-    "lookat": 9,
-}
-
-
 def local_matrix(node: ElementTree.Element) -> Float64[np.ndarray, "4 4"]:
     """The transform of a node to its parent: its steps, the first applied last.
 
@@ -249,11 +254,6 @@ def _turn(axis: Float64[np.ndarray, "3"], angle: float) -> Float64[np.ndarray, "
 
 def _unit(vector: Float64[np.ndarray, "3"]) -> Float64[np.ndarray, "3"]:
     return vector / max(float(np.linalg.norm(vector)), 1e-12)
-
-
-PLAIN = Paint("default", (0.8, 0.8, 0.8))
-"""For triangles without a material."""
-FindImage = Callable[[str], Path | None]
 
 
 def read_paints(root: ElementTree.Element, find_image: FindImage) -> dict[str, Paint]:
@@ -322,12 +322,6 @@ def _color(text: str) -> tuple[float, float, float]:
         min(max(float(value), 0.0), 1.0) for value in [*numbers_of(text), 0, 0, 0][:3]
     )
     return red, green, blue
-
-
-_MOST_NODES, _DEEPEST = 50_000, 200
-_MOST_BYTES = 500_000_000
-_BYTES_PER_NUMBER = 8
-_UP: dict[str, Axis] = {"X_UP": "x", "Y_UP": "y", "Z_UP": "z"}
 
 
 def read_collada(

@@ -38,6 +38,20 @@ _IMAGE_EXTENSIONS = ("EXT_texture_webp", "KHR_texture_basisu", "GOOGLE_texture_b
 _MIN_EMISSION = 0.5
 _LOGGER = logging.getLogger(__name__)
 _Part = TypeVar("_Part", bound=BaseModel)
+_MOST_NODES, _MOST_PARTS = 50_000, 20_000
+_BYTES_PER_VERTEX, _BYTES_PER_CORNER = 50, 50
+_OF_COPIES = {
+    "TRANSLATION": (0.0, 0.0, 0.0),
+    "ROTATION": (0.0, 0.0, 0.0, 1.0),
+    "SCALE": (1.0, 1.0, 1.0),
+}
+"""Attributes of copies, with the values of a copy that has none."""
+_NODE_EXTENSIONS = {
+    Instancing: "EXT_mesh_gpu_instancing",
+    LevelsOfDetail: "MSFT_lod",
+    NodeVisibility: "KHR_node_visibility",
+}
+_Extension = TypeVar("_Extension", Instancing, LevelsOfDetail, NodeVisibility)
 
 
 def read_materials(file: GltfFile) -> tuple[list[Material], list[TextureTransform]]:
@@ -185,22 +199,6 @@ def _is_image(file: GltfFile, number: int, content: bytes) -> bool:
         )
     file.allowance.take(3 * width * height, what)
     return True
-
-
-_MOST_NODES, _MOST_PARTS = 50_000, 20_000
-_BYTES_PER_VERTEX, _BYTES_PER_CORNER = 50, 50
-_OF_COPIES = {
-    "TRANSLATION": (0.0, 0.0, 0.0),
-    "ROTATION": (0.0, 0.0, 0.0, 1.0),
-    "SCALE": (1.0, 1.0, 1.0),
-}
-"""Attributes of copies, with the values of a copy that has none."""
-_NODE_EXTENSIONS = {
-    Instancing: "EXT_mesh_gpu_instancing",
-    LevelsOfDetail: "MSFT_lod",
-    NodeVisibility: "KHR_node_visibility",
-}
-_Extension = TypeVar("_Extension", Instancing, LevelsOfDetail, NodeVisibility)
 
 
 def read_gltf(

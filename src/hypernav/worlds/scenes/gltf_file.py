@@ -21,6 +21,51 @@ from hypernav.core.files.allowance import Allowance
 from hypernav.core.files.json_text import Items, parse_json
 from hypernav.core.files.reading import path_below, read_file
 
+_MAGIC = b"glTF"
+_LEAST_BYTES = 20
+"""Bytes of the header of a GLB and of its first chunk."""
+_JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
+_DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+_EXTENSIONS = frozenset(
+    {
+        "EXT_instance_features",
+        "EXT_mesh_features",
+        "EXT_mesh_gpu_instancing",
+        "EXT_structural_metadata",
+        "CESIUM_primitive_outline",
+        "FB_geometry_metadata",
+        "KHR_materials_unlit",
+        "KHR_materials_emissive_strength",
+        "KHR_materials_pbrSpecularGlossiness",
+        "KHR_materials_specular",
+        "KHR_materials_ior",
+        "KHR_materials_clearcoat",
+        "KHR_materials_sheen",
+        "KHR_materials_transmission",
+        "KHR_materials_volume",
+        "KHR_materials_anisotropy",
+        "KHR_materials_iridescence",
+        "KHR_materials_variants",
+        "KHR_lights_punctual",
+        "KHR_mesh_quantization",
+        "KHR_node_hoverability",
+        "KHR_node_selectability",
+        "KHR_node_visibility",
+        "KHR_physics_rigid_bodies",
+        "KHR_xmp_json_ld",
+        "MOZ_hubs_components",
+        "MSFT_lod",
+        "OMI_physics_body",
+        "KHR_texture_basisu",
+        "KHR_texture_transform",
+        "EXT_texture_webp",
+        "GOOGLE_texture_basis",
+    }
+)
+"""Extensions that are read, or that change no surface: all others may where a mesh has them."""
+_Item = TypeVar("_Item")
+
 
 class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, alias_generator=to_camel, allow_inf_nan=False)
@@ -227,52 +272,6 @@ class Document(_Extensible):
     accessors: Items[Accessor] = Field(default_factory=list)
     buffer_views: Items[BufferView] = Field(default_factory=list)
     buffers: Items[Buffer] = Field(default_factory=list)
-
-
-_MAGIC = b"glTF"
-_LEAST_BYTES = 20
-"""Bytes of the header of a GLB and of its first chunk."""
-_JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
-_DTYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-_EXTENSIONS = frozenset(
-    {
-        "EXT_instance_features",
-        "EXT_mesh_features",
-        "EXT_mesh_gpu_instancing",
-        "EXT_structural_metadata",
-        "CESIUM_primitive_outline",
-        "FB_geometry_metadata",
-        "KHR_materials_unlit",
-        "KHR_materials_emissive_strength",
-        "KHR_materials_pbrSpecularGlossiness",
-        "KHR_materials_specular",
-        "KHR_materials_ior",
-        "KHR_materials_clearcoat",
-        "KHR_materials_sheen",
-        "KHR_materials_transmission",
-        "KHR_materials_volume",
-        "KHR_materials_anisotropy",
-        "KHR_materials_iridescence",
-        "KHR_materials_variants",
-        "KHR_lights_punctual",
-        "KHR_mesh_quantization",
-        "KHR_node_hoverability",
-        "KHR_node_selectability",
-        "KHR_node_visibility",
-        "KHR_physics_rigid_bodies",
-        "KHR_xmp_json_ld",
-        "MOZ_hubs_components",
-        "MSFT_lod",
-        "OMI_physics_body",
-        "KHR_texture_basisu",
-        "KHR_texture_transform",
-        "EXT_texture_webp",
-        "GOOGLE_texture_basis",
-    }
-)
-"""Extensions that are read, or that change no surface: all others may where a mesh has them."""
-_Item = TypeVar("_Item")
 
 
 class GltfFile:

@@ -24,6 +24,17 @@ from hypernav.worlds.scenes.scene import Material, Scene
 from hypernav.worlds.scenes.scene_doubts import doubts_of
 from hypernav.worlds.scenes.stray_parts import in_one_line, without_surroundings
 
+OBJECTS_FILE = "objects.json"
+_GLTF_SUFFIXES = (".glb", ".gltf")
+_MESH_SUFFIXES = (".obj", ".ply", ".stl", ".off")
+_COLLADA_SUFFIX = ".dae"
+_WORLD_SUFFIXES = (".world", ".sdf")
+_IFC_SUFFIX = ".ifc"
+_ALWAYS_Z_UP = (*_WORLD_SUFFIXES, _IFC_SUFFIX)
+_COARSEST_M = 0.02
+"""Largest step between coordinates that a scene may have."""
+_LOGGER = logging.getLogger(__name__)
+
 
 class _Object(BaseModel):
     model_config = ConfigDict(frozen=True)
@@ -110,18 +121,6 @@ def _check_nodes(path: Path, objects: list[_Object], node_names: set[str]) -> No
                     "list it once"
                 )
             owner[node] = item.name
-
-
-OBJECTS_FILE = "objects.json"
-_GLTF_SUFFIXES = (".glb", ".gltf")
-_MESH_SUFFIXES = (".obj", ".ply", ".stl", ".off")
-_COLLADA_SUFFIX = ".dae"
-_WORLD_SUFFIXES = (".world", ".sdf")
-_IFC_SUFFIX = ".ifc"
-_ALWAYS_Z_UP = (*_WORLD_SUFFIXES, _IFC_SUFFIX)
-_COARSEST_M = 0.02
-"""Largest step between coordinates that a scene may have."""
-_LOGGER = logging.getLogger(__name__)
 
 
 def read_scene(path: Path, *, up: Axis | None = None, scale: float | None = None) -> Scene:

@@ -32,6 +32,10 @@ from hypernav.worlds.scenes.scene import Material
 _KTX2, _BASIS = b"\xabKTX 20\xbb\r\n\x1a\n", b"sB"
 _ZSTANDARD = 2
 _BLOCK_BYTES = 16
+KeyT = TypeVar("KeyT", bound=Hashable)
+_REDIRECTION = threading.Lock()
+_OPAQUE = 128
+_LOGGER = logging.getLogger(__name__)
 
 
 def is_basis(content: bytes) -> bool:
@@ -88,10 +92,6 @@ def _unpacks_to_its_size(content: bytes, texture: Any) -> bool:
     blocks = math.ceil(texture.width / 4) * math.ceil(texture.height / 4)
     count = max(texture.layers, 1) * max(texture.faces, 1)
     return scheme != _ZSTANDARD or unpacked <= blocks * count * _BLOCK_BYTES
-
-
-KeyT = TypeVar("KeyT", bound=Hashable)
-_REDIRECTION = threading.Lock()
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,10 +162,6 @@ def _with_opacity(
     return DecodedImage(
         np.ascontiguousarray(rgb), None if is_opaque else np.ascontiguousarray(opacity)
     )
-
-
-_OPAQUE = 128
-_LOGGER = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)

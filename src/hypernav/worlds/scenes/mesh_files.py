@@ -37,6 +37,24 @@ _INDEX = re.compile(rb"-\d+")
 _POLYGON = re.compile(rb"^[ \t]*f[ \t]+(\S+(?:[ \t]+\S+){3,})[ \t]*\r?$", re.MULTILINE)
 _VERTEX = re.compile(rb"^[ \t]*v[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE)
 _MARK = re.compile(r"object (\d+) ")
+_LOGGER = logging.getLogger(__name__)
+_MOST_BYTES = 500_000_000
+_OBJECT_NUMBERS = ("object_id", "objectId", "instance_id")
+"""Properties of faces that say which object of a scan they belong to, as in Replica."""
+_BROKEN = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    EOFError,
+    LookupError,
+    MemoryError,
+    NameError,
+    RecursionError,
+    TypeError,
+    ValueError,
+    struct.error,
+)
+"""Errors that trimesh raises for broken files."""
 
 
 @dataclass(frozen=True)
@@ -124,26 +142,6 @@ def _absolute(corner: bytes, counts: dict[bytes, int]) -> bytes:
         b"%d" % (count + 1 + int(text)) if _INDEX.fullmatch(text) else text
         for text, count in indices
     )
-
-
-_LOGGER = logging.getLogger(__name__)
-_MOST_BYTES = 500_000_000
-_OBJECT_NUMBERS = ("object_id", "objectId", "instance_id")
-"""Properties of faces that say which object of a scan they belong to, as in Replica."""
-_BROKEN = (
-    ArithmeticError,
-    AssertionError,
-    AttributeError,
-    EOFError,
-    LookupError,
-    MemoryError,
-    NameError,
-    RecursionError,
-    TypeError,
-    ValueError,
-    struct.error,
-)
-"""Errors that trimesh raises for broken files."""
 
 
 class _FilesBeside(FilePathResolver):

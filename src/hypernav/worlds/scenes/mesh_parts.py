@@ -30,17 +30,16 @@ TO_Z_UP: Mapping[Axis, Float64[np.ndarray, "3 3"]] = MappingProxyType(
     {axis: np.array(rows, dtype=np.float64) for axis, rows in _ROWS.items()}
 )
 """The rotation from a file's frame, by the axis that is up in it, to the scene frame."""
+_BACKWARDS = -1e-6
+"""Cosine below which a triangle of a fan faces against its polygon."""
+_MOST_CORNERS = 1000
+"""Polygons with more corners stay fans."""
+_CREASE_DEG = 40.0
 
 
 def axis_along(direction: Float64[np.ndarray, "3"]) -> Axis:
     """The axis that a unit vector along one of them means."""
     return max(TO_Z_UP, key=lambda axis: float(TO_Z_UP[axis][2] @ direction))
-
-
-_BACKWARDS = -1e-6
-"""Cosine below which a triangle of a fan faces against its polygon."""
-_MOST_CORNERS = 1000
-"""Polygons with more corners stay fans."""
 
 
 def triangles_of_polygons(
@@ -108,9 +107,6 @@ def _side(
     """Positive for points to the left of the line from a to b."""
     (x, y), relative = b - a, points - a
     return x * relative[:, 1] - y * relative[:, 0]
-
-
-_CREASE_DEG = 40.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -62,6 +62,55 @@ _FAMILIES_OF_THE_BUILDING = re.compile(
 """Revit's system families, and the doors, windows, columns and beams of its templates. The last
 word of an English compound says what it is: a ``Door mat`` is no door."""
 _KINDS_OF_THE_BUILDING = frozenset({"door", "window", "column"})
+_FILE_SUFFIX = re.compile(
+    r"\.(?:fbx|obj|dae|gltf|glb|blend|stl|ply|usdz?|cleaner.*)\b", re.IGNORECASE
+)
+_PREFIXES = frozenset(
+    {"sm", "sk", "bp", "st", "geo", "grp", "mesh", "prop", "model", "obj", "asset", "aws"}
+)
+_SETTINGS = frozenset({"residential", "retail", "hospital", "warehouse", "racetrack"})
+_IDENTIFIER = re.compile(r"[0-9a-f]{8}-?(?:[0-9a-f]{4}-?){3}[0-9a-f]{12}", re.IGNORECASE)
+_TAILS = frozenset(
+    """
+    mesh geo geometry lod low lowpoly high highpoly poly model prop asset copy instance inst grp
+    group material default primitive node obj object visual collision link clone
+    """.split()  # noqa: SIM905
+)
+_MEANINGLESS = frozenset(
+    """
+    mesh node object objects geometry scene root group primitive default untitled cube plane
+    sphere cylinder cone torus circle curve empty model world sketchfab collada armature material
+    entity instance polygon polysurface surface shape component layer part static prefab
+    link body base visual collision id sketch up skp product
+    """.split()  # noqa: SIM905
+)
+_STRUCTURAL = frozenset(
+    """
+    wall walls floor floors flooring ceiling ceilings roof ground room house building apartment
+    doorframe doorway baseboard baseboards skirting moulding molding column pillar beam
+    stair stairs staircase railing handrail slab opening structure shell architecture
+    """.split()  # noqa: SIM905
+)
+_SIDES = frozenset(
+    """
+    north south east west left right front back rear inner outer inside outside interior exterior
+    upper lower top bottom kitchen bathroom bedroom hall hallway corridor
+    """.split()  # noqa: SIM905
+)
+"""Words after the name of a part of the building that say which part it is."""
+_STRUCTURAL_PAIRS = frozenset(
+    {
+        "door frame",
+        "window frame",
+        "skirting board",
+        "crown molding",
+        "door jamb",
+        "wall panel",
+        "ground plane",
+    }
+)
+_SMALL_HOUSES = frozenset({"doll", "dog", "cat", "bird", "play", "toy"})
+"""Words before "house" that make a thing of it."""
 
 
 def plain_name(name: str) -> str:
@@ -113,57 +162,6 @@ def _of_family(name: str) -> str | None:
         noun, *kinds = kinds
     first = " ".join(kinds).split()[:1]
     return " ".join((*first, noun)) if noun else " ".join(kinds)
-
-
-_FILE_SUFFIX = re.compile(
-    r"\.(?:fbx|obj|dae|gltf|glb|blend|stl|ply|usdz?|cleaner.*)\b", re.IGNORECASE
-)
-_PREFIXES = frozenset(
-    {"sm", "sk", "bp", "st", "geo", "grp", "mesh", "prop", "model", "obj", "asset", "aws"}
-)
-_SETTINGS = frozenset({"residential", "retail", "hospital", "warehouse", "racetrack"})
-_IDENTIFIER = re.compile(r"[0-9a-f]{8}-?(?:[0-9a-f]{4}-?){3}[0-9a-f]{12}", re.IGNORECASE)
-_TAILS = frozenset(
-    """
-    mesh geo geometry lod low lowpoly high highpoly poly model prop asset copy instance inst grp
-    group material default primitive node obj object visual collision link clone
-    """.split()  # noqa: SIM905
-)
-_MEANINGLESS = frozenset(
-    """
-    mesh node object objects geometry scene root group primitive default untitled cube plane
-    sphere cylinder cone torus circle curve empty model world sketchfab collada armature material
-    entity instance polygon polysurface surface shape component layer part static prefab
-    link body base visual collision id sketch up skp product
-    """.split()  # noqa: SIM905
-)
-_STRUCTURAL = frozenset(
-    """
-    wall walls floor floors flooring ceiling ceilings roof ground room house building apartment
-    doorframe doorway baseboard baseboards skirting moulding molding column pillar beam
-    stair stairs staircase railing handrail slab opening structure shell architecture
-    """.split()  # noqa: SIM905
-)
-_SIDES = frozenset(
-    """
-    north south east west left right front back rear inner outer inside outside interior exterior
-    upper lower top bottom kitchen bathroom bedroom hall hallway corridor
-    """.split()  # noqa: SIM905
-)
-"""Words after the name of a part of the building that say which part it is."""
-_STRUCTURAL_PAIRS = frozenset(
-    {
-        "door frame",
-        "window frame",
-        "skirting board",
-        "crown molding",
-        "door jamb",
-        "wall panel",
-        "ground plane",
-    }
-)
-_SMALL_HOUSES = frozenset({"doll", "dog", "cat", "bird", "play", "toy"})
-"""Words before "house" that make a thing of it."""
 
 
 def words_of(name: str) -> tuple[str, ...]:

@@ -14,6 +14,12 @@ import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
+UNITS = 1024
+CLOSED, OPEN, CORNER = 0, 1, 2
+_REACH = 4
+"""A bend or target is offered as a root to all vertices within this many cells, not only to the
+next ones, because the region of which it is the root may begin in a gap between vertices."""
+
 
 @register_jitable(no_cfunc_wrapper=True)
 def _doubled(array):
@@ -57,9 +63,6 @@ def pop(keys, items, size):
         k = child
     if size > 0:
         keys[k], items[k] = key, item
-
-
-UNITS = 1024
 
 
 @register_jitable(no_cfunc_wrapper=True)
@@ -136,13 +139,6 @@ def line_of_sight(free, x0, y0, x1, y1):
             row += step_y
             at_x += UNITS * dy
             at_y += UNITS * dx
-
-
-CLOSED, OPEN, CORNER = 0, 1, 2
-
-_REACH = 4
-"""A bend or target is offered as a root to all vertices within this many cells, not only to the
-next ones, because the region of which it is the root may begin in a gap between vertices."""
 
 
 @njit(cache=True, nogil=True)

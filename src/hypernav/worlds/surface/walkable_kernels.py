@@ -18,6 +18,13 @@ border of two columns fills the one behind it, not the one in front."""
 
 _TOUCHING_M = 0.01
 """Intervals closer than this are one solid."""
+_BACK_OFF = 1e-3
+"""A blocked move ends this fraction of a cell before the contact, safely inside its cell."""
+_GIVE = 0.5
+"""Tolerance, cells. Cell borders are staircases where real walls are smooth; a robot that touches
+one must not get stuck in a notch that does not really exist."""
+_PAST = 1e-6
+"""Distance beside a corner, cells, at which a walk that is pushed aside passes it."""
 
 
 @register_jitable(no_cfunc_wrapper=True)
@@ -244,15 +251,6 @@ def floors_of_columns(upwards, where, low, high, flat, cells, max_step, clearanc
                 floor_cell[n], floor_z[n], covered[n] = cell, tops[k], k + 1 < count
                 n += 1
     return floor_cell[:n], floor_z[:n], covered[:n]
-
-
-_BACK_OFF = 1e-3
-"""A blocked move ends this fraction of a cell before the contact, safely inside its cell."""
-_GIVE = 0.5
-"""Tolerance, cells. Cell borders are staircases where real walls are smooth; a robot that touches
-one must not get stuck in a notch that does not really exist."""
-_PAST = 1e-6
-"""Distance beside a corner, cells, at which a walk that is pushed aside passes it."""
 
 
 @njit(cache=True, nogil=True)

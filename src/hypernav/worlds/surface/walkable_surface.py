@@ -19,6 +19,15 @@ _MESH_ERROR_M = 0.25
 """Height of a mesh above its floor: a voxel, and some more."""
 _UNEVEN_M = 1.0
 """How far floors of one storey are apart in height."""
+BESIDE_M = 0.5
+"""Distance from a thing's box within which the floor that it stands on begins."""
+_BELOW_M, _ABOVE_M = 0.15, 0.5
+"""How far a thing's lowest point may be below and above the floor that it stands on."""
+_FEW = 4
+"""A part with less than one in so many of the things that another has isn't the main one; where no
+part has so many, things prove nothing."""
+_ROOM_M2 = 2.0
+"""Smaller parts are the insides of furniture and of chimneys, which are covered, too."""
 
 
 def is_near_box(
@@ -51,17 +60,6 @@ def floors_of_box(floor_z: Float64[np.ndarray, " n"], low_z: float) -> Bool[np.n
     """
     below = floor_z <= low_z + _MESH_ERROR_M
     return below & (floor_z >= floor_z[below].max(initial=-np.inf) - _UNEVEN_M)
-
-
-BESIDE_M = 0.5
-"""Distance from a thing's box within which the floor that it stands on begins."""
-_BELOW_M, _ABOVE_M = 0.15, 0.5
-"""How far a thing's lowest point may be below and above the floor that it stands on."""
-_FEW = 4
-"""A part with less than one in so many of the things that another has isn't the main one; where no
-part has so many, things prove nothing."""
-_ROOM_M2 = 2.0
-"""Smaller parts are the insides of furniture and of chimneys, which are covered, too."""
 
 
 @dataclass(frozen=True)

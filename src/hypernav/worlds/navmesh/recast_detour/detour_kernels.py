@@ -19,6 +19,14 @@ ONE = np.float32(1.0)
 FARTHEST = np.float32(np.finfo(np.float32).max)
 _SAME_SQUARED = np.float32((1.0 / 16384.0) ** 2)
 _PARALLEL = np.float32(1e-6)
+NOWHERE = -1
+ANY_ISLAND = np.int64(NOWHERE)
+"""Searches all islands. Numba would compile `nearest` once more for a constant of Python."""
+_REACH = (np.float32(2.0), np.float32(4.0), np.float32(2.0))
+"""Half the sides of habitat-sim's search box, metres."""
+_ON_BOUNDARY = (np.uint8(1), np.uint8(4), np.uint8(16))
+"""Flags of a detail triangle's edges 0-1, 1-2 and 2-0."""
+_FINEST = np.float32(65535.0)
 
 
 @njit(cache=True)
@@ -210,16 +218,6 @@ def label_islands(mesh):
                     depth += 1
         islands += 1
     return labels
-
-
-NOWHERE = -1
-ANY_ISLAND = np.int64(NOWHERE)
-"""Searches all islands. Numba would compile `nearest` once more for a constant of Python."""
-_REACH = (np.float32(2.0), np.float32(4.0), np.float32(2.0))
-"""Half the sides of habitat-sim's search box, metres."""
-_ON_BOUNDARY = (np.uint8(1), np.uint8(4), np.uint8(16))
-"""Flags of a detail triangle's edges 0-1, 1-2 and 2-0."""
-_FINEST = np.float32(65535.0)
 
 
 @njit(cache=True)

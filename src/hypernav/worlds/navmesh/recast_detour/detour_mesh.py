@@ -31,6 +31,12 @@ _MOST_BORDER_EDGES = 20_000
 _MOST_CONNECTIONS = 4
 _APART_M = np.float32(0.01)
 """Largest distance between borders of two tiles. Edges that only touch at an end are not joined."""
+WALL = -1
+"""Marks a missing neighbour."""
+OTHER_TILE = -2
+"""Marks an edge to another tile; the links give the neighbours."""
+_LEAST_AREA_M2 = 1e-5
+"""habitat-sim makes smaller polygons not walkable, because searches there crash."""
 
 
 class Links(NamedTuple):
@@ -215,12 +221,6 @@ def _overlap(
     return (low <= high) & meets
 
 
-WALL = -1
-"""Marks a missing neighbour."""
-OTHER_TILE = -2
-"""Marks an edge to another tile; the links give the neighbours."""
-
-
 class Mesh(NamedTuple):
     """Polygons, links between them, heights on them and the search trees, over all tiles.
 
@@ -376,10 +376,6 @@ def _polygons(tile: NavmeshTile, base: int, first: int) -> tuple[np.ndarray, ...
     of_polygon = np.take_along_axis(corners[owner], np.minimum(local, own - 1), axis=1)
     triangles = np.where(local < own, of_polygon, further).astype(np.int32)
     return corners, neighbours, triangles, np.ascontiguousarray(chosen[:, 3])
-
-
-_LEAST_AREA_M2 = 1e-5
-"""habitat-sim makes smaller polygons not walkable, because searches there crash."""
 
 
 @dataclass(frozen=True, eq=False)

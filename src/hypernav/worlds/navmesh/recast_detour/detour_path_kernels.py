@@ -38,6 +38,9 @@ _STATES = 4
 """Number of times that a polygon may be visited: once per side on which other tiles lead to it."""
 _OPEN = 1
 _CLOSED = 2
+NO_PATH = np.float32(np.inf)
+_EQUAL = np.float32(1e-5)
+_NEAR_SQUARED = np.float32(1e-6)
 
 
 @njit(cache=True)
@@ -149,12 +152,6 @@ def corridor(mesh, start_polygon, end_polygon, start, end):
         path[count] = polygons[last]
         last = parents[last]
     return path
-
-
-NO_PATH = np.float32(np.inf)
-
-_EQUAL = np.float32(1e-5)
-_NEAR_SQUARED = np.float32(1e-6)
 
 
 @njit(cache=True)

@@ -20,6 +20,11 @@ from hypernav.worlds.navmesh.recast_detour.recast_voxels import NOTHING, OpenSpa
 Points = Int64[np.ndarray, "..."]
 Numbers = Int64[np.ndarray, "..."] | np.int64
 Answers = Bool[np.ndarray, "..."] | np.bool_
+AREA_BORDER = 0x20000
+REGION_MASK = 0xFFFF
+_ZERO, _ONE = np.float32(0.0), np.float32(1.0)
+Corners = Int64[np.ndarray, "... 4"]
+Corner = Int64[np.ndarray, " 4"]
 
 
 def area2(a: Points, b: Points, c: Points) -> Numbers:
@@ -78,14 +83,6 @@ def _between(a: Points, b: Points, c: Points) -> Answers:
         (c[..., 2] - a[..., 2]) * (c[..., 2] - b[..., 2]) <= 0,
     )
     return within & (area2(a, b, c) == 0)
-
-
-AREA_BORDER = 0x20000
-REGION_MASK = 0xFFFF
-_ZERO, _ONE = np.float32(0.0), np.float32(1.0)
-
-Corners = Int64[np.ndarray, "... 4"]
-Corner = Int64[np.ndarray, " 4"]
 
 
 class Contour(NamedTuple):

@@ -20,6 +20,19 @@ Points = Float32[np.ndarray, "... 3"]
 Gaps = Float32[np.ndarray, "..."]
 _ZERO, _HALF = np.float32(0.0), np.float32(0.5)
 _ONE, _TWO = np.float32(1.0), np.float32(2.0)
+_NONE = -1
+UNSET = 0xFFFF
+_AROUND = ((0, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0))
+_SHIFT = np.float32(0.01)
+_INSIDE = np.float32(1e-4)
+_JITTER = np.float32(0.1)
+_JITTER_RANGE = np.float32(65535.0)
+_JITTER_X, _JITTER_Z = 0x8DA6B343, 0xD8163841
+_MOST_VERTICES = 127
+_MOST_TRIANGLES = 255
+_MOST_EDGE_SAMPLES = 31
+_SAME = np.float32(1e-6)
+_EDGE_GAP_SQUARED = np.float32(0.001) * np.float32(0.001)
 
 
 def squared_to_segment(p: Points, a: Point, b: Point) -> Gaps:
@@ -102,9 +115,6 @@ def triangles_of_hull(
     return triangles
 
 
-_NONE = -1
-
-
 def delaunay(vertices: Float32[np.ndarray, "n 3"], hull: list[int]) -> list[list[int]]:
     """Delaunay triangles of vertices within a hull, by their corners.
 
@@ -142,11 +152,6 @@ def _take(triangle: list[int], a: int, b: int) -> None:
         triangle[2] = a
     elif triangle[1] == a:
         triangle[2] = b
-
-
-UNSET = 0xFFFF
-_AROUND = ((0, 0), (-1, -1), (0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0))
-_SHIFT = np.float32(0.01)
 
 
 class Sampling(NamedTuple):
@@ -328,12 +333,6 @@ def _ring(ring: int) -> Int64[np.ndarray, "n 2"]:
     return np.array(places)
 
 
-_INSIDE = np.float32(1e-4)
-_JITTER = np.float32(0.1)
-_JITTER_RANGE = np.float32(65535.0)
-_JITTER_X, _JITTER_Z = 0x8DA6B343, 0xD8163841
-
-
 class InnerSamples:
     """Samples on a grid within a polygon that are not vertices yet."""
 
@@ -397,13 +396,6 @@ def _height_gaps(p: Points, corners: Float32[np.ndarray, "t 3 3"]) -> Float32[np
         inside = (s >= -_INSIDE) & (t >= -_INSIDE) & (s + t <= _ONE + _INSIDE)
     least = np.where(inside, gaps, np.inf).min(axis=1)
     return np.where(least < np.inf, least, -_ONE)
-
-
-_MOST_VERTICES = 127
-_MOST_TRIANGLES = 255
-_MOST_EDGE_SAMPLES = 31
-_SAME = np.float32(1e-6)
-_EDGE_GAP_SQUARED = np.float32(0.001) * np.float32(0.001)
 
 
 class Detail(NamedTuple):

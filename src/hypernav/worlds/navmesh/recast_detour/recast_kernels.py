@@ -21,6 +21,14 @@ _X, _Y, _Z = np.int64(0), np.int64(1), np.int64(2)
 _REST, _ROW, _LEFT, _PART = np.int64(0), np.int64(1), np.int64(2), np.int64(3)
 _TRIANGLE = np.int64(3)
 _LOW, _HIGH, _WALKABLE, _NEXT = 0, 1, 2, 3
+_STRAIGHT, _DIAGONAL = 2, 3
+OPEN = -1
+"""A face that is not known yet."""
+HULL = -2
+"""No face: the edge belongs to the hull."""
+_NONE = -1
+_LEAST_CROSS = np.float32(1e-5)
+_TOLERANCE = np.float32(0.001)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -158,9 +166,6 @@ def _insert(first, spans, z, x, new, free, climb):
     return free
 
 
-_STRAIGHT, _DIAGONAL = 2, 3
-
-
 @njit(cache=True, nogil=True)
 def spread(neighbours, distance):
     """Lower every distance to those of neighbours and of diagonal ones, there and back again.
@@ -269,15 +274,6 @@ def grow(neighbours, x, z, floor, patch, x_low, z_low, unset, queue, end):
                 patch[row, column] = floor[beside]
                 queue[end] = beside
                 end += 1
-
-
-OPEN = -1
-"""A face that is not known yet."""
-HULL = -2
-"""No face: the edge belongs to the hull."""
-_NONE = -1
-_LEAST_CROSS = np.float32(1e-5)
-_TOLERANCE = np.float32(0.001)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -19,6 +19,13 @@ from hypernav.worlds.navmesh.recast_detour.recast_contours import (
     touches,
 )
 
+MOST_CORNERS = 6
+"""Corners that a polygon may have."""
+_NONE = -1
+_SAME_HEIGHT = 2
+"""Voxels by which two corners at the same place may differ to be one."""
+Vertex = tuple[int, int, int]
+
 
 def triangulate(corners: Corners) -> list[tuple[int, int, int]]:
     """Cut an outline into triangles, the ear with the shortest cut first.
@@ -81,15 +88,6 @@ def _is_diagonal(corners: Corners, i: int, j: int, loose: bool = False) -> bool:
     counts = ~(at_end | np.roll(at_end, -1))
     after = np.roll(corners, -1, axis=0)[counts]
     return not meets(a, b, corners[counts], after).any()
-
-
-MOST_CORNERS = 6
-"""Corners that a polygon may have."""
-_NONE = -1
-_SAME_HEIGHT = 2
-"""Voxels by which two corners at the same place may differ to be one."""
-
-Vertex = tuple[int, int, int]
 
 
 class Polygons(NamedTuple):

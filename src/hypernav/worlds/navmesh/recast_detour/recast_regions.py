@@ -11,6 +11,12 @@ from hypernav.worlds.navmesh.recast_detour.recast_kernels import flood
 from hypernav.worlds.navmesh.recast_detour.recast_voxels import NOTHING, OpenSpace, columns_of
 
 _MOST_STEPS = 40_000
+_STACKS = 8
+_STEPS = 8
+"""Steps that regions grow at each level before new ones begin."""
+_FAR = 0xFFFF
+Spans = Int32[np.ndarray, "..."]
+_LARGEST = 0xFFFFFFF
 
 
 class Outlines:
@@ -45,14 +51,6 @@ class Outlines:
             if edge == first:
                 break
         return found
-
-
-_STACKS = 8
-_STEPS = 8
-"""Steps that regions grow at each level before new ones begin."""
-_FAR = 0xFFFF
-
-Spans = Int32[np.ndarray, "..."]
 
 
 def watershed(space: OpenSpace, distance: Spans, greatest: int) -> tuple[Spans, int]:
@@ -117,9 +115,6 @@ def _expand(space: OpenSpace, regions: Spans, gaps: Spans, stack: Spans, steps: 
         stack = stack[~grown]
         steps -= 1
     return stack
-
-
-_LARGEST = 0xFFFFFFF
 
 
 class _Regions:

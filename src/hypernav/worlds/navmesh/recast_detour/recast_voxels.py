@@ -19,6 +19,18 @@ from hypernav.worlds.navmesh.recast_detour.recast_kernels import fill, spread
 _MOST_CORNERS = 12
 _FIRST_ROOM = 1 << 16
 _NEXT = 3
+OPEN = 0xFFFF
+"""Ceiling where there is nothing above a span."""
+STEPS = ((-1, 0), (0, 1), (1, 0), (0, -1))
+"""Columns along x and z to the neighbour in each direction."""
+NOTHING = -1
+"""A neighbour that there is none of."""
+_MOST_ROOM = 0xFF
+_MOST_LAYERS = 63
+"""Spans of a column that its neighbours can be linked to."""
+_FAR = 0xFFFF
+_FAR_FROM_ROBOT = 0xFF
+_STRAIGHT = 2
 
 
 class Solid(NamedTuple):
@@ -103,12 +115,6 @@ def _in_order(first: Int32[np.ndarray, " c"], spans: Int32[np.ndarray, "s 4"]) -
     return Solid(start, low.copy(), high.copy(), walkable == 1)
 
 
-OPEN = 0xFFFF
-"""Ceiling where there is nothing above a span."""
-STEPS = ((-1, 0), (0, 1), (1, 0), (0, -1))
-"""Columns along x and z to the neighbour in each direction."""
-
-
 def columns_of(start: Int64[np.ndarray, " starts"]) -> Int64[np.ndarray, " s"]:
     """The column of every span."""
     return np.repeat(np.arange(len(start) - 1), np.diff(start))
@@ -166,17 +172,6 @@ def drop_ledges(solid: Solid, width: int, height: int, climb: int) -> None:
             highest[near] = np.maximum(highest[near], level)
             k = k + 1
     solid.walkable[own[(drop < -climb) | (highest - lowest > climb)]] = False
-
-
-NOTHING = -1
-"""A neighbour that there is none of."""
-
-_MOST_ROOM = 0xFF
-_MOST_LAYERS = 63
-"""Spans of a column that its neighbours can be linked to."""
-_FAR = 0xFFFF
-_FAR_FROM_ROBOT = 0xFF
-_STRAIGHT = 2
 
 
 class OpenSpace(NamedTuple):
