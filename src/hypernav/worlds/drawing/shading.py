@@ -12,7 +12,7 @@ position, so the order of frames doesn't matter.
 import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -204,16 +204,7 @@ class Rays:
 
     def first(self, count: int) -> "Rays":
         """The same memory for fewer rays."""
-        return Rays(
-            self.origins[:count],
-            self.directions[:count],
-            self.depth[:count],
-            self.ids[:count],
-            self.rgb[:count],
-            self.surface[:count],
-            self.base_color[:count],
-            self.wanted[:count],
-        )
+        return Rays(*(getattr(self, field.name)[:count] for field in fields(self)))
 
 
 @dataclass(frozen=True, eq=False)

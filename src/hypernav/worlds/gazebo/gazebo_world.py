@@ -21,9 +21,9 @@ from hypernav.core.files.reading import read_file
 from hypernav.core.files.xml_text import parse_xml
 from hypernav.worlds.gazebo.model_folders import Found, Meshes, ModelFolders, sdf_of
 from hypernav.worlds.gazebo.visuals import endless_ground, paint_of, shape_of
-from hypernav.worlds.scenes.collada import numbers_of
-from hypernav.worlds.scenes.material_images import Paint, materials_of
-from hypernav.worlds.scenes.mesh_parts import MeshPart, placed
+from hypernav.worlds.scenes.collada import PLAIN, numbers_of
+from hypernav.worlds.scenes.material_images import materials_of
+from hypernav.worlds.scenes.mesh_parts import MeshPart, placed, rotation_of
 from hypernav.worlds.scenes.node_names import is_meaningful, unique_name
 from hypernav.worlds.scenes.scene import Material
 
@@ -36,7 +36,6 @@ _BYTES_PER_TRIANGLE = 150
 _INVISIBLE = 0.95
 _GROUND, _SUN = "ground_plane", "sun"
 _NO_SURFACE = ("actor", "road", "population")
-_PLAIN = Paint("default", (0.8, 0.8, 0.8))
 
 
 def matrix_of(pose: ElementTree.Element | None) -> Matrix:
@@ -55,7 +54,7 @@ def matrix_of(pose: ElementTree.Element | None) -> Matrix:
     if pose.get("rotation_format") == "quat_xyzw":
         if len(values) != 7:
             raise ValueError(f"a pose has {len(values)} numbers, expected 7")
-        matrix[:3, :3] = _from_quaternion(values[3:])
+        matrix[:3, :3] = rotation_of(values[3:])
     elif len(values) == 6:
         angles = np.radians(values[3:]) if pose.get("degrees") in ("true", "1") else values[3:]
         matrix[:3, :3] = _from_angles(*angles.tolist())
@@ -78,17 +77,6 @@ def _from_angles(roll: float, pitch: float, yaw: float) -> Float64[np.ndarray, "
         np.array([[e, -u, 0.0], [u, e, 0.0], [0.0, 0.0, 1.0]])
         @ np.array([[d, 0.0, t], [0.0, 1.0, 0.0], [-t, 0.0, d]])
         @ np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
-    )
-
-
-def _from_quaternion(quaternion: Float64[np.ndarray, "4"]) -> Float64[np.ndarray, "3 3"]:
-    x, y, z, w = quaternion / max(float(np.linalg.norm(quaternion)), 1e-12)
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
     )
 
 
@@ -216,7 +204,7 @@ class _World:
         self._documents: dict[Path, ElementTree.Element] = {}
         self._names: dict[str, int] = {}
         self._moved: dict[str, Matrix] = {}
-        self._plain = self.meshes.add(_PLAIN)
+        self._plain = self.meshes.add(PLAIN)
         self._models = 0
 
     def read(self) -> None:

@@ -11,7 +11,7 @@ from jaxtyping import Float64
 
 from hypernav.core.files.reading import read_file, text_of
 from hypernav.worlds.gazebo.model_folders import Found, ModelFolders, found_beside
-from hypernav.worlds.scenes.collada import numbers_of
+from hypernav.worlds.scenes.collada import color_of, numbers_of
 from hypernav.worlds.scenes.material_images import Paint
 from hypernav.worlds.scenes.mesh_parts import MeshPart
 
@@ -185,7 +185,7 @@ def paint_of(
     if known is not None:
         return Paint(name, known)
     if (text := material.findtext("diffuse") or material.findtext("ambient")) is not None:
-        return Paint("diffuse", _color(text))
+        return Paint("diffuse", color_of(text))
     return None
 
 
@@ -219,7 +219,7 @@ def _read_script(path: Path, wanted: str) -> tuple[tuple[float, float, float], s
             is_wanted = rest.split(":")[0].strip(' {"') == wanted
             was_found |= is_wanted
         elif is_wanted and word == "diffuse":
-            color = _color(rest) if rest[0].isdigit() else color
+            color = color_of(rest) if rest[0].isdigit() else color
         elif is_wanted and not texture:
             texture = rest.split()[0]
     return (color, texture) if was_found else None
@@ -233,9 +233,3 @@ def _texture(name: str, places: list[Found]) -> Path | None:
             if found is not None:
                 return found.path
     return None
-
-
-def _color(text: str) -> tuple[float, float, float]:
-    values = np.nan_to_num(numbers_of(" ".join(text.split()[:3]))).clip(0.0, 1.0).tolist()
-    red, green, blue = [*values, 0.0, 0.0, 0.0][:3]
-    return red, green, blue

@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Int32, Int64
+from jaxtyping import Int64
 
 from hypernav.core.errors import SceneError
 from hypernav.core.files.cache_folder import cache_folder
@@ -34,7 +34,7 @@ from hypernav.worlds.scans.matterport import objects_of_triangles, read_house
 from hypernav.worlds.scans.scan_annotations import Annotation, colors_of_triangles, read_annotations
 from hypernav.worlds.scenes.gltf import read_gltf
 from hypernav.worlds.scenes.loading import OBJECTS_FILE, read_scene
-from hypernav.worlds.scenes.mesh_parts import SceneObject, assemble
+from hypernav.worlds.scenes.mesh_parts import SceneObject, assemble, instances_of, point_of
 from hypernav.worlds.scenes.scene import Material, Scene, Wrap
 
 HOUSE_SUFFIX = ".house"
@@ -233,27 +233,11 @@ def annotated(
     number = {owner.mark: k for k, owner in enumerate(owners, start=1)}
     numbers = np.array([number.get(mark, 0) for mark in present.tolist()], dtype=np.int32)
     face_instance = numbers[place]
-    instances = (_building(scene), *_instances(scene, owners, face_instance))
-    return replace(scene, face_instance=face_instance, instances=instances)
-
-
-def _building(scene: Scene) -> Instance:
-    low, high = scene.vertices.min(axis=0), scene.vertices.max(axis=0)
-    return Instance(0, "building", None, _point(low), _point(high))
-
-
-def _instances(
-    scene: Scene, owners: Sequence[Annotation], face_instance: Int32[np.ndarray, "faces"]
-) -> list[Instance]:
-    low = np.full((len(owners) + 1, 3), np.inf)
-    high = np.full((len(owners) + 1, 3), -np.inf)
-    corners = scene.vertices[scene.faces]
-    np.minimum.at(low, face_instance, corners.min(axis=1))
-    np.maximum.at(high, face_instance, corners.max(axis=1))
-    return [
-        Instance(number, owner.name, _label(owner), _point(low[number]), _point(high[number]))
-        for number, owner in enumerate(owners, start=1)
-    ]
+    named = [("building", None), *((owner.name, _label(owner)) for owner in owners)]
+    building, *things = instances_of(named, scene.vertices[scene.faces], face_instance)
+    low, high = point_of(scene.vertices.min(axis=0)), point_of(scene.vertices.max(axis=0))
+    building = replace(building, box_min=low, box_max=high)
+    return replace(scene, face_instance=face_instance, instances=(building, *things))
 
 
 def _label(owner: Annotation) -> ObjectLabel | None:
@@ -262,10 +246,6 @@ def _label(owner: Annotation) -> ObjectLabel | None:
         if owner.category.lower() in _NO_OBJECTS
         else ObjectLabel(owner.category, owner.synonyms)
     )
-
-
-def _point(values: np.ndarray) -> tuple[float, float, float]:
-    return (float(values[0]), float(values[1]), float(values[2]))
 
 
 def open_scene(path: Path, *, up: Axis | None = None, scale: float | None = None) -> Scene:

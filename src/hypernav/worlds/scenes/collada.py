@@ -12,8 +12,7 @@ from jaxtyping import Float32, Float64, Int64
 
 from hypernav.core.errors import SceneError
 from hypernav.core.files.allowance import Allowance
-from hypernav.core.files.reading import path_below, read_file
-from hypernav.core.files.xml_text import parse_xml
+from hypernav.core.files.reading import path_below
 from hypernav.worlds.config import Axis
 from hypernav.worlds.scenes.material_images import Paint, materials_of
 from hypernav.worlds.scenes.mesh_parts import TO_Z_UP, MeshPart, placed, triangles_of_polygons
@@ -115,6 +114,17 @@ def numbers_of(text: str | None) -> Float64[np.ndarray, "n"]:
         ValueError: Something is no number.
     """
     return np.fromiter(map(float, (text or "").split()), np.float64)
+
+
+def color_of(text: str) -> tuple[float, float, float]:
+    """The colour, 0 to 1, that the first three numbers of a text mean.
+
+    Raises:
+        ValueError: Something is no number.
+    """
+    values = np.nan_to_num(numbers_of(" ".join(text.split()[:3]))).clip(0.0, 1.0).tolist()
+    red, green, blue = [*values, 0.0, 0.0, 0.0][:3]
+    return red, green, blue
 
 
 def _inputs(
@@ -291,7 +301,7 @@ def _paint(
         if texture is not None:
             reference = _image_of(effect, texture.get("texture", ""), images)
         elif (text := channel.findtext("color")) is not None:
-            color = _color(text)
+            color = color_of(text)
     has_holes = any(
         channel.find("texture") is not None for channel in _channels(effect, "transparent")
     )
@@ -315,39 +325,6 @@ def _image_of(effect: ElementTree.Element, sampler: str, images: dict[str, str])
         instance = parameters[sampler].find("sampler2D/instance_image")
         name = name if instance is None else instance.get("url", "")[1:]
     return unquote(images.get(name, "").strip()).removeprefix("file://").replace("\\", "/")
-
-
-def _color(text: str) -> tuple[float, float, float]:
-    red, green, blue = (
-        min(max(float(value), 0.0), 1.0) for value in [*numbers_of(text), 0, 0, 0][:3]
-    )
-    return red, green, blue
-
-
-def read_collada(
-    path: Path, find_image: FindImage, allowance: Allowance, *, up: Axis | None = None
-) -> tuple[list[MeshPart], list[Paint], Axis]:
-    """All triangles that a file's scene shows, in metres, their materials, and the axis up.
-
-    Skinned meshes are shown in the pose in which they were bound.
-
-    Args:
-        path: A ``.dae`` file.
-        find_image: The file of an image that this one names, or None.
-        allowance: Memory that it may take.
-        up: The axis of the file that points up; None takes its ``up_axis``, as Gazebo doesn't.
-
-    Raises:
-        ValueError: It is no COLLADA file, or is broken.
-        OSError: It cannot be read, or would take too much memory.
-    """
-    content = read_file(path, most=_MOST_BYTES)
-    # A number is at least one digit and a space.
-    allowance.take(len(content) // 2 * _BYTES_PER_NUMBER, "its numbers")
-    root = parse_xml(content, allowance)
-    if root.tag != "COLLADA":
-        raise ValueError(f"begins with {root.tag:.40}, expected COLLADA")
-    return _Reader(root, read_paints(root, find_image), allowance).read(up)
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,7 +28,7 @@ from hypernav.worlds.scenes.gltf_file import (
     TextureTransform,
 )
 from hypernav.worlds.scenes.material_images import DecodedImage, basis_size, decode_images, is_basis
-from hypernav.worlds.scenes.mesh_parts import TO_Z_UP, MeshPart
+from hypernav.worlds.scenes.mesh_parts import TO_Z_UP, MeshPart, rotation_of
 from hypernav.worlds.scenes.node_names import is_meaningful, unique_name
 from hypernav.worlds.scenes.scene import Material, Wrap
 
@@ -306,16 +306,8 @@ def _matrix(
     translation: np.ndarray, rotation: np.ndarray, scale: np.ndarray
 ) -> Float64[np.ndarray, "4 4"]:
     """The transform of a position, a quaternion ``[x, y, z, w]`` and a size."""
-    x, y, z, w = rotation / max(float(np.linalg.norm(rotation)), 1e-12)
-    turned = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
     matrix = np.eye(4)
-    matrix[:3, :3] = turned * scale
+    matrix[:3, :3] = rotation_of(rotation) * scale
     matrix[:3, 3] = translation
     return matrix
 

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from jaxtyping import Bool, Float32, Int32, UInt8
+from jaxtyping import Float32, Int32, UInt8
 from PIL.Image import Image as PilImage
 from trimesh.resolvers import FilePathResolver
 from trimesh.visual import ColorVisuals, TextureVisuals
@@ -251,18 +251,8 @@ def _objects_of_faces(part: MeshPart, mesh: trimesh.Trimesh) -> list[MeshPart]:
         return [part]
     # trimesh divides quads into their first triangles and, behind these, their second ones.
     numbers = np.tile(numbers, triangles // polygons)
-    return [_some_of(part, f"object {k}", numbers == k) for k in np.unique(numbers).tolist()]
-
-
-def _some_of(part: MeshPart, node: str, keep: Bool[np.ndarray, "faces"]) -> MeshPart:
-    return replace(
-        part,
-        node=node,
-        descriptive_name=node,
-        faces=part.faces[keep],
-        uv=None if part.uv is None else part.uv[keep],
-        colors=None if part.colors is None else part.colors[keep],
-    )
+    named = [(f"object {k}", numbers == k) for k in np.unique(numbers).tolist()]
+    return [replace(part.of_faces(own), node=name, descriptive_name=name) for name, own in named]
 
 
 def _part(name: str, mesh: trimesh.Trimesh, material: int) -> MeshPart:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
-from jaxtyping import Float32, Float64, Int32, Int64, UInt8
+from jaxtyping import Bool, Float32, Float64, Int32, Int64, UInt8
 
 from hypernav.core.errors import SceneError
 from hypernav.core.labels import ObjectLabel
@@ -133,6 +133,28 @@ class MeshPart:
     colors: UInt8[np.ndarray, "faces 3 3"] | None = None
     normals: Float32[np.ndarray, "faces 3 3"] | None = None
 
+    def of_faces(self, keep: Bool[np.ndarray, "faces"]) -> "MeshPart":
+        """The part with only some of its triangles."""
+        return replace(
+            self,
+            faces=self.faces[keep],
+            uv=None if self.uv is None else self.uv[keep],
+            colors=None if self.colors is None else self.colors[keep],
+            normals=None if self.normals is None else self.normals[keep],
+        )
+
+
+def rotation_of(quaternion: Float64[np.ndarray, "4"]) -> Float64[np.ndarray, "3 3"]:
+    """The rotation matrix of a quaternion ``[x, y, z, w]`` of any length."""
+    x, y, z, w = quaternion / max(float(np.linalg.norm(quaternion)), 1e-12)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
 
 def placed(part: MeshPart, matrix: Float64[np.ndarray, "4 4"]) -> MeshPart:
     """A part moved by a transform; one that mirrors turns its triangles around as well."""
@@ -196,21 +218,25 @@ def assemble(
     starts = np.concatenate([[0], np.cumsum([len(part.vertices) for part in kept])[:-1]])
     order = sorted({owner[part.node] for part in kept})
     number = {item: place for place, item in enumerate(order)}
-    instance_of_part = [number[owner[part.node]] for part in kept]
+    instance_of_part = np.array([number[owner[part.node]] for part in kept], np.int32)
+    vertices = np.concatenate([part.vertices for part in kept])
+    faces = np.concatenate(
+        [part.faces + np.int32(start) for part, start in zip(kept, starts, strict=True)]
+    )
+    face_instance = np.repeat(instance_of_part, counts)
+    named = [(objects[index].name, objects[index].label) for index in order]
     used = {part.material for part in kept}
     return Scene(
         name=name,
-        vertices=np.concatenate([part.vertices for part in kept]),
-        faces=np.concatenate(
-            [part.faces + np.int32(start) for part, start in zip(kept, starts, strict=True)]
-        ),
+        vertices=vertices,
+        faces=faces,
         uv=np.concatenate([_or_zeros(part.uv, len(part.faces)) for part in kept]),
         colors=np.concatenate([_or_white(part.colors, len(part.faces)) for part in kept]),
         normals=np.concatenate([_normals(part) for part in kept]) if smooth else None,
         face_material=np.repeat(np.array([p.material for p in kept], np.int32), counts),
-        face_instance=np.repeat(np.array(instance_of_part, np.int32), counts),
+        face_instance=face_instance,
         materials=tuple(materials),
-        instances=_instances([objects[index] for index in order], kept, instance_of_part),
+        instances=instances_of(named, vertices[faces], face_instance),
         unlit=all(materials[index].unlit for index in used),
     )
 
@@ -220,36 +246,35 @@ def _without_bad_faces(part: MeshPart) -> MeshPart:
     good = np.all(np.isfinite(part.vertices), axis=1)
     if good.all():
         return part
-    keep = np.all(good[part.faces], axis=1)
-    return MeshPart(
-        node=part.node,
-        descriptive_name=part.descriptive_name,
-        vertices=np.where(good[:, None], part.vertices, np.float32(0.0)),
-        faces=part.faces[keep],
-        material=part.material,
-        uv=None if part.uv is None else part.uv[keep],
-        colors=None if part.colors is None else part.colors[keep],
-        normals=None if part.normals is None else part.normals[keep],
-    )
+    vertices = np.where(good[:, None], part.vertices, np.float32(0.0))
+    return replace(part.of_faces(np.all(good[part.faces], axis=1)), vertices=vertices)
 
 
-def _instances(
-    objects: Sequence[SceneObject], parts: Sequence[MeshPart], instance_of_part: Sequence[int]
+def instances_of(
+    named: Sequence[tuple[str, ObjectLabel | None]],
+    corners: Float32[np.ndarray, "faces 3 3"],
+    face_instance: Int32[np.ndarray, "faces"],
 ) -> tuple[Instance, ...]:
-    low = np.full((len(objects), 3), np.inf)
-    high = np.full((len(objects), 3), -np.inf)
-    for part, number in zip(parts, instance_of_part, strict=True):
-        corners = part.vertices[part.faces.ravel()]
-        low[number] = np.minimum(low[number], corners.min(axis=0))
-        high[number] = np.maximum(high[number], corners.max(axis=0))
+    """Instances with the boxes of their triangles.
+
+    Args:
+        named: Name and label of every instance.
+        corners: Corners of all triangles, scene frame, metres.
+        face_instance: Instance of every triangle.
+    """
+    low, high = np.full((len(named), 3), np.inf), np.full((len(named), 3), -np.inf)
+    np.minimum.at(low, face_instance, corners.min(axis=1))
+    np.maximum.at(high, face_instance, corners.max(axis=1))
     return tuple(
-        Instance(number, item.name, item.label, _point(low[number]), _point(high[number]))
-        for number, item in enumerate(objects)
+        Instance(number, name, label, point_of(low[number]), point_of(high[number]))
+        for number, (name, label) in enumerate(named)
     )
 
 
-def _point(values: np.ndarray) -> tuple[float, float, float]:
-    return (float(values[0]), float(values[1]), float(values[2]))
+def point_of(values: np.ndarray) -> tuple[float, float, float]:
+    """Three numbers of an array as a position."""
+    x, y, z = values.tolist()
+    return x, y, z
 
 
 def _or_zeros(uv: np.ndarray | None, faces: int) -> np.ndarray:
