@@ -20,7 +20,7 @@ from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.goal_regions import view_points
-from hypernav.worlds.surface.storeys import Storeys
+from hypernav.worlds.surface.storey_floors import Storeys
 from hypernav.worlds.surface.walkable import WalkableGrid
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
 

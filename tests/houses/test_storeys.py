@@ -23,7 +23,7 @@ from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.navmesh.robot_navmesh import computed_for, robot_navmesh
 from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.storeys import Storeys
+from hypernav.worlds.surface.storey_floors import Storeys
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 NUMBERS = (3004, *(pytest.param(number, marks=pytest.mark.slow) for number in (3002, 3008)))

@@ -14,8 +14,7 @@ from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh, storeys_on_mesh
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions
-from hypernav.worlds.surface.starts import random_start
+from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions, random_start
 from hypernav.worlds.surface.walkable import WalkableGrid
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
 

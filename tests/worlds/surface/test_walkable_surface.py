@@ -13,7 +13,7 @@ from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.storeys import Storeys
+from hypernav.worlds.surface.storey_floors import Storeys
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 CLIMBS = BodyConfig(max_step_m=0.2)

@@ -33,7 +33,7 @@ from hypernav.datasets.habitat_files import episodes_of, read_split
 from hypernav.houses.episodes.splits import SPLITS, load_split, numbers_of
 from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
-from hypernav.worlds.surface.starts import random_start
+from hypernav.worlds.surface.goal_regions import random_start
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
 from hypernav.worlds.survey import SurveyedScene
 

@@ -13,7 +13,7 @@ from hypernav.core.world import Position
 from hypernav.datasets.habitat_format import positions_from_habitat, positions_to_habitat
 from hypernav.worlds.config import StopChoice
 from hypernav.worlds.navmesh.navmesh import GoalPaths, Navmesh, Point
-from hypernav.worlds.surface.storeys import Storeys
+from hypernav.worlds.surface.storey_floors import Storeys
 from hypernav.worlds.surface.walkable_surface import by_importance, floors_of_box, is_near_box
 
 _SPACING_M = 0.05

@@ -23,7 +23,7 @@ from hypernav.worlds.navmesh.navmesh import Navmesh
 from hypernav.worlds.navmesh.navmesh_reader import navmesh_of, read_navmesh
 from hypernav.worlds.navmesh.recast_detour.recast_build import compute_navmesh
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.storeys import Storeys
+from hypernav.worlds.surface.storey_floors import Storeys
 
 _HALF_ANGLE = np.float32(0.70710683)
 """habitat-sim's sine and cosine of half a right angle: a rounding error above the true ones."""

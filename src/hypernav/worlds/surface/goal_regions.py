@@ -1,4 +1,4 @@
-"""Goal regions: positions from which a goal counts as reached, and distances to them.
+"""Goal regions: positions from which a goal counts as reached, distances to them, and starts.
 
 The view points of an object are defined as by Habitat's ObjectNav: standable points within 1.0 m
 (horizontal) of the object's axis-aligned box from which the object is really visible. Habitat
@@ -7,12 +7,14 @@ go from the camera's height to points on the object's surface, and one must hit 
 As in Habitat, the camera's direction and vertical field of view don't matter.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float32, Float64
 
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.world import Instance
 from hypernav.worlds.drawing.rays import RayCaster
@@ -25,6 +27,7 @@ EYE_HEIGHT_M = 0.88
 _SURFACE_POINTS = 128
 _ROUNDS = (4, 12, 32, 80)
 """Number of surface points tried at a time; most view points see one of the first."""
+_DRAWS = 2000
 
 
 def view_points(
@@ -214,3 +217,42 @@ class GoalRegions:
                 }
             )
         )
+
+
+def random_start(
+    walkable: WalkableSurface,
+    rng: np.random.Generator,
+    region: GoalRegion | None = None,
+    *,
+    nearest_m: float = 2.0,
+    farthest_m: float = 30.0,
+    z: float | None = None,
+) -> Pose2:
+    """A start pose from which a goal can be reached.
+
+    Args:
+        walkable: Where the robot can stand.
+        rng: Random generator of the pose.
+        region: Region of the goal; without one (or if no path leads to it) any start is possible.
+        nearest_m: Smallest geodesic distance to the goal.
+        farthest_m: Largest geodesic distance to the goal.
+        z: Height of the floor that `walkable` draws from, metres; None means its main storey.
+
+    Returns:
+        A uniformly drawn pose of the largest connected part with a geodesic distance in the range;
+        if none is found, the farthest pose that was drawn.
+
+    Raises:
+        StartError: The walkable surface is empty.
+    """
+    best, best_distance = walkable.random_point(rng), -math.inf
+    if region is not None and region.is_reachable:
+        for _ in range(_DRAWS):
+            point = walkable.random_point(rng)
+            distance = region.distance(*point, z)
+            if nearest_m <= distance <= farthest_m:
+                best = point
+                break
+            if math.isfinite(distance) and distance > best_distance:
+                best, best_distance = point, distance
+    return Pose2(*best, float(rng.uniform(-math.pi, math.pi)))

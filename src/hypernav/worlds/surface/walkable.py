@@ -15,7 +15,7 @@ from hypernav.core.world import Position
 from hypernav.worlds.config import CELL_M
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.geodesic import DistanceField, FreeSpace
-from hypernav.worlds.surface.storeys import Storey, find_storey
+from hypernav.worlds.surface.storey_floors import Storey, find_storey
 from hypernav.worlds.surface.walkable_kernels import label_components, slide, walk
 from hypernav.worlds.surface.walkable_surface import is_near_box
 
