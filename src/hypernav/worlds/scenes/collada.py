@@ -12,7 +12,8 @@ from jaxtyping import Float32, Float64, Int64
 
 from hypernav.core.errors import SceneError
 from hypernav.core.files.allowance import Allowance
-from hypernav.core.files.reading import path_below
+from hypernav.core.files.reading import path_below, read_file
+from hypernav.core.files.xml_text import parse_xml
 from hypernav.worlds.config import Axis
 from hypernav.worlds.scenes.material_images import Paint, materials_of
 from hypernav.worlds.scenes.mesh_parts import TO_Z_UP, MeshPart, placed, triangles_of_polygons
@@ -325,6 +326,32 @@ def _image_of(effect: ElementTree.Element, sampler: str, images: dict[str, str])
         instance = parameters[sampler].find("sampler2D/instance_image")
         name = name if instance is None else instance.get("url", "")[1:]
     return unquote(images.get(name, "").strip()).removeprefix("file://").replace("\\", "/")
+
+
+def read_collada(
+    path: Path, find_image: FindImage, allowance: Allowance, *, up: Axis | None = None
+) -> tuple[list[MeshPart], list[Paint], Axis]:
+    """All triangles that a file's scene shows, in metres, their materials, and the axis up.
+
+    Skinned meshes are shown in the pose in which they were bound.
+
+    Args:
+        path: A ``.dae`` file.
+        find_image: The file of an image that this one names, or None.
+        allowance: Memory that it may take.
+        up: The axis of the file that points up; None takes its ``up_axis``, as Gazebo doesn't.
+
+    Raises:
+        ValueError: It is no COLLADA file, or is broken.
+        OSError: It cannot be read, or would take too much memory.
+    """
+    content = read_file(path, most=_MOST_BYTES)
+    # A number is at least one digit and a space.
+    allowance.take(len(content) // 2 * _BYTES_PER_NUMBER, "its numbers")
+    root = parse_xml(content, allowance)
+    if root.tag != "COLLADA":
+        raise ValueError(f"begins with {root.tag:.40}, expected COLLADA")
+    return _Reader(root, read_paints(root, find_image), allowance).read(up)
 
 
 @dataclass(frozen=True, eq=False)
