@@ -61,9 +61,6 @@ def main(arguments: Arguments) -> None:
     repeats = arguments.repeats
     _show("read a file", lambda: Navmesh(navmesh_of(content)), [()] * 3, repeats)
     _show("nearest position", navmesh.nearest, [(p,) for p in points], repeats)
-    _show(
-        "distance to the nearest wall", navmesh.obstacle_distance, [(p,) for p in points], repeats
-    )
     steps = [(p, (p[0] + 0.15, p[1], p[2] + 0.2)) for p in points]
     _show("step", lambda a, b: navmesh.try_step(a, b, sliding=False), steps, repeats)
     _show("step with sliding", lambda a, b: navmesh.try_step(a, b, sliding=True), steps, repeats)

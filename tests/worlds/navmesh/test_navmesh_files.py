@@ -161,7 +161,6 @@ def _ask(content: bytes) -> None:
     navmesh = Navmesh(navmesh_of(content))
     points = [(0.5, 0.0, -0.5), (3.5, 3.0, -7.5), (8.5, 0.1, -0.2)]
     for start in points:
-        navmesh.obstacle_distance(start)
         GoalPaths(navmesh, np.array(points)).nearest(start)
         for end in points:
             navmesh.shortest_path(start, end)

@@ -18,7 +18,7 @@ from hypernav.worlds.navmesh.file_format import NavmeshFile
 from hypernav.worlds.navmesh.navmesh_reader import read_navmesh
 from hypernav.worlds.navmesh.recast_detour.detour_kernels import NOWHERE, height_on, nearest
 from hypernav.worlds.navmesh.recast_detour.detour_mesh import find_islands, mesh_of
-from hypernav.worlds.navmesh.recast_detour.detour_motion_kernels import try_step, wall_distance
+from hypernav.worlds.navmesh.recast_detour.detour_motion_kernels import try_step
 from hypernav.worlds.navmesh.recast_detour.detour_path_kernels import nearest_goal, path_between
 
 Point = tuple[float, float, float]
@@ -28,7 +28,6 @@ Singles = tuple[np.float32, np.float32, np.float32]
 """The same for kernels."""
 
 _DRAWS = 10
-_SEARCH_RADIUS_M = 2.0
 _NAVIGABLE_HEIGHT_M = 0.5
 _NAVIGABLE_GAP_M = 1e-2
 
@@ -58,7 +57,6 @@ class Navmesh:
         mesh: The mesh, in the kernels' form.
         islands: Island of every polygon.
         areas_m2: Area of every island.
-        radii_m: Greatest distance of a corner of its polygons from their mean, of every island.
         bounds: Lowest and highest corner.
     """
 
@@ -71,7 +69,6 @@ class Navmesh:
         islands, self.mesh = find_islands(mesh_of(file))
         self.islands: Int32[np.ndarray, " p"] = islands.of_polygon
         self.areas_m2: Float64[np.ndarray, " i"] = islands.areas_m2
-        self.radii_m: Float64[np.ndarray, " i"] = islands.radii_m
         self.bounds: Float32[np.ndarray, "2 3"] = np.stack(
             [self.mesh.tile_low.min(axis=0), self.mesh.tile_high.max(axis=0)]
         )
@@ -107,13 +104,6 @@ class Navmesh:
         """Island of the nearest position on the mesh; -1 if none is near."""
         polygon, _ = self.located(point)
         return NOWHERE if polygon == NOWHERE else int(self.islands[polygon])
-
-    def obstacle_distance(self, point: Point, radius_m: float = _SEARCH_RADIUS_M) -> float:
-        """Distance to the nearest border of the mesh, up to a limit; infinite off the mesh."""
-        polygon, found = self.located(point)
-        if polygon == NOWHERE:
-            return math.inf
-        return float(wall_distance(self.mesh, polygon, found, np.float32(radius_m)))
 
     def try_step(
         self, start: Point, end: Point, *, sliding: bool, stop_at: StopChoice = "first_wall"

@@ -1,10 +1,7 @@
-"""Straight moves on a navigation mesh, and distances to its walls (numba kernels).
+"""Straight moves on a navigation mesh (numba kernels).
 
-As ``dtNavMeshQuery::moveAlongSurface`` and ``findDistanceToWall`` of habitat-sim's Detour, and its
-``PathFinder::tryStep``.
+As ``dtNavMeshQuery::moveAlongSurface`` of habitat-sim's Detour, and its ``PathFinder::tryStep``.
 """
-
-import math
 
 import numpy as np
 from numba import njit
@@ -22,14 +19,10 @@ from hypernav.worlds.navmesh.recast_detour.detour_kernels import (
     distance,
     height_on,
     is_over,
-    lower,
     nearest,
-    pop,
-    push,
     to_segment,
 )
-from hypernav.worlds.navmesh.recast_detour.detour_mesh import OTHER_TILE, WALL
-from hypernav.worlds.navmesh.recast_detour.detour_path_kernels import MOST_NODES, first_link, portal
+from hypernav.worlds.navmesh.recast_detour.detour_mesh import OTHER_TILE
 
 _MOST_NEAR = 64
 """Largest number of polygons that one move may touch."""
@@ -201,78 +194,3 @@ def _nudged(mesh, polygon, p):
     middle = (x / corners, y / corners, z / corners)
     length = distance(p, middle)
     return between(p, middle, _NUDGE / length) if length > ZERO else p
-
-
-@njit(cache=True)
-def _is_wall(mesh, polygon, edge):
-    """Whether nothing is walkable behind an edge, judged by its first link."""
-    neighbour = mesh.neighbours[polygon, edge]
-    if neighbour >= 0:
-        return not mesh.walkable[neighbour]
-    if neighbour != WALL:
-        for link in range(mesh.link_start[polygon], mesh.link_start[polygon + 1]):
-            if mesh.link_edge[link] == edge:
-                return not mesh.walkable[mesh.link_polygon[link]]
-    return True
-
-
-@njit(cache=True)
-def wall_distance(mesh, start_polygon, centre, radius):
-    """Distance from a point on a polygon to the nearest wall, at most the radius, in the plane."""
-    node_of = np.full(len(mesh.corner_count), -1, dtype=np.int32)
-    polygons = np.empty(MOST_NODES, dtype=np.int32)
-    places = np.empty((MOST_NODES, 3), dtype=np.float32)
-    parents = np.empty(MOST_NODES, dtype=np.int32)
-    closed = np.zeros(MOST_NODES, dtype=np.bool_)
-    total = np.empty(MOST_NODES, dtype=np.float32)
-    heap = np.empty(MOST_NODES, dtype=np.int32)
-    node_of[start_polygon] = 0
-    polygons[0], parents[0], total[0] = start_polygon, NOWHERE, ZERO
-    places[0, 0], places[0, 1], places[0, 2] = centre
-    nodes = 1
-    heap_size = push(heap, 0, 0, total)
-    least = radius * radius
-    while heap_size > 0:
-        best, heap_size = pop(heap, heap_size, total)
-        closed[best] = True
-        polygon = polygons[best]
-        count = mesh.corner_count[polygon]
-        edge = count - 1
-        for i in range(count):
-            if _is_wall(mesh, polygon, edge):
-                gap, _ = to_segment(centre, corner(mesh, polygon, edge), corner(mesh, polygon, i))
-                least = min(least, gap)
-            edge = i
-        here = (places[best, 0], places[best, 1], places[best, 2])
-        for link in range(mesh.link_start[polygon], mesh.link_start[polygon + 1]):
-            neighbour = mesh.link_polygon[link]
-            if neighbour == parents[best]:
-                continue
-            edge = mesh.link_edge[link]
-            a = corner(mesh, polygon, edge)
-            b = corner(mesh, polygon, (edge + 1) % count)
-            if to_segment(centre, a, b)[0] > least or not mesh.walkable[neighbour]:
-                continue
-            node = node_of[neighbour]
-            is_new = node < 0
-            if is_new:
-                if nodes == MOST_NODES:
-                    continue
-                node = nodes
-                nodes += 1
-                node_of[neighbour], polygons[node] = node, neighbour
-                left, right = portal(mesh, first_link(mesh, polygon, neighbour), polygon)
-                for axis in range(3):
-                    places[node, axis] = (left[axis] + right[axis]) * HALF
-            if closed[node]:
-                continue
-            there = (places[node, 0], places[node, 1], places[node, 2])
-            new_total = total[best] + distance(here, there)
-            if not is_new and new_total >= total[node]:
-                continue
-            parents[node], total[node] = polygon, new_total
-            if is_new:
-                heap_size = push(heap, heap_size, node, total)
-            else:
-                lower(heap, heap_size, node, total)
-    return math.sqrt(least)
