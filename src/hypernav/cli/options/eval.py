@@ -40,7 +40,7 @@ class Options:
     scenes_dir: Path | None = None
     """Folder of the scenes that the episodes name; by default the data set's own folder."""
     world: str = "native"
-    """Simulator: our own, or habitat-sim if it is installed."""
+    """Simulator: native, habitat if it is installed, or module:Name of one of your own."""
     workers: int | None = None
     """Number of processes, one core each; by default the number of cores, but one with
     --vlm local:…, which every process loads."""

@@ -19,6 +19,8 @@ class Options:
     scene: str = "builtin"
     """The building: builtin, houses:N, offices:N, shops:N, crowded:N or storeys:N (any whole number
     N), or the path of a GLB, another model or a Gazebo world."""
+    world: str = "native"
+    """Simulator: native, habitat if it is installed, or module:Name of one of your own."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agent."""
     start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW [Z]")] = None

@@ -12,7 +12,7 @@ from hypernav.evaluation.ablation.results import StudyResults, VariantResult, re
 from hypernav.evaluation.ablation.study import LeftOut, Study
 from hypernav.evaluation.ablation.study_tables import write_csv, write_tex
 from hypernav.evaluation.report import report_text, tables
-from hypernav.show.pages.templating import page_environment
+from hypernav.show.templating import page_environment
 
 PAGE = "index.html"
 

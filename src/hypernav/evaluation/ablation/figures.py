@@ -9,7 +9,7 @@ from hypernav.evaluation.ablation.results import StudyResults
 from hypernav.evaluation.report.report_text import SIGNIFICANT, drawn
 from hypernav.evaluation.statistics import Comparison
 from hypernav.show.drawing import palette
-from hypernav.show.pages.templating import data_uri
+from hypernav.show.templating import data_uri
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

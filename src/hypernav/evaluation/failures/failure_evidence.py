@@ -21,7 +21,7 @@ from hypernav.evaluation.failures.classification import (
     Facts,
     TargetKind,
 )
-from hypernav.houses.near_misses import near_misses
+from hypernav.houses.episodes.queries import near_misses
 from hypernav.planning.planner import PlannedPath, Planner
 
 _SPACING_M = 0.05

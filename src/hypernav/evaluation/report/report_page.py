@@ -20,7 +20,7 @@ from hypernav.evaluation.report.published_results import PUBLISHED
 from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.report.table_files import write_csv, write_lives, write_tex
 from hypernav.show import captions
-from hypernav.show.pages.templating import page_environment, plain
+from hypernav.show.templating import page_environment, plain
 
 REPORT_FILES = ("report.html", "report.csv", "report.tex", "lives.json")
 """Names of the files that `write_report` writes."""

@@ -34,7 +34,7 @@ from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.robot.ros2.poses import pose_message, ros_time
 from hypernav.robot.wire.replies import StartInMemory
 from hypernav.show.drawing import palette
-from hypernav.show.video.camera_panel import draw_camera
+from hypernav.show.video_frame import draw_camera
 
 _LINE_STRIP, _TEXT, _DELETE_ALL = 4, 9, 3
 _LINE_M, _TEXT_M, _ABOVE_M = 0.04, 0.4, 0.05

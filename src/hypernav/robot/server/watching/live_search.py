@@ -14,7 +14,7 @@ from hypernav.core.trace import StepTrace, floor_of
 from hypernav.robot.server.threads import Bell
 from hypernav.robot.wire.replies import MapExtent, SearchEnding, SearchState, Status
 from hypernav.show import captions
-from hypernav.show.video.frame import EpisodeInfo
+from hypernav.show.video_frame import EpisodeInfo
 
 _ENDINGS = {
     Outcome.FOUND: SearchEnding.FOUND,

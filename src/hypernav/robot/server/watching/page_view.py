@@ -18,8 +18,8 @@ from hypernav.robot.server.operator.waiting import WaitingRobots
 from hypernav.robot.server.serving import listening, server_config
 from hypernav.robot.server.watching.live_search import LiveSearch, OnlySearch
 from hypernav.robot.server.watching.routes import watching_routes
-from hypernav.show.video.frame import EpisodeInfo
-from hypernav.show.views.frame_data import colour_jpeg
+from hypernav.show.frame_data import colour_jpeg
+from hypernav.show.video_frame import EpisodeInfo
 
 _HOST, _PORT = "127.0.0.1", 8765
 _PATIENCE_S = 5.0
