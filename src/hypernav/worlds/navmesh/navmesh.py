@@ -66,9 +66,7 @@ class Navmesh:
         Raises:
             NavmeshError: Too many edges lie on borders between its tiles.
         """
-        islands, self.mesh = find_islands(mesh_of(file))
-        self.islands: Int32[np.ndarray, " p"] = islands.of_polygon
-        self.areas_m2: Float64[np.ndarray, " i"] = islands.areas_m2
+        self.islands, self.areas_m2, self.mesh = find_islands(mesh_of(file))
         self.bounds: Float32[np.ndarray, "2 3"] = np.stack(
             [self.mesh.tile_low.min(axis=0), self.mesh.tile_high.max(axis=0)]
         )

@@ -79,7 +79,6 @@ class Asset(_Part):
     """The version of the format."""
 
     version: str
-    generator: str = ""
 
 
 class Buffer(_Part):

@@ -7,7 +7,6 @@ counted as by habitat-sim.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -39,32 +38,18 @@ _LEAST_AREA_M2 = 1e-5
 """habitat-sim makes smaller polygons not walkable, because searches there crash."""
 
 
-class Links(NamedTuple):
-    """Steps from polygons to their neighbours, polygon by polygon, in the order of Detour's search.
-
-    Attributes:
-        start: First link of every polygon, and the number of links.
-        polygon: Polygon that a link leads to.
-        edge: Edge that it leads over.
-        side: Direction of the tile that it leads to, `WITHIN` in the same tile.
-        low: Where on the edge it begins, 0 to 255.
-        high: Where on the edge it ends, 0 to 255.
-    """
-
-    start: Int32[np.ndarray, "starts"]
-    polygon: Int32[np.ndarray, " l"]
-    edge: Int32[np.ndarray, " l"]
-    side: Int32[np.ndarray, " l"]
-    low: Int32[np.ndarray, " l"]
-    high: Int32[np.ndarray, " l"]
-
-
-def links_between(tiles: Sequence[NavmeshTile], first: Sequence[int]) -> Links:
-    """The links between all polygons.
+def links_between(
+    tiles: Sequence[NavmeshTile], first: Sequence[int]
+) -> tuple[Int32[np.ndarray, "_"], ...]:
+    """The links between all polygons, polygon by polygon, in the order of Detour's search.
 
     Args:
         tiles: Tiles in the order in which they are loaded.
         first: Number of every tile's first polygon, over all tiles.
+
+    Returns:
+        ``link_start``, ``link_polygon``, ``link_edge``, ``link_side``, ``link_low`` and
+        ``link_high`` of `Mesh`.
 
     Raises:
         NavmeshError: More edges lie on borders between tiles than in any building.
@@ -79,7 +64,7 @@ def links_between(tiles: Sequence[NavmeshTile], first: Sequence[int]) -> Links:
     links = links[np.lexsort((rank, links[:, 0]))]
     counts = np.bincount(links[:, 0], minlength=sum(len(tile.polygons) for tile in tiles))
     start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-    return Links(start, *np.ascontiguousarray(links[:, 1:].T))
+    return start, *np.ascontiguousarray(links[:, 1:].T)
 
 
 def _within(tile: NavmeshTile, first: int) -> np.ndarray:
@@ -291,7 +276,10 @@ def mesh_of(file: NavmeshFile) -> Mesh:
     tiles = sorted(file.tiles, key=lambda tile: tile.index)
     first = _starts([len(tile.polygons) for tile in tiles]).tolist()
     first_of = {tile.index: start for tile, start in zip(tiles, first, strict=False)}
-    links = links_between(file.tiles, [first_of[tile.index] for tile in file.tiles])
+    starts = [first_of[tile.index] for tile in file.tiles]
+    link_start, link_polygon, link_edge, link_side, link_low, link_high = links_between(
+        file.tiles, starts
+    )
     bases = _starts([len(t.vertices) + len(t.detail_vertices) for t in tiles]).tolist()
     parts = [_polygons(*known) for known in zip(tiles, bases, first, strict=False)]
     corners, neighbours, triangles, flags = (
@@ -308,12 +296,12 @@ def mesh_of(file: NavmeshFile) -> Mesh:
         corner_count=polygons["vertex_count"].astype(np.int32),
         neighbours=neighbours,
         walkable=(polygons["flags"] & WALKABLE) != 0,
-        link_start=links.start,
-        link_polygon=links.polygon,
-        link_edge=links.edge,
-        link_side=links.side,
-        link_low=links.low,
-        link_high=links.high,
+        link_start=link_start,
+        link_polygon=link_polygon,
+        link_edge=link_edge,
+        link_side=link_side,
+        link_low=link_low,
+        link_high=link_high,
         triangle_start=_starts(np.concatenate([t.details["triangle_count"] for t in tiles])),
         triangles=triangles,
         triangle_flags=flags,
@@ -378,29 +366,19 @@ def _polygons(tile: NavmeshTile, base: int, first: int) -> tuple[np.ndarray, ...
     return corners, neighbours, triangles, np.ascontiguousarray(chosen[:, 3])
 
 
-@dataclass(frozen=True, eq=False)
-class Islands:
-    """The islands of a mesh, in the order of their first polygons.
-
-    Attributes:
-        of_polygon: Island of every polygon.
-        areas_m2: Area of every island that can be walked on.
-    """
-
-    of_polygon: Int32[np.ndarray, " p"]
-    areas_m2: Float64[np.ndarray, " i"]
-
-
-def find_islands(mesh: Mesh) -> tuple[Islands, Mesh]:
+def find_islands(
+    mesh: Mesh,
+) -> tuple[Int32[np.ndarray, " p"], Float64[np.ndarray, " i"], Mesh]:
     """Count the islands, and close polygons that are too small to walk on.
 
     Returns:
-        The islands, and the mesh without those polygons. Islands are counted first, as in
-        habitat-sim, so removing a polygon may leave an island in two parts.
+        Island of every polygon, in the order of their first polygons; area of every island that can
+        be walked on, square metres; and the mesh without those polygons. Islands are counted first,
+        as in habitat-sim, so removing a polygon may leave an island in two parts.
     """
     of_polygon = label_islands(mesh)
     count = int(of_polygon.max()) + 1
     areas = polygon_areas(mesh)
     walkable = mesh.walkable & (areas >= _LEAST_AREA_M2)
     areas_m2 = np.bincount(of_polygon, np.where(walkable, areas, 0.0), minlength=count)
-    return Islands(of_polygon, areas_m2), mesh._replace(walkable=walkable)
+    return of_polygon, areas_m2, mesh._replace(walkable=walkable)
