@@ -199,8 +199,8 @@ def file_of_tile(
     reference = np.zeros((), TILE_REFERENCE)
     reference["reference"] = 1 << (len(polygons) - 1).bit_length()
     reference["size"] = len(tile)
-    told = b"" if settings is None else settings.tobytes()
-    return whole.tobytes() + told + reference.tobytes() + tile
+    settings_bytes = b"" if settings is None else settings.tobytes()
+    return whole.tobytes() + settings_bytes + reference.tobytes() + tile
 
 
 def polygon_records(

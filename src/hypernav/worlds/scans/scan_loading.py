@@ -134,8 +134,8 @@ def _key(files: ScanFiles) -> str:
     for path in (files.mesh, files.semantic_mesh, files.semantic_text):
         if path is not None:
             status = path.stat()
-            told = (str(path.resolve()), status.st_size, status.st_mtime_ns)
-            digest.update(json.dumps(told).encode())
+            identity = (str(path.resolve()), status.st_size, status.st_mtime_ns)
+            digest.update(json.dumps(identity).encode())
     return f"{files.mesh.stem}-{digest.hexdigest()[:16]}"
 
 
@@ -197,7 +197,7 @@ def _write(home: Path, scene: Scene) -> None:
                     np.save(home / f"{images[id(image)]}.npy", image)
                 about[kind] = images[id(image)]
         about |= {"name": material.name, "color": material.color, "unlit": material.unlit}
-        materials.append(about | {"wrap": [int(way) for way in material.wrap]})
+        materials.append(about | {"wrap": [int(mode) for mode in material.wrap]})
     instances = [
         asdict(one)
         | {"label": None if one.label is None else (one.label.category, one.label.synonyms)}

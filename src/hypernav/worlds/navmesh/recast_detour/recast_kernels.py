@@ -175,12 +175,12 @@ def spread(neighbours, distance):
         distance: Distances, in half columns; written anew.
     """
     count = len(distance)
-    for way in range(2):
+    for sweep in range(2):
         for n in range(count):
-            i = count - 1 - n if way else n
+            i = count - 1 - n if sweep else n
             own = distance[i]
             for k in range(2):
-                direction = (2 * way + 3 * k) & 3
+                direction = (2 * sweep + 3 * k) & 3
                 beside = neighbours[i, direction]
                 if beside >= 0:
                     own = min(own, distance[beside] + _STRAIGHT)
