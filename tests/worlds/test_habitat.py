@@ -1,14 +1,19 @@
 """Agents on habitat-sim's observations, by a faithful stand-in for the few calls that are used."""
 
 import ctypes
+import json
 import math
+import runpy
 import shutil
 from ctypes.util import find_library
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rich.table import Table
 
 import fake_habitat
 from hypernav.build.data.datasets import load_episodes
@@ -26,6 +31,7 @@ from hypernav.worlds.habitat import (
     graphics_device,
     quaternion_of,
     require_habitat,
+    scene_dataset,
 )
 from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.scans.scan_loading import open_scene
@@ -34,6 +40,7 @@ from hypernav.worlds.surface.walkable_surface import WalkableSurface
 from scan_writers.episodes import HASH, SCENE
 from small_worlds import small_config
 
+BENCHMARK = Path(__file__).parents[2] / "benchmarks" / "render.py"
 CONFIG = small_config(embodiment={"motion": {"forward_m": 0.25, "turn_angle_deg": 30.0}})
 
 
@@ -257,3 +264,52 @@ def test_a_scene_that_is_missing_is_said_before_habitat_is_asked_for(tmp_path, c
         main(["compare", str(tmp_path / "nope.glb")])
     assert stop.value.code == 2
     assert "nope.glb: no such scene file" in capsys.readouterr().err
+
+
+@pytest.fixture
+def scan(benchmark_data, tmp_path):
+    scenes = shutil.copytree(benchmark_data / "scene_datasets", tmp_path / "scene_datasets")
+    return scenes / "hm3d" / "val" / SCENE / f"{HASH}.glb"
+
+
+def test_a_scene_that_is_y_up_is_said_to_be_so_while_it_is_opened(scan):
+    upright = replace(open_scene(scan), stored_z_up=False)
+    with scene_dataset(upright, scan) as path:
+        assert path is not None
+        stages = json.loads(path.read_text())["stages"]
+        assert stages["default_attributes"]["up"] == [0, 1, 0]
+        assert stages["paths"][".glb"] == [str(scan.resolve())]
+    assert not path.exists()
+
+
+def test_a_scan_is_z_up_as_habitat_sim_assumes(scan):
+    with scene_dataset(open_scene(scan), scan) as path:
+        assert path is None
+
+
+def test_the_configuration_of_a_data_set_above_a_scene_counts(scan):
+    own = scan.parents[2] / "hm3d_basis.scene_dataset_config.json"
+    own.write_text("{}")
+    for stored_z_up in (False, True):
+        scene = replace(open_scene(scan), stored_z_up=stored_z_up)
+        with scene_dataset(scene, scan) as path:
+            assert path == own.resolve()
+
+
+@pytest.mark.slow
+def test_habitat_draws_the_views_of_the_benchmark_beside_ours(
+    benchmark_data: Path, monkeypatch: pytest.MonkeyPatch
+):
+    fake_habitat.install(monkeypatch)
+    file = benchmark_data / "scene_datasets" / "hm3d" / "val" / SCENE / f"{HASH}.glb"
+    benchmark = runpy.run_path(str(BENCHMARK))
+    scene, table = open_scene(file), Table("scene", "what", "median", "p95", "CPU")
+    said = benchmark["measure_peer"](table, scene, file, benchmark["standing_views"](scene, 2))
+    assert list(table.columns[1].cells) == [
+        f"{who}: {what}"
+        for what in ("render", "depth and instances")
+        for who in ("habitat-sim", "beside it")
+    ]
+    assert "1 mm on 100.0000%" in said
+    assert "instances equal on 100.0000%" in said
+    assert "colours 0.00 of 255" in said
