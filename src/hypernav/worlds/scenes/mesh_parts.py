@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
-from jaxtyping import Bool, Float32, Float64, Int32, Int64, UInt8
+from jaxtyping import Bool, Float, Float32, Float64, Int32, Int64, UInt8
 
 from hypernav.core.errors import SceneError
 from hypernav.core.labels import ObjectLabel
@@ -144,7 +144,7 @@ class MeshPart:
         )
 
 
-def rotation_of(quaternion: Float64[np.ndarray, "4"]) -> Float64[np.ndarray, "3 3"]:
+def rotation_of(quaternion: Float[np.ndarray, "4"]) -> Float64[np.ndarray, "3 3"]:
     """The rotation matrix of a quaternion ``[x, y, z, w]`` of any length."""
     x, y, z, w = quaternion / max(float(np.linalg.norm(quaternion)), 1e-12)
     return np.array(
