@@ -144,7 +144,7 @@ class MeshPart:
         )
 
 
-def rotation_of(quaternion: Float[np.ndarray, "4"]) -> Float64[np.ndarray, "3 3"]:
+def rotation_of(quaternion: Float[np.ndarray, "4"]) -> Float[np.ndarray, "3 3"]:
     """The rotation matrix of a quaternion ``[x, y, z, w]`` of any length."""
     x, y, z, w = quaternion / max(float(np.linalg.norm(quaternion)), 1e-12)
     return np.array(
