@@ -40,7 +40,7 @@ from hypernav.io.layered_config import layered
 from hypernav.mapping.stairs.connectors import Passage
 from hypernav.show.climbs import Climb, climbs
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.simulation import SimulatedWorld
 
 _SAME_M, _SAME_Z_M = 1.0, 0.6

@@ -41,7 +41,7 @@ from hypernav.evaluation.workers.process_pool import ProcessPool
 from hypernav.evaluation.workers.resource_usage import cpu_seconds_of_ended_workers
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.starts import random_start
+from hypernav.worlds.surface.goal_regions import random_start
 
 MODEL = "Qwen/Qwen2.5-VL-7B-Instruct"
 

@@ -35,7 +35,7 @@ from hypernav.core.goal import Goal  # noqa: E402
 from hypernav.episodes.episode_run import EpisodeRun  # noqa: E402
 from hypernav.io.layered_config import layered  # noqa: E402
 from hypernav.worlds.simulation import SimulatedWorld  # noqa: E402
-from hypernav.worlds.surface.starts import random_start  # noqa: E402
+from hypernav.worlds.surface.goal_regions import random_start  # noqa: E402
 from servers.scripted import ScriptedServer  # noqa: E402
 from servers.truth import Truth, TruthfulBrain, watching  # noqa: E402
 

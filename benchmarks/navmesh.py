@@ -17,11 +17,10 @@ import tyro
 from hypernav.core.embodiment import BodyConfig
 from hypernav.houses.building import Building
 from hypernav.houses.generator import generate
-from hypernav.worlds.navmesh.files.reader import navmesh_of
-from hypernav.worlds.navmesh.files.writer import navmesh_bytes
-from hypernav.worlds.navmesh.goal_paths import GoalPaths
-from hypernav.worlds.navmesh.meshing.from_grid import mesh_from_grid
-from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.grid_mesh import mesh_from_grid
+from hypernav.worlds.navmesh.navmesh import GoalPaths, Navmesh
+from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
+from hypernav.worlds.navmesh.navmesh_writer import navmesh_bytes
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 _OFFICE = Building("offices", 9)
@@ -62,9 +61,6 @@ def main(arguments: Arguments) -> None:
     repeats = arguments.repeats
     _show("read a file", lambda: Navmesh(navmesh_of(content)), [()] * 3, repeats)
     _show("nearest position", navmesh.nearest, [(p,) for p in points], repeats)
-    _show(
-        "distance to the nearest wall", navmesh.obstacle_distance, [(p,) for p in points], repeats
-    )
     steps = [(p, (p[0] + 0.15, p[1], p[2] + 0.2)) for p in points]
     _show("step", lambda a, b: navmesh.try_step(a, b, sliding=False), steps, repeats)
     _show("step with sliding", lambda a, b: navmesh.try_step(a, b, sliding=True), steps, repeats)

@@ -26,7 +26,7 @@ from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.episodes.unknown_start import find_start
 from hypernav.mapping.memory.memory import Memory
 from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.starts import random_start
+from hypernav.worlds.surface.goal_regions import random_start
 
 _NEAR_M, _NEAR_DEG = 0.25, 5.0
 

@@ -35,7 +35,7 @@ from hypernav.core.world import Renderer
 from hypernav.datasets.benchmarks import BENCHMARKS
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.drawing.warp_renderer import WarpRenderer
-from hypernav.worlds.habitat.simulator import HabitatRenderer
+from hypernav.worlds.habitat import HabitatRenderer
 from hypernav.worlds.scenes.scene import Scene
 
 TEST_DATA = Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))

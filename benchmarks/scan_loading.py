@@ -29,12 +29,10 @@ from render import CAMERA, TEST_DATA, standing_views
 from gltf_writer import GltfWriter
 from hypernav.datasets.benchmarks import BENCHMARKS
 from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.navmesh.files.reader import navmesh_of
 from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
 from hypernav.worlds.navmesh.robot_navmesh import computed_for
-from hypernav.worlds.scans.layout import ScanFiles
-from hypernav.worlds.scans.loading import load_scan
-from hypernav.worlds.scans.scan_cache import cached_scan
+from hypernav.worlds.scans.scan_loading import ScanFiles, cached_scan, load_scan
 from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.simulation import SimulatedWorld
 from scan_writers.basis_bytes import ktx2

@@ -28,7 +28,7 @@ from hypernav.core.goal import Goal
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
 from hypernav.io.layered_config import layered
 from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.starts import random_start
+from hypernav.worlds.surface.goal_regions import random_start
 
 SMALL_HOUSE = (
     Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))

@@ -21,10 +21,10 @@ from hypernav.houses.building import Building
 from hypernav.houses.export.building_files import ExportedBuilding, export_building
 from hypernav.houses.generator import generate
 from hypernav.worlds.config import NavmeshChoice
-from hypernav.worlds.habitat.simulator import HabitatRenderer, require_habitat
+from hypernav.worlds.habitat import HabitatRenderer, require_habitat
 from hypernav.worlds.navmesh.navmesh import Point
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
-from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.loading import read_scene
 
 ROBOT = BENCHMARKS["hm3d"].embodiment

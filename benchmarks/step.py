@@ -53,7 +53,7 @@ from hypernav.planning.planner import Planner
 from hypernav.show.drawing.question_map import draw_question_map
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.starts import random_start
+from hypernav.worlds.surface.goal_regions import random_start
 
 STEPS, LONG_STEPS = 500, 1000
 RIVALS = ("vlfm", "navvlm", "vlmnav", "pivot", "dynavlm-style")

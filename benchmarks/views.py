@@ -17,7 +17,7 @@ from hypernav.show.foxglove_view import McapView
 from hypernav.show.rerun_view import RrdView
 from hypernav.show.video_frame import EpisodeInfo
 from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.starts import random_start
+from hypernav.worlds.surface.goal_regions import random_start
 
 
 def main(scene: str = "houses:7", text: str = "plant") -> None:

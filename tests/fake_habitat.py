@@ -18,21 +18,19 @@ import pytest
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
+from hypernav.worlds import habitat
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.habitat import graphics
-from hypernav.worlds.navmesh.files.reader import navmesh_of
-from hypernav.worlds.navmesh.goal_paths import GoalPaths
-from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.navmesh import GoalPaths, Navmesh
+from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
 from hypernav.worlds.navmesh.robot_navmesh import computed_for
-from hypernav.worlds.scans.layout import ScanFiles
-from hypernav.worlds.scans.loading import open_scene
+from hypernav.worlds.scans.scan_loading import ScanFiles, open_scene
 from hypernav.worlds.scenes.scene import Scene
 
 
 def install(monkeypatch: pytest.MonkeyPatch, cuda: Sequence[int | None] = (None,)) -> None:
     """Let `import habitat_sim` find this module, on a machine with these devices of EGL."""
     monkeypatch.setitem(sys.modules, "habitat_sim", sys.modules[__name__])
-    monkeypatch.setattr(graphics, "egl_devices", lambda: list(cuda))
+    monkeypatch.setattr(habitat, "egl_devices", lambda: list(cuda))
 
 
 class SensorType(Enum):
@@ -160,7 +158,7 @@ class _Agent:
 class Simulator:
     def __init__(self, configuration: Configuration) -> None:
         device = configuration.sim_cfg.gpu_device_id
-        if device not in (-1, *graphics.egl_devices()):
+        if device not in (-1, *habitat.egl_devices()):
             raise SystemExit(f"unable to find CUDA device {device}")  # the real one ends, too
         path = Path(configuration.sim_cfg.scene_id)
         scene = open_scene(path)

@@ -51,8 +51,8 @@ def _compile_searches() -> None:
     from hypernav.core.goal import Goal
     from hypernav.warmup.exercises import search_room
     from hypernav.worlds.box_room import BoxRoom
-    from hypernav.worlds.navmesh.files.settings import settings_for
-    from hypernav.worlds.navmesh.recast.build import compute_navmesh
+    from hypernav.worlds.navmesh.file_format import settings_for
+    from hypernav.worlds.navmesh.recast_detour.recast_build import compute_navmesh
     from small_worlds import small_config, two_rooms
 
     search_room()

@@ -6,17 +6,16 @@ from typing import Literal
 import numpy as np
 
 from hypernav.core.embodiment import BodyConfig
-from hypernav.worlds.navmesh.files.file_format import (
+from hypernav.worlds.navmesh.file_format import (
     SET_HEADER,
     SETTINGS,
     TILE_ARRAYS,
     TILE_HEADER,
     TILE_REFERENCE,
 )
-from hypernav.worlds.navmesh.files.polygon_mesh import PolygonMesh
-from hypernav.worlds.navmesh.files.reader import navmesh_of
-from hypernav.worlds.navmesh.files.writer import navmesh_bytes
 from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
+from hypernav.worlds.navmesh.navmesh_writer import PolygonMesh, navmesh_bytes
 
 
 def squares(columns: int, rows: int, holes: tuple[tuple[int, int], ...] = ()) -> PolygonMesh:

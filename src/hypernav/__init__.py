@@ -78,7 +78,7 @@ if TYPE_CHECKING:
     from hypernav.worlds.box_room import BoxRoom
     from hypernav.worlds.scenes.scene import Scene
     from hypernav.worlds.simulation import SimulatedWorld
-    from hypernav.worlds.surface.starts import random_start
+    from hypernav.worlds.surface.goal_regions import random_start
 
 __all__ = [
     "Action",
@@ -243,7 +243,7 @@ _MODULES = {
     "EpisodeStep": "hypernav.episodes.episode_run",
     "Scene": "hypernav.worlds.scenes.scene",
     "SimulatedWorld": "hypernav.worlds.simulation",
-    "random_start": "hypernav.worlds.surface.starts",
+    "random_start": "hypernav.worlds.surface.goal_regions",
 }
 
 logging.getLogger("hypernav").addHandler(logging.NullHandler())

@@ -18,7 +18,7 @@ from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.io.layered_config import layered
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.planning.bump_sensor import bumped_points
-from hypernav.worlds.surface.starts import random_start
+from hypernav.worlds.surface.goal_regions import random_start
 from small_episodes import episode_from
 from small_worlds import colourless_world, two_rooms
 

@@ -19,7 +19,7 @@ from hypernav.mapping.memory.key_images import KeyImages
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.stairs.connectors import Connector
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.worlds.scans.loading import open_scene
+from hypernav.worlds.scans.scan_loading import open_scene
 from scan_writers.buildings import STOREY_M, two_storeys
 from scan_writers.scans import write_scan
 from small_worlds import colourless_world, small_config

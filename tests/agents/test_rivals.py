@@ -16,7 +16,7 @@ from hypernav.core.trace import ExchangeLog, without_timings
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.starts import random_start
+from hypernav.worlds.surface.goal_regions import random_start
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 

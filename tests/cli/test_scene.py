@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from hypernav.cli.main import main
-from hypernav.worlds.navmesh.files.reader import read_navmesh
+from hypernav.worlds.navmesh.navmesh_reader import read_navmesh
 from scan_writers.buildings import two_storeys
 from scan_writers.scans import write_scan
 

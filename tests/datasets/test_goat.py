@@ -9,8 +9,13 @@ import pytest
 
 from certainty import certain
 from hypernav.core.errors import EpisodeError
-from hypernav.datasets.goal_types import LONG_DESCRIPTION, goal_type_words, goal_types_in, of_types
-from hypernav.datasets.goat import goat_parts
+from hypernav.datasets.goat import (
+    LONG_DESCRIPTION,
+    goal_type_words,
+    goal_types_in,
+    goat_parts,
+    of_types,
+)
 from scan_writers.episodes import write_json
 from scan_writers.goat import goat_life, goat_object, write_goat
 

@@ -14,7 +14,7 @@ from hypernav.core.episode import Episode, Outcome
 from hypernav.core.trace import ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.simulation import SimulatedWorld
 from small_worlds import small_config
 

@@ -20,8 +20,7 @@ from hostile.hostile_values import VALUES
 from hypernav.build.presets import preset
 from hypernav.core.chat import Question
 from hypernav.core.errors import ConfigError, EpisodeError, RecordingError, SceneError
-from hypernav.datasets.habitat_episodes import episodes_of
-from hypernav.datasets.habitat_files import read_episodes
+from hypernav.datasets.habitat_files import episodes_of, read_episodes
 from hypernav.io.layered_config import layered
 from hypernav.models.chat.answer_parsing import parse_answer
 from hypernav.models.chat.recording import ReplayChat

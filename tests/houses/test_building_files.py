@@ -19,7 +19,7 @@ from hypernav.houses.export.building_files import (
 )
 from hypernav.houses.export.building_page import building_page
 from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid

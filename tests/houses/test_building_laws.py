@@ -16,11 +16,11 @@ from hypernav.houses.episodes.building_truth import CLIMBING_BODY
 from hypernav.houses.generator import generate, placed_models, storeys_of
 from hypernav.houses.plan.floor_plan import FloorPlan
 from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
-from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.storeys import Storeys
-from hypernav.worlds.surface.view_points import view_points
+from hypernav.worlds.surface.goal_regions import view_points
+from hypernav.worlds.surface.storey_floors import Storeys
 from hypernav.worlds.surface.walkable import WalkableGrid
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
 

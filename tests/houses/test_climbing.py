@@ -15,7 +15,7 @@ from hypernav.houses.episodes.building_truth import CLIMBING_BODY
 from hypernav.houses.generator import generate
 from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from
 

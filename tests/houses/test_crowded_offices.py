@@ -13,7 +13,7 @@ from hypernav.houses.building import Building
 from hypernav.houses.generator import generate, placed_models, plan_of
 from hypernav.houses.plan.office_plans import MEETING_ROOMS, screen_side, wide_opening
 from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.surface.view_points import view_points
+from hypernav.worlds.surface.goal_regions import view_points
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 NUMBERS = range(3002, 3008)

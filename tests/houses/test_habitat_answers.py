@@ -29,11 +29,9 @@ def test_geodesics_are_equal_to_the_last_bit(mesh: Navmesh):
         assert mesh.shortest_path(tuple(start), tuple(end)).length_m == expected
 
 
-def test_snaps_and_clearances_are_equal_to_the_last_bit(mesh: Navmesh):
+def test_snaps_are_equal_to_the_last_bit(mesh: Navmesh):
     for point, nearest in ANSWERS["snaps"]:
         assert mesh.nearest(tuple(point)) == tuple(nearest)
-    for point, clearance in ANSWERS["clearances"]:
-        assert mesh.obstacle_distance(tuple(point)) == clearance
 
 
 def test_steps_end_where_habitats_do(mesh: Navmesh):

@@ -16,7 +16,7 @@ from hypernav.build.data.datasets import load_episodes
 from hypernav.cli.main import main
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.datasets.habitat_frames import positions_from_habitat
+from hypernav.datasets.habitat_format import positions_from_habitat
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.houses.building import house
 from hypernav.houses.episodes import splits
@@ -25,10 +25,10 @@ from hypernav.houses.episodes.splits import load_split
 from hypernav.houses.export.habitat_data import HabitatData, export_split
 from hypernav.houses.house_cache import cached_building
 from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.habitat.simulator import HabitatRenderer
-from hypernav.worlds.navmesh.files.reader import read_navmesh
-from hypernav.worlds.navmesh.surface import NavmeshSurface
-from hypernav.worlds.scans.loading import open_scene
+from hypernav.worlds.habitat import HabitatRenderer
+from hypernav.worlds.navmesh.navmesh_reader import read_navmesh
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
+from hypernav.worlds.scans.scan_loading import open_scene
 from small_worlds import small_config
 
 pytestmark = pytest.mark.slow

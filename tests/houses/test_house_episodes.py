@@ -12,7 +12,7 @@ from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
 from hypernav.datasets.building_splits import EPISODES_PER_HOUSE, EPISODES_PER_ROUND, SPLITS
 from hypernav.datasets.habitat_files import read_episodes, write_episodes
-from hypernav.datasets.habitat_frames import pose_from_habitat
+from hypernav.datasets.habitat_format import pose_from_habitat
 from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
 from hypernav.houses.episodes import splits
 from hypernav.houses.episodes.building_truth import HouseGroundTruth

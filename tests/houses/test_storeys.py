@@ -16,13 +16,13 @@ from hypernav.houses.episodes.house_episodes import house_episodes
 from hypernav.houses.export.building_files import export_building
 from hypernav.houses.generator import generate, storeys_of
 from hypernav.houses.plan.storey_plans import LEAST_RISER_M, MOST_RISER_M, SLAB_M
-from hypernav.worlds.navmesh.files.reader import navmesh_of
 from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.navmesh.robot_navmesh import computed_for, robot_navmesh
-from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.storeys import Storeys
+from hypernav.worlds.surface.storey_floors import Storeys
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 NUMBERS = (3004, *(pytest.param(number, marks=pytest.mark.slow) for number in (3002, 3008)))

@@ -13,7 +13,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.worlds.config import NoiseConfig, SimulationConfig
 from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.starts import random_start
+from hypernav.worlds.surface.goal_regions import random_start
 from navmesh_files import content_of, two_floors
 from small_episodes import episode_from
 

@@ -11,10 +11,8 @@ from hypernav.core.components.door import through_door
 from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.errors import SceneError
 from hypernav.core.world import Simulator
-from hypernav.worlds.drawing.choice import renderer_of
-from hypernav.worlds.drawing.renderer import RenderConfig
-from hypernav.worlds.habitat.path_finder import HabitatSurface
-from hypernav.worlds.habitat.simulator import HabitatRenderer, navmesh_of
+from hypernav.worlds.drawing.renderer import RenderConfig, renderer_of
+from hypernav.worlds.habitat import HabitatRenderer, HabitatSurface, navmesh_of
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.simulation import SimulatedWorld
 

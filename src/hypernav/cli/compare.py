@@ -18,7 +18,7 @@ from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError
 from hypernav.datasets.benchmarks import BENCHMARKS
 from hypernav.evaluation.world_comparison import PoseComparison, compare_worlds
-from hypernav.worlds.habitat.simulator import navmesh_of, require_habitat
+from hypernav.worlds.habitat import navmesh_of, require_habitat
 from hypernav.worlds.navmesh.robot_navmesh import is_computed
 
 _MOST_POSES = 10_000

@@ -15,11 +15,11 @@ from hypernav.core.config import MOST_THREADS, check_option
 from hypernav.core.episode import MAX_STEPS, SUCCESS_DISTANCE_M, Episode
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.datasets.benchmarks import benchmark_of
-from hypernav.datasets.goal_types import goal_type_words, goal_types_in
+from hypernav.datasets.goat import goal_type_words, goal_types_in
 from hypernav.evaluation.run_plan import RunPlan, Selection
 from hypernav.evaluation.run_session import available_cores
 from hypernav.models.chat.vlm_spec import parse_vlm_spec
-from hypernav.worlds.habitat.simulator import require_habitat
+from hypernav.worlds.habitat import require_habitat
 
 
 def worker_count(options: Options) -> int:

@@ -9,8 +9,8 @@ from hypernav.core.config import check_option
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import OutputError
 from hypernav.io.writing import write_whole
-from hypernav.worlds.navmesh.files.reader import navmesh_of
 from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
 from hypernav.worlds.navmesh.robot_navmesh import computed_for
 
 

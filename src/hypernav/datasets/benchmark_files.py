@@ -10,8 +10,7 @@ from hypernav.core.errors import EpisodeError
 from hypernav.core.words import is_whole_number
 from hypernav.datasets.benchmarks import Benchmark
 from hypernav.datasets.goat import goat_parts
-from hypernav.datasets.habitat_episodes import split_parts
-from hypernav.datasets.habitat_files import episode_files
+from hypernav.datasets.habitat_files import episode_files, split_parts
 
 SCENES_FOLDER = "scene_datasets"
 """Folder of all scenes below Habitat's folder of data."""

@@ -18,10 +18,10 @@ from hypernav.build.data.sources import Progress
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.episode import MAX_STEPS, SUCCESS_DISTANCE_M, Episode
 from hypernav.datasets.benchmarks import benchmark_of
-from hypernav.datasets.goal_types import RUNNABLE, of_types
+from hypernav.datasets.goat import RUNNABLE, of_types
 from hypernav.evaluation.protocol import StopRule
 from hypernav.worlds.navmesh.robot_navmesh import is_computed
-from hypernav.worlds.scans.layout import ScanFiles
+from hypernav.worlds.scans.scan_loading import ScanFiles
 
 
 @dataclass(frozen=True)

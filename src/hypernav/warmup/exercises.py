@@ -12,13 +12,13 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.worlds.box_room import DOOR, BoxRoom
 from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.navmesh.files.reader import navmesh_of
-from hypernav.worlds.navmesh.files.writer import navmesh_bytes
-from hypernav.worlds.navmesh.meshing.from_grid import mesh_from_grid
+from hypernav.worlds.navmesh.grid_mesh import mesh_from_grid
 from hypernav.worlds.navmesh.navmesh import Navmesh
-from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
+from hypernav.worlds.navmesh.navmesh_writer import navmesh_bytes
+from hypernav.worlds.scenes.mesh_parts import MeshPart, SceneObject, assemble
 from hypernav.worlds.scenes.scene import Material
-from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject, assemble
 from hypernav.worlds.surface.walkable import WalkableGrid
 
 _STEPS = 12

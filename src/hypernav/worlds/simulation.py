@@ -16,7 +16,7 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.world import Instance, Position, RenderedView, Renderer
 from hypernav.worlds.config import SimulationConfig
-from hypernav.worlds.drawing.choice import renderer_of
+from hypernav.worlds.drawing.renderer import renderer_of
 from hypernav.worlds.goal_objects import named_as_goals
 from hypernav.worlds.noise import noisy_depth
 from hypernav.worlds.scenes.scene import Scene

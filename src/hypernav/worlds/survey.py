@@ -11,11 +11,10 @@ from hypernav.core.goal import Goal
 from hypernav.core.world import Instance
 from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh, storeys_on_mesh
-from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions
-from hypernav.worlds.surface.starts import random_start
+from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions, random_start
 from hypernav.worlds.surface.walkable import WalkableGrid
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
 

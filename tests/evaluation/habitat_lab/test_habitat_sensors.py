@@ -12,7 +12,7 @@ from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.datasets.habitat_frames import pose_to_habitat
+from hypernav.datasets.habitat_format import pose_to_habitat
 from hypernav.evaluation.habitat_lab.sensors import observed, semantic_ids_of, sensor_spaces
 from hypernav.evaluation.habitat_lab.task import HabitatTask
 

@@ -16,8 +16,7 @@ from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.world import RenderedView
 from hypernav.worlds.config import SimulationConfig
-from hypernav.worlds.drawing.choice import renderer_of
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig, renderer_of
 from hypernav.worlds.drawing.warp_renderer import WarpRenderer
 from hypernav.worlds.scenes.loading import read_scene
 from hypernav.worlds.scenes.scene import Material, Scene, Wrap

@@ -8,11 +8,10 @@ import pytest
 
 from hostile.damage import bounded
 from hypernav.core.errors import NavmeshError
-from hypernav.worlds.navmesh.files.file_format import EXTERNAL
-from hypernav.worlds.navmesh.files.polygon_mesh import PolygonMesh
-from hypernav.worlds.navmesh.files.reader import navmesh_of, read_navmesh
-from hypernav.worlds.navmesh.goal_paths import GoalPaths
-from hypernav.worlds.navmesh.navmesh import Navmesh
+from hypernav.worlds.navmesh.file_format import EXTERNAL
+from hypernav.worlds.navmesh.navmesh import GoalPaths, Navmesh
+from hypernav.worlds.navmesh.navmesh_reader import navmesh_of, read_navmesh
+from hypernav.worlds.navmesh.navmesh_writer import PolygonMesh
 from navmesh_files import FileParts, TileParts, content_of, squares, two_floors
 
 
@@ -162,7 +161,6 @@ def _ask(content: bytes) -> None:
     navmesh = Navmesh(navmesh_of(content))
     points = [(0.5, 0.0, -0.5), (3.5, 3.0, -7.5), (8.5, 0.1, -0.2)]
     for start in points:
-        navmesh.obstacle_distance(start)
         GoalPaths(navmesh, np.array(points)).nearest(start)
         for end in points:
             navmesh.shortest_path(start, end)

@@ -9,10 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hypernav.core.errors import StartError
-from hypernav.worlds.navmesh.files.file_format import EXTERNAL
-from hypernav.worlds.navmesh.files.reader import navmesh_of
-from hypernav.worlds.navmesh.goal_paths import GoalPaths
-from hypernav.worlds.navmesh.navmesh import Navmesh, Point
+from hypernav.worlds.navmesh.file_format import EXTERNAL
+from hypernav.worlds.navmesh.navmesh import GoalPaths, Navmesh, Point
+from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
 from navmesh_files import FileParts, content_of, navmesh_from, squares, two_floors
 
 RING = navmesh_from(squares(3, 3, holes=((1, 1),)))
@@ -50,7 +49,6 @@ def test_far_away_and_nowhere_is_off_the_mesh() -> None:
         assert FLOORS.nearest(point) is None
         assert FLOORS.island_of(point) == -1
         assert not FLOORS.is_navigable(point)
-        assert FLOORS.obstacle_distance(point) == math.inf
         assert FLOORS.shortest_path((1.0, 0.0, -1.0), point).length_m == math.inf
         assert FLOORS.try_step((1.0, 0.0, -1.0), point, sliding=True) == (1.0, 0.0, -1.0)
 
@@ -65,15 +63,8 @@ def test_one_island_can_be_asked_for() -> None:
     assert all(FLOORS.island_of(FLOORS.random_point(rng, island)) == island for _ in range(20))
 
 
-def test_walls_are_as_far_as_they_are() -> None:
-    assert RING.obstacle_distance((0.5, 0.0, -1.5)) == pytest.approx(0.5)
-    assert RING.obstacle_distance((0.9, 0.0, -1.5)) == pytest.approx(0.1, abs=1e-6)
-    assert RING.obstacle_distance((0.5, 0.0, -0.5), radius_m=0.25) == pytest.approx(0.25)
-
-
-def test_areas_and_radii() -> None:
+def test_areas() -> None:
     assert RING.areas_m2 == pytest.approx([8.0])
-    assert RING.radii_m == pytest.approx([math.hypot(1.5, 1.5)])
     assert FLOORS.areas_m2 == pytest.approx([8.0 + 10.0 + 8.0 + 12.0, 0.5])
 
 
@@ -182,6 +173,5 @@ def test_two_tiles_are_walked_as_one() -> None:
             length = navmesh.shortest_path(start, end).length_m
             assert length == pytest.approx(math.dist(start, end), rel=0.1, abs=1e-4)
         assert tiled.nearest(end) == pytest.approx(whole.nearest(end))
-        assert tiled.obstacle_distance(end) == pytest.approx(whole.obstacle_distance(end), abs=1e-6)
         for sliding in (False, True):
             assert tiled.try_step(start, end, sliding=sliding) == pytest.approx(end, abs=1e-6)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hypernav.core.errors import SceneError
-from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from navmesh_files import content_of, navmesh_from, squares, two_floors
 
 FLOORS = NavmeshSurface(navmesh_from(two_floors()))

@@ -10,7 +10,7 @@ from hypernav.core.errors import NavmeshError
 from hypernav.worlds.config import NavmeshChoice
 from hypernav.worlds.navmesh.navmesh import Navmesh
 from hypernav.worlds.navmesh.robot_navmesh import computed_for, is_computed, robot_navmesh
-from hypernav.worlds.scans.loading import open_scene
+from hypernav.worlds.scans.scan_loading import open_scene
 from hypernav.worlds.scenes.scene import Scene
 from scan_writers.buildings import two_storeys
 from scan_writers.scans import write_scan

@@ -6,10 +6,8 @@ import pytest
 from hypernav.core.errors import SceneError
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
-from hypernav.worlds.scans.layout import ScanFiles
-from hypernav.worlds.scans.loading import load_scan, open_scene
-from hypernav.worlds.scans.matterport_house import read_house
-from hypernav.worlds.scans.scan_cache import cached_scan
+from hypernav.worlds.scans.matterport import read_house
+from hypernav.worlds.scans.scan_loading import ScanFiles, cached_scan, load_scan, open_scene
 from scan_writers.buildings import two_storeys
 from scan_writers.matterport import house_lines, name_of, semantic_ply, write_annotation
 from scan_writers.scans import write_visual

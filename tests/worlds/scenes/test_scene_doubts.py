@@ -11,11 +11,17 @@ from hypernav.build.data.scenes import load_scene
 from hypernav.core.errors import SceneError
 from hypernav.core.labels import ObjectLabel
 from hypernav.worlds.config import SimulationConfig
-from hypernav.worlds.scenes.axes import TO_Z_UP, Axis, axis_along
-from hypernav.worlds.scenes.doubts import doubts_of
 from hypernav.worlds.scenes.loading import read_scene
+from hypernav.worlds.scenes.mesh_parts import (
+    TO_Z_UP,
+    Axis,
+    MeshPart,
+    SceneObject,
+    axis_along,
+    placed,
+)
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.scenes.scene_assembly import MeshPart, SceneObject, placed
+from hypernav.worlds.scenes.scene_doubts import doubts_of
 
 TURNS: list[Axis] = ["x", "-x", "y", "-y", "-z"]
 UNITS = [0.001, 0.01, 0.0254, 0.3048, 100.0, 1000.0]

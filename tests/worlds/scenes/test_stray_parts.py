@@ -10,8 +10,8 @@ from box_scenes import scene_of
 from gltf_writer import GltfWriter
 from hypernav.build.data.scenes import load_scene
 from hypernav.core.errors import SceneError
+from hypernav.worlds.scenes.mesh_parts import MeshPart
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.scenes.scene_assembly import MeshPart
 from hypernav.worlds.scenes.stray_parts import (
     in_one_line,
     without_stray_parts,

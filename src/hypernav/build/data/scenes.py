@@ -12,7 +12,7 @@ from hypernav.core.words import is_whole_number
 from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
 from hypernav.houses.house_cache import cached_building
 from hypernav.worlds.config import SimulationConfig
-from hypernav.worlds.scans.loading import open_scene
+from hypernav.worlds.scans.scan_loading import open_scene
 from hypernav.worlds.scenes.scene import Scene
 
 SCENES: Registry[Callable[..., Scene]] = Registry(

@@ -29,12 +29,12 @@ from hypernav.datasets.benchmark_files import (
 )
 from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
 from hypernav.datasets.building_splits import SPLITS, numbers_of
-from hypernav.datasets.habitat_episodes import episodes_of, read_split
+from hypernav.datasets.habitat_files import episodes_of, read_split
 from hypernav.datasets.shipped import shipped_split
 from hypernav.io.reading import back_slashes
 from hypernav.worlds.config import SimulationConfig
-from hypernav.worlds.navmesh.surface import NavmeshSurface
-from hypernav.worlds.surface.starts import random_start
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
+from hypernav.worlds.surface.goal_regions import random_start
 from hypernav.worlds.surface.walkable_surface import WalkableSurface
 from hypernav.worlds.survey import SurveyedScene
 

@@ -21,11 +21,11 @@ from hypernav.datasets.benchmark_files import (
     scene_folders,
 )
 from hypernav.datasets.benchmarks import BENCHMARKS, GENERATED, Benchmark
-from hypernav.datasets.goal_types import RUNNABLE, goal_type_words
+from hypernav.datasets.goat import RUNNABLE, goal_type_words
 from hypernav.datasets.habitat_files import CONTENT, episode_files, read_as
 from hypernav.evaluation.checks.findings import Finding, State
-from hypernav.worlds.navmesh.files.reader import read_navmesh
-from hypernav.worlds.scans.layout import ScanFiles
+from hypernav.worlds.navmesh.navmesh_reader import read_navmesh
+from hypernav.worlds.scans.scan_loading import ScanFiles
 from hypernav.worlds.scenes.gltf_file import check_glb
 
 _PUBLISHED = tuple(BENCHMARKS[name] for name in ("hm3d", "mp3d", "ovon", "goat"))

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from hypernav.core.words import number_of
-from hypernav.datasets.goal_types import goal_type_words
+from hypernav.datasets.goat import goal_type_words
 from hypernav.episodes.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.evaluation import statistics
 from hypernav.evaluation.failures.classification import MISPLACED_M, Failure

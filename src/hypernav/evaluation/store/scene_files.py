@@ -19,7 +19,7 @@ from hypernav.evaluation.store.run_files import write_whole
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.io.parsing import parse_json
 from hypernav.io.reading import read_file
-from hypernav.worlds.scans.layout import ScanFiles
+from hypernav.worlds.scans.scan_loading import ScanFiles
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
 
 SCENES_FILE = "scenes.json"

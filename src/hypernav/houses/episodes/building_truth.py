@@ -16,8 +16,8 @@ from hypernav.core.errors import SceneError
 from hypernav.core.goal import Goal
 from hypernav.core.world import Instance
 from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
-from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.goal_regions import GoalRegion, GoalRegions
 from hypernav.worlds.surface.walkable import WalkableGrid

@@ -26,8 +26,6 @@ from hypernav.datasets.habitat_format import (
     ObjectGoal,
     ObjectNavEpisode,
     ViewPoint,
-)
-from hypernav.datasets.habitat_frames import (
     pose_to_habitat,
     positions_from_habitat,
     positions_to_habitat,

@@ -22,8 +22,8 @@ from hypernav.houses.assembly import CompactScene, to_scene
 from hypernav.houses.building import Building
 from hypernav.houses.export.glb import with_backs, write_house, write_semantics
 from hypernav.houses.generator import build_compact, storeys_of
-from hypernav.worlds.navmesh.files.writer import navmesh_bytes
-from hypernav.worlds.navmesh.meshing.from_grid import mesh_from_grid
+from hypernav.worlds.navmesh.grid_mesh import mesh_from_grid
+from hypernav.worlds.navmesh.navmesh_writer import navmesh_bytes
 from hypernav.worlds.navmesh.robot_navmesh import computed_for
 from hypernav.worlds.scenes.loading import OBJECTS_FILE
 from hypernav.worlds.scenes.scene import Scene

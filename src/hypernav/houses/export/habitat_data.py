@@ -21,8 +21,7 @@ from hypernav.core.errors import EpisodeError
 from hypernav.datasets.benchmark_files import SCENES_FOLDER
 from hypernav.datasets.benchmarks import GENERATED
 from hypernav.datasets.building_splits import SPLITS
-from hypernav.datasets.habitat_episodes import episodes_of
-from hypernav.datasets.habitat_files import CONTENT, write_episodes
+from hypernav.datasets.habitat_files import CONTENT, episodes_of, write_episodes
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectGoal, ObjectNavEpisode
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.house_episodes import with_view_points
@@ -33,7 +32,7 @@ from hypernav.houses.export.building_files import (
     write_dataset_config,
 )
 from hypernav.houses.house_cache import cached_building
-from hypernav.worlds.navmesh.surface import NavmeshSurface
+from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
 
 _ENDINGS = (".json.gz", ".json")
 

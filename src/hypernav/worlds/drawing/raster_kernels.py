@@ -26,7 +26,7 @@ def find_visible(boxes, camera, width, cx, cy, first_row, last_row, seen, distan
 
     Args:
         boxes: Lowest and highest corner of every group, scene frame, float32 [groups, 2, 3].
-        camera: As for `geometry_kernels.fill_rays`.
+        camera: As for `ray_kernels.fill_rays`.
         width: Width of the image, pixels.
         cx: Column of the principal point, pixels.
         cy: Row of the principal point, pixels.
@@ -85,7 +85,7 @@ def draw_triangles(
         groups: Numbers of the groups to draw; group k holds the triangles from ``k * group_size``
             on.
         group_size: Triangles of a group; the last may have fewer.
-        camera: As for `geometry_kernels.fill_rays`.
+        camera: As for `ray_kernels.fill_rays`.
         cx: Column of the principal point, pixels.
         cy: Row of the principal point, pixels.
         first_row: Image row of the first row of `shown`.

@@ -21,11 +21,10 @@ from pydantic import Field
 from hypernav.core.config import MOST_THREADS, RoomConfig
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
-from hypernav.core.world import RenderedView
-from hypernav.worlds.drawing.edge_kernels import find_edges, mix_samples
-from hypernav.worlds.drawing.geometry_kernels import fill_rays, fill_rays_around
-from hypernav.worlds.drawing.rasterizer import Rasterizer
-from hypernav.worlds.drawing.rays import RayCaster
+from hypernav.core.world import RenderedView, Renderer
+from hypernav.worlds.config import RendererName
+from hypernav.worlds.drawing.ray_kernels import fill_rays, fill_rays_around, find_edges, mix_samples
+from hypernav.worlds.drawing.rays import Rasterizer, RayCaster
 from hypernav.worlds.drawing.shading import PendingRays, Rays, Shader
 from hypernav.worlds.scenes.scene import Scene
 
@@ -192,6 +191,22 @@ class CpuRenderer:
         return rays.first(count)
 
 
+def renderer_of(scene: Scene, name: RendererName, config: RenderConfig | None = None) -> Renderer:
+    """A renderer of a scene.
+
+    Args:
+        scene: Scene to draw.
+        name: Which renderer.
+        config: How it draws.
+
+    Raises:
+        MissingExtraError: A package that it needs is not installed.
+    """
+    from hypernav.worlds.drawing.warp_renderer import WarpRenderer  # it imports this module
+
+    return WarpRenderer(scene, config) if name == "warp" else CpuRenderer(scene, config)
+
+
 @dataclass(frozen=True, eq=False)
 class _Edges:
     """Pixels at edges, with further colours of each."""
@@ -226,7 +241,7 @@ class _Frame:
 
 
 def camera_rows(camera: PinholeCamera, camera_to_scene: Transform) -> Float64[np.ndarray, "4 3"]:
-    """A camera as the kernels take it, see `geometry_kernels.fill_rays`."""
+    """A camera as the kernels take it, see `ray_kernels.fill_rays`."""
     rotation = camera_to_scene.rotation
     rows = [
         camera_to_scene.translation,

@@ -18,17 +18,18 @@ from hypernav.core.components.registry import require
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.world import RenderedView
-from hypernav.worlds.drawing.light_grid import (
+from hypernav.worlds.drawing.renderer import OFFSETS, RenderConfig, camera_rows
+from hypernav.worlds.drawing.shading import (
     CONTRAST,
     RAYS,
     REACH_M,
+    MaterialArrays,
     box_of,
     even_directions,
     extent_of_grid,
     sky_light,
+    tone_curve,
 )
-from hypernav.worlds.drawing.renderer import OFFSETS, RenderConfig, camera_rows
-from hypernav.worlds.drawing.shading import MaterialArrays, tone_curve
 from hypernav.worlds.drawing.textures import textures_of
 from hypernav.worlds.scenes.scene import Scene
 

@@ -1,14 +1,14 @@
 """Surfaces and their colours without light, where rays meet triangles (NVIDIA Warp's functions).
 
-The formulas are those of `geometry_kernels` and `base_color_kernels`; here one thread follows one
+The formulas are those of `ray_kernels` and `shading_kernels`; here one thread follows one
 ray, so nothing is kept from one ray to the next. Cameras are rows as for
-`geometry_kernels.fill_rays`: position; optical axis; change of direction to the next pixel right;
+`ray_kernels.fill_rays`: position; optical axis; change of direction to the next pixel right;
 to the next pixel down.
 """
 
 import warp as wp
 
-from hypernav.worlds.drawing.base_color_kernels import FLAG_COLORED, MAX_TAPS
+from hypernav.worlds.drawing.shading_kernels import FLAG_COLORED, MAX_TAPS
 
 _COLORED = wp.constant(FLAG_COLORED)
 _TAPS = wp.constant(MAX_TAPS)
@@ -16,7 +16,7 @@ _TAPS = wp.constant(MAX_TAPS)
 
 @wp.struct
 class Triangles:
-    """A scene's triangles and materials, see `Scene`, `TextureSet` and `base_color_kernels`."""
+    """A scene's triangles and materials, see `Scene`, `TextureSet` and `shading_kernels`."""
 
     mesh: wp.uint64
     one_sided: bool
@@ -39,7 +39,7 @@ class Triangles:
 
 @wp.struct
 class Surface:
-    """Where a ray meets a triangle, see the columns of `geometry_kernels`."""
+    """Where a ray meets a triangle, see the columns of `ray_kernels`."""
 
     point: wp.vec3
     normal: wp.vec3
@@ -102,7 +102,7 @@ def surface_of(
     ray: wp.vec3,
     depth: float,
 ) -> Surface:
-    """The surface where a ray meets a triangle, as `geometry_kernels.locate` has it."""
+    """The surface where a ray meets a triangle, as `ray_kernels.locate` has it."""
     camera = cameras[view, 0]
     first = scene.vertices[scene.corners[3 * face]] - camera
     edge = scene.vertices[scene.corners[3 * face + 1]] - camera - first
@@ -211,7 +211,7 @@ def bilinear(scene: Triangles, texture: int, level: int, uv: wp.vec2, wrap: wp.v
 
 @wp.func
 def base_color(scene: Triangles, face: int, surface: Surface) -> wp.vec3:
-    """Colour of a surface without light, as `base_color_kernels.fill_base_colors` has it."""
+    """Colour of a surface without light, as `shading_kernels.fill_base_colors` has it."""
     material = scene.material[face]
     color = 255.0 * scene.color[material]
     if (int(scene.flags[material]) & _COLORED) != 0:

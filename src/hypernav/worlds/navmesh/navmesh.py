@@ -1,4 +1,7 @@
-"""Queries of a navigation mesh, with the results of habitat-sim's ``PathFinder``."""
+"""Queries of a navigation mesh, with the results of habitat-sim's ``PathFinder``.
+
+Shortest paths to the nearest of many goals are those of its ``MultiGoalShortestPath``.
+"""
 
 import math
 from dataclasses import dataclass
@@ -11,13 +14,12 @@ from jaxtyping import Float32, Float64, Int32
 
 from hypernav.core.errors import StartError
 from hypernav.worlds.config import StopChoice
-from hypernav.worlds.navmesh.detour.islands import find_islands
-from hypernav.worlds.navmesh.detour.mesh import mesh_of
-from hypernav.worlds.navmesh.detour.motion_kernels import try_step, wall_distance
-from hypernav.worlds.navmesh.detour.nearest_kernels import NOWHERE, height_on, nearest
-from hypernav.worlds.navmesh.detour.path_kernels import path_between
-from hypernav.worlds.navmesh.files.file_format import NavmeshFile
-from hypernav.worlds.navmesh.files.reader import read_navmesh
+from hypernav.worlds.navmesh.file_format import NavmeshFile
+from hypernav.worlds.navmesh.navmesh_reader import read_navmesh
+from hypernav.worlds.navmesh.recast_detour.detour_kernels import NOWHERE, height_on, nearest
+from hypernav.worlds.navmesh.recast_detour.detour_mesh import find_islands, mesh_of
+from hypernav.worlds.navmesh.recast_detour.detour_motion_kernels import try_step
+from hypernav.worlds.navmesh.recast_detour.detour_path_kernels import nearest_goal, path_between
 
 Point = tuple[float, float, float]
 """Position ``(x, y, z)`` in Habitat's frame, y up, metres."""
@@ -26,7 +28,6 @@ Singles = tuple[np.float32, np.float32, np.float32]
 """The same for kernels."""
 
 _DRAWS = 10
-_SEARCH_RADIUS_M = 2.0
 _NAVIGABLE_HEIGHT_M = 0.5
 _NAVIGABLE_GAP_M = 1e-2
 
@@ -56,7 +57,6 @@ class Navmesh:
         mesh: The mesh, in the kernels' form.
         islands: Island of every polygon.
         areas_m2: Area of every island.
-        radii_m: Greatest distance of a corner of its polygons from their mean, of every island.
         bounds: Lowest and highest corner.
     """
 
@@ -66,10 +66,7 @@ class Navmesh:
         Raises:
             NavmeshError: Too many edges lie on borders between its tiles.
         """
-        islands, self.mesh = find_islands(mesh_of(file))
-        self.islands: Int32[np.ndarray, " p"] = islands.of_polygon
-        self.areas_m2: Float64[np.ndarray, " i"] = islands.areas_m2
-        self.radii_m: Float64[np.ndarray, " i"] = islands.radii_m
+        self.islands, self.areas_m2, self.mesh = find_islands(mesh_of(file))
         self.bounds: Float32[np.ndarray, "2 3"] = np.stack(
             [self.mesh.tile_low.min(axis=0), self.mesh.tile_high.max(axis=0)]
         )
@@ -105,13 +102,6 @@ class Navmesh:
         """Island of the nearest position on the mesh; -1 if none is near."""
         polygon, _ = self.located(point)
         return NOWHERE if polygon == NOWHERE else int(self.islands[polygon])
-
-    def obstacle_distance(self, point: Point, radius_m: float = _SEARCH_RADIUS_M) -> float:
-        """Distance to the nearest border of the mesh, up to a limit; infinite off the mesh."""
-        polygon, found = self.located(point)
-        if polygon == NOWHERE:
-            return math.inf
-        return float(wall_distance(self.mesh, polygon, found, np.float32(radius_m)))
 
     def try_step(
         self, start: Point, end: Point, *, sliding: bool, stop_at: StopChoice = "first_wall"
@@ -187,3 +177,55 @@ def singles(point: Point | np.ndarray) -> Singles:
 
 def _point(point: tuple[Any, Any, Any]) -> Point:
     return float(point[0]), float(point[1]), float(point[2])
+
+
+class GoalPaths:
+    """The nearest of many goals by path length, for a series of positions.
+
+    habitat-sim keeps a lower bound of the distance to each goal between queries, so that few paths
+    must be searched. Its paths are not always the very shortest, so a result may depend on the
+    earlier queries, by millimetres. The same series of queries gives the same results here.
+    """
+
+    def __init__(self, navmesh: Navmesh, goals: Float64[np.ndarray, "n 3"]) -> None:
+        """Create it for a set of goals.
+
+        Args:
+            navmesh: Mesh that they lie on or near; those that are off it count as out of reach.
+            goals: Positions of the goals, Habitat's frame, metres.
+        """
+        self._navmesh = navmesh
+        self._goals = goals.astype(np.float32)
+        located = [navmesh.located((x, y, z)) for x, y, z in goals.tolist()]
+        self._polygons = np.array([polygon for polygon, _ in located], dtype=np.int64)
+        self._points = np.array([point for _, point in located], dtype=np.float32).reshape(-1, 3)
+        self._bounds = np.zeros(len(goals), dtype=np.float32)
+        self._before: Point = (0.0, 0.0, 0.0)
+
+    def nearest(self, start: Point) -> tuple[int, MeshPath]:
+        """The goal with the shortest path from a position, and the path.
+
+        Returns:
+            Number of the goal and the path; -1 and no path if none leads anywhere.
+        """
+        polygon, point = self._navmesh.located(start)
+        if polygon == NOWHERE or not (self._polygons != NOWHERE).any():
+            return NOWHERE, NO_PATH
+        here = singles(start)
+        if len(self._goals) > 1:
+            moved = np.float32(self._navmesh.shortest_path(start, self._before).length_m)
+            straight = np.linalg.norm(self._goals - np.array(here), axis=1)
+            self._bounds = np.maximum(self._bounds - moved, straight)
+            self._before = start
+        goal, length, points = nearest_goal(
+            self._navmesh.mesh,
+            self._navmesh.islands,
+            here,
+            polygon,
+            point,
+            self._goals,
+            self._polygons,
+            self._points,
+            self._bounds,
+        )
+        return int(goal), MeshPath(float(length), points)

@@ -13,17 +13,36 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+from jaxtyping import Float32
 
 from hypernav.core.embodiment import BodyConfig
 from hypernav.io.kept_arrays import digest_of, kept_arrays
 from hypernav.worlds.config import NavmeshChoice
-from hypernav.worlds.navmesh.files.reader import navmesh_of, read_navmesh
-from hypernav.worlds.navmesh.files.settings import is_mesh_of, settings_for
+from hypernav.worlds.navmesh.file_format import is_mesh_of, settings_for
 from hypernav.worlds.navmesh.navmesh import Navmesh
-from hypernav.worlds.navmesh.recast.build import compute_navmesh
-from hypernav.worlds.navmesh.recast.scene_triangles import habitat_vertices
+from hypernav.worlds.navmesh.navmesh_reader import navmesh_of, read_navmesh
+from hypernav.worlds.navmesh.recast_detour.recast_build import compute_navmesh
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.storeys import Storeys
+from hypernav.worlds.surface.storey_floors import Storeys
+
+_HALF_ANGLE = np.float32(0.70710683)
+"""habitat-sim's sine and cosine of half a right angle: a rounding error above the true ones."""
+
+
+def habitat_vertices(scene: Scene) -> Float32[np.ndarray, "v 3"]:
+    """All vertices of a scene in Habitat's frame, metres, equal to habitat-sim's.
+
+    A scan is stored z up. habitat-sim turns it by a matrix in single precision that is not exactly
+    a rotation (``CoordinateFrame::rotationFrameToWorld``), which sometimes changes a voxel.
+    """
+    x, y, z = scene.vertices.T
+    if not scene.stored_z_up:
+        return np.ascontiguousarray(np.stack([x, z, -y], axis=1))
+    turned = np.float32(2.0) * (_HALF_ANGLE * _HALF_ANGLE)
+    left = np.float32(1.0) - turned
+    return np.ascontiguousarray(
+        np.stack([x, left * y + turned * z, -turned * y + left * z], axis=1)
+    )
 
 
 def storeys_on_mesh(scene: Scene, body: BodyConfig, choice: NavmeshChoice) -> Storeys | None:
@@ -105,5 +124,4 @@ def computed_for(scene: Scene, body: BodyConfig) -> bytes:
 @lru_cache(maxsize=1)
 def _version() -> str:
     """A name that changes with the code that computes meshes."""
-    here = Path(__file__).parent
-    return digest_of(sorted([*here.glob("recast/**/*.py"), *here.glob("files/*.py")]))
+    return digest_of(sorted(Path(__file__).parent.rglob("*.py")))

@@ -1,33 +1,43 @@
-"""Reads glTF files: nodes, their transforms and their triangles."""
+"""Reads glTF files: materials with their images, nodes, their transforms and their triangles."""
 
+import hashlib
 import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from jaxtyping import Float, Float32, Float64, Int32, UInt8
-from pydantic import ValidationError
+from pydantic import BaseModel, ValidationError
 
 from hypernav.core.errors import SceneError
+from hypernav.io.reading import MOST_PIXELS, image_size
 from hypernav.worlds.config import Axis
 from hypernav.worlds.drawing.textures import linear_to_srgb
-from hypernav.worlds.scenes.axes import TO_Z_UP
-from hypernav.worlds.scenes.gltf_file import GltfFile
-from hypernav.worlds.scenes.gltf_format import (
+from hypernav.worlds.scenes.gltf_file import (
+    GltfFile,
+    GltfMaterial,
     Instancing,
     LevelsOfDetail,
     Node,
     NodeVisibility,
     Primitive,
+    SpecularGlossiness,
+    TextureInfo,
     TextureTransform,
 )
-from hypernav.worlds.scenes.gltf_materials import read_materials
+from hypernav.worlds.scenes.material_images import DecodedImage, basis_size, decode_images, is_basis
+from hypernav.worlds.scenes.mesh_parts import TO_Z_UP, MeshPart, rotation_of
 from hypernav.worlds.scenes.node_names import is_meaningful, unique_name
-from hypernav.worlds.scenes.scene import Material
-from hypernav.worlds.scenes.scene_assembly import MeshPart
+from hypernav.worlds.scenes.scene import Material, Wrap
 
+_WRAPS = {10497: Wrap.REPEAT, 33648: Wrap.MIRROR, 33071: Wrap.CLAMP}
+_IMAGE_EXTENSIONS = ("EXT_texture_webp", "KHR_texture_basisu", "GOOGLE_texture_basis")
+"""Extensions that name the image of a texture in place of its source."""
+_MIN_EMISSION = 0.5
+_LOGGER = logging.getLogger(__name__)
+_Part = TypeVar("_Part", bound=BaseModel)
 _MOST_NODES, _MOST_PARTS = 50_000, 20_000
 _BYTES_PER_VERTEX, _BYTES_PER_CORNER = 50, 50
 _OF_COPIES = {
@@ -42,7 +52,153 @@ _NODE_EXTENSIONS = {
     NodeVisibility: "KHR_node_visibility",
 }
 _Extension = TypeVar("_Extension", Instancing, LevelsOfDetail, NodeVisibility)
-_LOGGER = logging.getLogger(__name__)
+
+
+def read_materials(file: GltfFile) -> tuple[list[Material], list[TextureTransform]]:
+    """All materials of a file, with the transforms of their textures.
+
+    A plain light grey one, for primitives without a material, comes last. A material whose image is
+    missing or cannot be decoded has only its colour, with a warning.
+
+    Raises:
+        SceneError: An image is too large, or of a kind that cannot be read.
+    """
+    infos = [_base_color(file, source)[1] for source in file.document.materials]
+    sources = {_source(file, info) for info in infos if info is not None}
+    images = _decode(file, sorted(sources))
+    opaque: dict[tuple[int, float], np.ndarray] = {}
+    materials = [_material(file, source, images, opaque) for source in file.document.materials]
+    materials.append(Material("default", (0.8, 0.8, 0.8)))
+    transforms = [_transform(file, info) for info in infos]
+    return materials, [*transforms, TextureTransform()]
+
+
+def _material(
+    file: GltfFile,
+    source: GltfMaterial,
+    images: dict[int, DecodedImage],
+    opaque: dict[tuple[int, float], np.ndarray],
+) -> Material:
+    color, info = _base_color(file, source)
+    light = np.array(color[:3])
+    unlit = "KHR_materials_unlit" in source.extensions
+    if max(source.emissive_factor) >= _MIN_EMISSION and source.emissive_texture is None:
+        light, unlit = np.maximum(light, source.emissive_factor), True
+    codes = linear_to_srgb(light)
+    srgb = (float(codes[0]), float(codes[1]), float(codes[2]))
+    number = None if info is None else _source(file, info)
+    image = None if number is None else images.get(number)
+    if info is None or number is None or image is None:
+        return Material(source.name, srgb, unlit=unlit)
+    holes = None
+    if image.opacity is not None and source.alpha_mode != "OPAQUE":
+        cutoff = source.alpha_cutoff if source.alpha_mode == "MASK" else 0.5
+        # One array per image, so that materials that share it share its texels, too.
+        holes = opaque.setdefault((number, cutoff), image.opacity >= cutoff * 255.0)
+    texture = file.document.textures[info.index]
+    wrap = (Wrap.REPEAT, Wrap.REPEAT)
+    if texture.sampler is not None:
+        sampler = file.item(file.document.samplers, texture.sampler, "sampler")
+        wrap = (_WRAPS[sampler.wrap_s], _WRAPS[sampler.wrap_t])
+    return Material(source.name, srgb, image.rgb, wrap, holes, unlit)
+
+
+def _base_color(
+    file: GltfFile, source: GltfMaterial
+) -> tuple[tuple[float, float, float, float], TextureInfo | None]:
+    """Colour factor and texture, from either of their two forms."""
+    old = source.extensions.get("KHR_materials_pbrSpecularGlossiness")
+    if old is not None and source.pbr_metallic_roughness.base_color_texture is None:
+        diffuse = _material_extension(file, SpecularGlossiness, old)
+        return diffuse.diffuse_factor, diffuse.diffuse_texture
+    surface = source.pbr_metallic_roughness
+    return surface.base_color_factor, surface.base_color_texture
+
+
+def _transform(file: GltfFile, info: TextureInfo | None) -> TextureTransform:
+    if info is None:
+        return TextureTransform()
+    raw = info.extensions.get("KHR_texture_transform", {})
+    transform = _material_extension(file, TextureTransform, raw)
+    if transform.tex_coord is None:
+        return transform.model_copy(update={"tex_coord": info.tex_coord})
+    return transform
+
+
+def _material_extension(file: GltfFile, kind: type[_Part], raw: Any) -> _Part:
+    try:
+        return kind.model_validate(raw)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise file.invalid(f"an extension holds a wrong value: {first['msg']}") from error
+
+
+def _source(file: GltfFile, info: TextureInfo) -> int:
+    """The number of the image of a texture."""
+    texture = file.item(file.document.textures, info.index, "texture")
+    for name in _IMAGE_EXTENSIONS:
+        other = texture.extensions.get(name)
+        if isinstance(other, dict) and isinstance(other.get("source"), int):
+            return other["source"]
+    if texture.source is None:
+        names = ", ".join(texture.extensions) or "nothing"
+        raise SceneError(
+            f"{file.path}: a texture is stored as {names}, which cannot be read; "
+            "export the file again with PNG or JPEG textures"
+        )
+    return texture.source
+
+
+def _decode(file: GltfFile, numbers: list[int]) -> dict[int, DecodedImage]:
+    """Decode images on all cores; equal bytes give one and the same image.
+
+    Those that are missing or broken are left out.
+    """
+    data: dict[int, bytes] = {}
+    broken: list[str] = []
+    for number in numbers:
+        image = file.item(file.document.images, number, "image")
+        try:
+            content = file.image_bytes(image)
+        except SceneError as error:
+            broken.append(str(error))
+            continue
+        if _is_image(file, number, content):
+            data[number] = content
+        else:
+            broken.append(_undecodable(file, number))
+    keys = {number: hashlib.sha256(content).digest() for number, content in data.items()}
+    distinct = {keys[number]: content for number, content in data.items()}
+    decoded = decode_images(distinct)
+    found = {number: decoded[key] for number, key in keys.items()}
+    broken += [_undecodable(file, number) for number, image in found.items() if image is None]
+    if broken:
+        more = f" and so for {len(broken) - 1} more textures" if len(broken) > 1 else ""
+        _LOGGER.warning("%s; until then its surfaces have a plain colour%s", broken[0], more)
+    return {number: image for number, image in found.items() if image is not None}
+
+
+def _undecodable(file: GltfFile, number: int) -> str:
+    return (
+        f"{file.path}: texture {number} cannot be decoded; export the file again with PNG or JPEG "
+        "textures"
+    )
+
+
+def _is_image(file: GltfFile, number: int, content: bytes) -> bool:
+    """Whether the header is that of an image; too large images are refused before decoding."""
+    size = basis_size(content) if is_basis(content) else image_size(content)
+    if size is None:
+        return False
+    width, height = size
+    what = f"texture {number} with {width} × {height} pixels"
+    if width * height > MOST_PIXELS:
+        raise SceneError(
+            f"{file.path}: {what} is too large, at most {MOST_PIXELS:,} pixels are read; make it "
+            "smaller"
+        )
+    file.allowance.take(3 * width * height, what)
+    return True
 
 
 def read_gltf(
@@ -106,7 +262,7 @@ def _placed_nodes(file: GltfFile, to_scene: Float64[np.ndarray, "3 3"]) -> list[
     names: dict[str, int] = {}
     parents = {child: k for k, node in enumerate(nodes) for child in node.children}
     # Levels of detail show the same thing once more.
-    visited = {k for node in nodes for k in _extension(file, node, LevelsOfDetail).ids}
+    visited = {k for node in nodes for k in _node_extension(file, node, LevelsOfDetail).ids}
     placed: list[_PlacedMesh] = []
     while stack:
         index, parent, descriptive_name = stack.pop()
@@ -114,7 +270,7 @@ def _placed_nodes(file: GltfFile, to_scene: Float64[np.ndarray, "3 3"]) -> list[
         if index in visited:  # A file that lists a node twice shows it once.
             continue
         visited.add(index)
-        if not _extension(file, node, NodeVisibility).visible:
+        if not _node_extension(file, node, NodeVisibility).visible:
             continue
         to_scene = parent @ _local_matrix(node)
         mesh_name = ""
@@ -150,23 +306,15 @@ def _matrix(
     translation: np.ndarray, rotation: np.ndarray, scale: np.ndarray
 ) -> Float64[np.ndarray, "4 4"]:
     """The transform of a position, a quaternion ``[x, y, z, w]`` and a size."""
-    x, y, z, w = rotation / max(float(np.linalg.norm(rotation)), 1e-12)
-    turned = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
     matrix = np.eye(4)
-    matrix[:3, :3] = turned * scale
+    matrix[:3, :3] = rotation_of(rotation) * scale
     matrix[:3, 3] = translation
     return matrix
 
 
 def _copies(file: GltfFile, node: Node) -> list[Float64[np.ndarray, "4 4"]]:
     """The transforms, within a node, of the copies of its mesh: one, or as many as it lists."""
-    accessors = _extension(file, node, Instancing).attributes
+    accessors = _node_extension(file, node, Instancing).attributes
     read = {name: file.array(accessors[name]) for name in _OF_COPIES if name in accessors}
     if not read:
         return [np.eye(4)]
@@ -199,7 +347,7 @@ def _bound(file: GltfFile, number: int, parents: dict[int, int]) -> Float64[np.n
     return matrix
 
 
-def _extension(file: GltfFile, node: Node, kind: type[_Extension]) -> _Extension:
+def _node_extension(file: GltfFile, node: Node, kind: type[_Extension]) -> _Extension:
     """An extension of a node, with its default values where the node has none."""
     try:
         return kind.model_validate(node.extensions.get(_NODE_EXTENSIONS[kind], {}))

@@ -14,9 +14,9 @@ from jaxtyping import Float64
 
 from hypernav.core.components.registry import require
 from hypernav.core.errors import MissingExtraError, SceneError
+from hypernav.worlds.scenes.mesh_parts import MeshPart
 from hypernav.worlds.scenes.node_names import unique_name
 from hypernav.worlds.scenes.scene import Material
-from hypernav.worlds.scenes.scene_assembly import MeshPart
 
 _NOT_SOLID = ["IfcSpace", "IfcOpeningElement", "IfcAnnotation", "IfcGrid", "IfcVirtualElement"]
 _FAR_M = 1000.0

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from hypernav.worlds.scenes.scene_assembly import MeshPart
+from hypernav.worlds.scenes.mesh_parts import MeshPart
 
 _GAP_M = 20.0
 _MOST_AREA_M2, _MOST_SIDE_M = 25_000.0, 500.0

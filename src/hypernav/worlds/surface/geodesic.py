@@ -7,8 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int32, Int64, UInt8
 
 from hypernav.core.geometry.grid import has_cell
-from hypernav.worlds.surface.geodesic_kernels import first_bend, propagate, vertex_kinds
-from hypernav.worlds.surface.sight_kernels import UNITS
+from hypernav.worlds.surface.geodesic_kernels import UNITS, first_bend, propagate, vertex_kinds
 
 _NOWHERE = -1
 

@@ -14,10 +14,10 @@ from hypernav.core.geometry.grid import has_cell
 from hypernav.core.world import Position
 from hypernav.worlds.config import CELL_M
 from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.box_distance import is_near_box
 from hypernav.worlds.surface.geodesic import DistanceField, FreeSpace
-from hypernav.worlds.surface.storeys import Storey, find_storey
+from hypernav.worlds.surface.storey_floors import Storey, find_storey
 from hypernav.worlds.surface.walkable_kernels import label_components, slide, walk
+from hypernav.worlds.surface.walkable_surface import is_near_box
 
 _SMALLEST_ISLAND_M2 = 1.0
 """Smaller isolated parts are the insides of furniture and gaps behind it."""

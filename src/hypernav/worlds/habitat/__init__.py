@@ -1,1 +1,0 @@
-"""habitat-sim as a world, if it is installed: its images and its path finder."""

@@ -1,1 +1,0 @@
-"""Navigation mesh files of habitat-sim, read and written."""

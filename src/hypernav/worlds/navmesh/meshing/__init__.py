@@ -1,1 +1,0 @@
-"""Turns grids of standable cells into the polygons of a navigation mesh."""

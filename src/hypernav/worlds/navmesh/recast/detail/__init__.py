@@ -1,1 +1,0 @@
-"""Triangles of each polygon that follow the voxels' heights."""

@@ -1,1 +1,0 @@
-"""Outlines of regions, and the convex polygons within them."""

@@ -1,1 +1,0 @@
-"""Triangles as voxels, and the open space above those that a robot can stand on."""
