@@ -37,9 +37,9 @@ def run(options: Options) -> int:
         require(module, extra="robot")
     from hypernav.build.memories import check_memory_size
     from hypernav.build.presets import HyPerNavConfig
-    from hypernav.robot.server.access import Access
-    from hypernav.robot.server.agents import AgentPlan
+    from hypernav.robot.server.guard import Access
     from hypernav.robot.server.limits import ServerLimits
+    from hypernav.robot.server.searches.agents import AgentPlan
     from hypernav.robot.server.serving import check_access, read_token, serve
     from hypernav.robot.wire.requests import OpenSearch
 

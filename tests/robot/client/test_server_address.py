@@ -1,7 +1,7 @@
 import pytest
 
 from hypernav.core.errors import RobotLinkError
-from hypernav.robot.client.server_address import ServerAddress
+from hypernav.robot.client.links import ServerAddress
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from contextlib import closing, nullcontext
 import pytest
 
 from hypernav.core.errors import RosNetworkError, TransformMissingError
-from hypernav.robot.motion.velocity import STANDSTILL, Velocity
+from hypernav.robot.driving.base import STANDSTILL, Velocity
 from hypernav.robot.ros2.drives import given_back
 from hypernav.robot.ros2.guarded_output import GuardedOutput
 

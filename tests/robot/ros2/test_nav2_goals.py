@@ -17,10 +17,8 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.robot.ros2.config import Nav2Config, Ros2Config
 from hypernav.robot.ros2.drives import check_drive
 from hypernav.robot.ros2.idl_types import Bool, Twist, TwistStamped
-from hypernav.robot.ros2.nav2.aims import Aims, Motion, ToPose
-from hypernav.robot.ros2.nav2.goals import Nav2Goals
-from hypernav.robot.ros2.nav2.progress import Arrival, Progress, ShortOfGoals
-from hypernav.robot.ros2.nav2.wheel_hold import WheelHold
+from hypernav.robot.ros2.nav2_goals import Nav2Goals, WheelHold
+from hypernav.robot.ros2.nav2_progress import Aims, Arrival, Motion, Progress, ShortOfGoals, ToPose
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from loopback import DOMAIN, LOOPBACK
 

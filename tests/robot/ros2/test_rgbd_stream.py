@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.robot.ros2.rgbd_stream import RgbdStream
+from hypernav.robot.ros2.sensors import RgbdStream
 
 
 class Clock:

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.robot.ros2.rival_odometry import RivalOdometry
+from hypernav.robot.ros2.sensors import RivalOdometry
 
 
 def words_of(*poses: Pose2) -> str | None:

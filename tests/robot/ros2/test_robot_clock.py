@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from hypernav.robot.ros2.robot_clock import RobotClock
+from hypernav.robot.ros2.guarded_output import RobotClock
 
 AHEAD_S = 1.7e9
 """By how much the robot's clock is ahead of ours."""

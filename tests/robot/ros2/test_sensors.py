@@ -19,11 +19,11 @@ from hypernav.core.errors import (
     TransformMissingError,
 )
 from hypernav.robot.ros2 import idl_types as ros
-from hypernav.robot.ros2.base import Ros2Base
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.network import Quality, Ros2Network
-from hypernav.robot.ros2.poses import ros_time
+from hypernav.robot.ros2.outputs import ros_time
 from hypernav.robot.ros2.sensors import Ros2Sensors
+from hypernav.robot.ros2.velocity_base import Ros2Base
 from loopback import DOMAIN, LOOPBACK
 
 PITCH = math.radians(10.0)

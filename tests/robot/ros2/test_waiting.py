@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 
 from hypernav.core.errors import Nav2Error
-from hypernav.robot.ros2.nav2.waiting import wait_for
+from hypernav.robot.ros2.nav2_goals import wait_for
 
 
 def answers(*words: str | None) -> Callable[[], str | None]:

@@ -10,7 +10,7 @@ import pytest
 from hypernav.core.actions import Action
 from hypernav.core.errors import ModelUnavailableError, RunFolderError
 from hypernav.core.files.append_only import AppendOnlyFile
-from hypernav.robot.server.state.journal import Journal
+from hypernav.robot.server.searches.journal import Journal
 from hypernav.worlds.box_room import BoxRoom
 from servers.robots import body_of, drive, real_plan, robot_server
 

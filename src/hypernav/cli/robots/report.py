@@ -13,7 +13,7 @@ from hypernav.cli.options.robot import Report
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, OutputError, RunFolderError
 from hypernav.evaluation.field_study import StudyRow, TrialResult, study_rows
-from hypernav.robot.trials.field_trial import FieldTrial, read_trial
+from hypernav.robot.field_trial import FieldTrial, read_trial
 
 _COLUMNS = (
     *("goal", "method", "trials", "found", "success", "spl", "spl_low", "spl_high"),

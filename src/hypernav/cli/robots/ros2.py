@@ -37,10 +37,8 @@ from hypernav.core.errors import (
 )
 from hypernav.core.goal import Goal
 from hypernav.episodes.recorder import OUTPUT_FILES
-from hypernav.robot.client.links import HttpLink, HttpServer
-from hypernav.robot.client.robot_client import RobotClient
-from hypernav.robot.client.server_address import ServerAddress
-from hypernav.robot.client.stop_listener import StopListener
+from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
+from hypernav.robot.client.robot_client import RobotClient, StopListener
 from hypernav.robot.wire.replies import SearchEnding, SearchOpened
 from hypernav.robot.wire.requests import Intrinsics, OpenSearch
 

@@ -39,11 +39,8 @@ from hypernav.core.episodes.metrics import SUCCESS_DISTANCE_M, EpisodeMetrics, m
 from hypernav.core.errors import RequestRefusedError, RobotLinkError
 from hypernav.core.goal import Goal
 from hypernav.episodes.recorder import OUTPUT_FILES
-from hypernav.robot.client.links import HttpLink, HttpServer, Link
-from hypernav.robot.client.robot_client import RobotClient
-from hypernav.robot.client.server_address import ServerAddress
-from hypernav.robot.client.stop_listener import StopListener
-from hypernav.robot.client.websocket_link import WebSocketLink
+from hypernav.robot.client.links import HttpLink, HttpServer, Link, ServerAddress, WebSocketLink
+from hypernav.robot.client.robot_client import RobotClient, StopListener
 from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.simulation.base import MishapConfig, SimulatedBase
 from hypernav.robot.simulation.faulty_link import FaultyLink, NetworkFaults

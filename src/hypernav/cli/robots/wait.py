@@ -17,15 +17,12 @@ from hypernav.core.config import layered
 from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.errors import ConfigError, LinkLostError, RequestRefusedError
 from hypernav.core.goal import Goal
-from hypernav.robot.client.links import HttpLink, HttpServer
-from hypernav.robot.client.robot_client import RobotClient
-from hypernav.robot.client.server_address import ServerAddress
-from hypernav.robot.client.stop_listener import StopListener
+from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
+from hypernav.robot.client.robot_client import RobotClient, StopListener
 from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.simulation.base import SimulatedBase
 from hypernav.robot.wire.replies import SearchEnding
-from hypernav.robot.wire.requests import OpenSearch
-from hypernav.robot.wire.waiting import GivenGoal, is_robot_name
+from hypernav.robot.wire.requests import GivenGoal, OpenSearch, is_robot_name
 
 _PACE = 2.0
 """Simulated seconds per real second, slow enough for people to follow and to stop it."""

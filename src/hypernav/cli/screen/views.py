@@ -167,7 +167,7 @@ def opened_views(options: ViewOptions, info: EpisodeInfo, recorder: View | None)
 
             open_view(McapView(options.mcap, info))
         if options.view == "page":
-            from hypernav.robot.server.watching.page_view import PageView
+            from hypernav.robot.server.page_view import PageView
 
             open_view(PageView(info, interrupt))
         if options.view == "rerun":

@@ -55,15 +55,17 @@ from hypernav.robot.wire.requests import (
     CloseRequest,
     ColourPart,
     DepthPart,
+    GivenGoal,
+    GoalRequest,
     Intrinsics,
     LabelsPart,
     ObservationFacts,
     ObservationHeader,
     OpenSearch,
     StopRequest,
+    WaitingRobot,
 )
 from hypernav.robot.wire.values import PlanarPose, RigidMatrix
-from hypernav.robot.wire.waiting import GivenGoal, GoalRequest, WaitingRobot
 
 __all__ = [
     "CloseRequest",
