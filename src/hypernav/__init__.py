@@ -55,8 +55,7 @@ if TYPE_CHECKING:
     from hypernav.core.observation import Observation
     from hypernav.core.trace import StepTrace
     from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
-    from hypernav.evaluation.checks.agents import check_agent
-    from hypernav.evaluation.checks.worlds import check_world
+    from hypernav.evaluation.checks.contracts import check_agent, check_world
     from hypernav.evaluation.evaluate import evaluate
     from hypernav.evaluation.habitat_lab.benchmark import HabitatBenchmark
     from hypernav.evaluation.habitat_lab.env import HabitatEnv
@@ -208,9 +207,9 @@ _MODULES = {
     "Goal": "hypernav.core.goal",
     "Observation": "hypernav.core.observation",
     "StepTrace": "hypernav.core.trace",
-    "check_agent": "hypernav.evaluation.checks.agents",
+    "check_agent": "hypernav.evaluation.checks.contracts",
     "BoxRoom": "hypernav.worlds.box_room",
-    "check_world": "hypernav.evaluation.checks.worlds",
+    "check_world": "hypernav.evaluation.checks.contracts",
     "evaluate": "hypernav.evaluation.evaluate",
     "HabitatBenchmark": "hypernav.evaluation.habitat_lab.benchmark",
     "HabitatEnv": "hypernav.evaluation.habitat_lab.env",

@@ -9,7 +9,7 @@ from hypernav.build.env import ObjectNavConfig
 from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.core.config import layered
 from hypernav.core.errors import ConfigError
-from hypernav.evaluation.ablation.config_fields import values_by_field
+from hypernav.evaluation.ablation.switches import values_by_field
 from hypernav.worlds.drawing.renderer import RenderConfig
 
 

@@ -16,7 +16,7 @@ from hypernav.cli.main import main
 from hypernav.cli.options.agent import AgentOptions
 from hypernav.cli.options.eval import Options
 from hypernav.cli.run_choice import worker_count
-from hypernav.evaluation.run_session import available_cores
+from hypernav.evaluation.runner import available_cores
 
 QUICK = ("--workers", "1", "--max-steps", "30", *SMALL)
 

@@ -15,7 +15,7 @@ from hypernav.core.actions import Action
 from hypernav.core.embodiment import Embodiment, MotionConfig
 from hypernav.core.errors import ConfigError, GoalError, ModelError
 from hypernav.core.goal import Goal
-from hypernav.evaluation.checks.agents import check_agent
+from hypernav.evaluation.checks.contracts import check_agent
 from hypernav.models.policies.architecture import PIRLNAV, ZSON, PolicyArchitecture
 from hypernav.models.policies.network import PolicyNetwork
 

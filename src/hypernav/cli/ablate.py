@@ -17,11 +17,11 @@ from hypernav.cli.screen.eval_table import result_line
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.ablation.ablation_page import write_ablation
-from hypernav.evaluation.ablation.studies import STUDIES
+from hypernav.evaluation.ablation.model_quality import STUDIES
 from hypernav.evaluation.ablation.study import Method, Study, Variant, slug
-from hypernav.evaluation.ablation.study_name import StudyName
+from hypernav.evaluation.choices import StudyName
 from hypernav.evaluation.runner import check_scored, crash_of
-from hypernav.evaluation.store.study_folder import held_folder
+from hypernav.evaluation.store.run_store import held_folder
 
 
 def run(options: Options) -> int:

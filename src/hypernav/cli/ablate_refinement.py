@@ -18,8 +18,7 @@ from hypernav.evaluation.refinement.area_record import EpisodeAreas
 from hypernav.evaluation.refinement.page import result_lines, write_refinement
 from hypernav.evaluation.refinement.study import run_refinement_study
 from hypernav.evaluation.store.record_file import RecordFile
-from hypernav.evaluation.store.run_store import EPISODES_FILE
-from hypernav.evaluation.store.study_folder import held_folder
+from hypernav.evaluation.store.run_store import EPISODES_FILE, held_folder
 
 
 def run_refinement(options: Options) -> ExitStatus:

@@ -28,9 +28,9 @@ from hypernav.evaluation.run_cost import (
     cost_lines,
     kinds_asked,
 )
-from hypernav.evaluation.run_session import RunSession
 from hypernav.evaluation.runner import (
     RunProgress,
+    RunSession,
     begin_again,
     check_scored,
     crash_of,

@@ -6,7 +6,7 @@ from hypernav.cli.options.report import Options
 from hypernav.cli.screen.paper_table import show_beside_paper
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
-from hypernav.evaluation.report.beside_paper import beside_paper
+from hypernav.evaluation.report.published_results import beside_paper
 from hypernav.evaluation.report.report_page import REPORT_FILES, write_report
 from hypernav.evaluation.report.run_data import load_runs
 

@@ -18,7 +18,7 @@ from hypernav.core.errors import ConfigError, GoalError
 from hypernav.datasets.benchmarks import benchmark_of
 from hypernav.datasets.goal_types import goal_type_words, goal_types_in
 from hypernav.evaluation.run_plan import RunPlan, Selection
-from hypernav.evaluation.run_session import available_cores
+from hypernav.evaluation.runner import available_cores
 from hypernav.models.chat.vlm_spec import parse_vlm_spec
 from hypernav.worlds.habitat.simulator import require_habitat
 

@@ -17,7 +17,7 @@ from pydantic import (
 
 from hypernav.core.episodes.episode import Episode, Outcome
 from hypernav.core.episodes.metrics import measure
-from hypernav.evaluation.failures.classification import Facts, Failure, classify
+from hypernav.evaluation.failures import Facts, Failure, classify
 
 Length = Annotated[
     float,

@@ -6,7 +6,7 @@ from eval_runs import apart, record
 from hypernav.cli.screen.eval_table import outcome_lines, progress_table, result_line
 from hypernav.evaluation.report.report_text import interval
 from hypernav.evaluation.runner import RunProgress
-from hypernav.evaluation.summary import summarise
+from hypernav.evaluation.statistics import summarise
 
 
 def lines(*records):

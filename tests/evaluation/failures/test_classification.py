@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hypernav.core.episodes.episode import Outcome
-from hypernav.evaluation.failures.classification import (
+from hypernav.evaluation.failures import (
     MISPLACED_M,
     BelievedTarget,
     Facts,

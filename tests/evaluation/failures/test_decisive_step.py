@@ -3,8 +3,8 @@
 import pytest
 
 from hypernav.core.trace import DetectionRecord, Mode, StepTrace
-from hypernav.evaluation.failures.classification import Failure
-from hypernav.evaluation.failures.decisive_step import decisive_step
+from hypernav.evaluation.failure_evidence import decisive_step
+from hypernav.evaluation.failures import Failure
 
 AREA = [[(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)]]
 SEEN = [DetectionRecord(box=(0.0, 0.0, 1.0, 1.0), score=0.3, label="bed")]

@@ -15,7 +15,7 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import DetectionRecord, ExchangeLog, Mode, StepTrace
-from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.perception.local.ground_truth import GroundTruthDetector
 from small_episodes import episode_from

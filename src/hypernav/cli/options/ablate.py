@@ -9,7 +9,7 @@ import tyro
 from hypernav.build.component_specs import PresetName
 from hypernav.cli.options.agent import AgentOptions
 from hypernav.cli.options.eval import Options as EvalOptions
-from hypernav.evaluation.ablation.study_name import StudyName
+from hypernav.evaluation.choices import StudyName
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import tyro
 
 from hypernav.build.component_specs import BenchmarkName
 from hypernav.cli.options.agent import AgentOptions, FlatAgentOptions
-from hypernav.evaluation.save_choice import SaveChoice
+from hypernav.evaluation.choices import SaveChoice
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,17 @@ from rich.markup import escape
 from rich.table import Table
 
 from hypernav.cli.screen.warnings_shown import unusable_answers_line
-from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.report.report_text import interval, percent
 from hypernav.evaluation.runner import RunProgress
-from hypernav.evaluation.statistics import DRAWS, Estimate, drawn
-from hypernav.evaluation.summary import counted, failure_counts, summarise
+from hypernav.evaluation.statistics import (
+    DRAWS,
+    Estimate,
+    counted,
+    drawn,
+    failure_counts,
+    summarise,
+)
 
 _MOST_REASONS = 3
 """Largest number of reasons that are printed for episodes that don't count or didn't run."""

@@ -5,7 +5,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from hypernav.evaluation.report.beside_paper import BesidePaper
+from hypernav.evaluation.report.published_results import BesidePaper
 from hypernav.evaluation.statistics import Estimate
 
 

@@ -17,7 +17,7 @@ from hypernav.core.episodes.episode import Episode
 from hypernav.core.errors import RunFolderError, SceneError
 from hypernav.core.files.json_text import parse_json
 from hypernav.core.files.reading import read_file
-from hypernav.evaluation.store.run_files import write_whole
+from hypernav.evaluation.store.record_file import write_whole
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.worlds.scans.layout import ScanFiles
 from hypernav.worlds.scenes.loading import OBJECTS_FILE

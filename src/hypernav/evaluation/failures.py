@@ -2,7 +2,7 @@
 
 The classes are finer than those of the paper's failure analysis: every one of them but outages
 belongs to exactly one of these, by the paper's own definitions (`PaperFailure`). The evidence is
-gathered from trace and ground truth by `hypernav.evaluation.failures.failure_evidence`. The rules
+gathered from trace and ground truth by `hypernav.evaluation.failure_evidence`. The rules
 are applied in the order of `RULES`, and the first that holds decides:
 
 =================== ============================================================================

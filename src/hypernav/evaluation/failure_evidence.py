@@ -12,17 +12,49 @@ from jaxtyping import Bool, Float64
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.core.trace import DetectionRecord, Ending
+from hypernav.core.trace import DetectionRecord, Ending, StepTrace
 from hypernav.core.world import GoalTruth, Instance, SceneTruth
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeStep
-from hypernav.evaluation.failures.classification import (
+from hypernav.evaluation.failures import (
     MISPLACED_M,
     BelievedTarget,
     Facts,
+    Failure,
     TargetKind,
 )
 from hypernav.houses.near_misses import near_misses
 from hypernav.planning.planner import PlannedPath, Planner
+
+_WRONG_BELIEFS = frozenset(
+    {
+        Failure.FALSE_DETECTION,
+        Failure.LANGUAGE,
+        Failure.WRONG_MAP,
+        Failure.TARGET_SURROUNDED,
+    }
+)
+
+
+def decisive_step(failure: Failure, steps: Sequence[StepTrace]) -> int:
+    """Index of the step that decided a failed episode.
+
+    If the robot took a wrong object for the goal, or placed the goal wrongly, that is the step at
+    which it first did so; if it saw the goal and missed it, the first step with a detection; else
+    the last step.
+
+    Args:
+        failure: Class of the failure.
+        steps: Trace of the episode, at least one step.
+    """
+    last = len(steps) - 1
+    if failure in _WRONG_BELIEFS:
+        doubtful = (n for n in range(last, -1, -1) if not steps[n].goal_area)
+        return min(next(doubtful, -1) + 1, last)
+    if failure is Failure.SEEN_BUT_MISSED:
+        seen = (n for n, step in enumerate(steps) if step.detections)
+        return next(seen, last)
+    return last
+
 
 _SPACING_M = 0.05
 _BESIDE_M = 1.5
