@@ -6,7 +6,7 @@ import pytest
 
 from box_scenes import room_glb
 from hypernav.cli.main import main
-from hypernav.cli.screen.warnings_shown import no_such_object_line
+from hypernav.cli.screen.search_lines import no_such_object_line
 from hypernav.core.files.folder_lock import folder_lock
 from hypernav.core.goal import Goal
 from hypernav.houses.building import NOUNS

@@ -4,22 +4,57 @@ Signal handlers are installed first and everything else is imported after that, 
 the first second ends the program as it does later.
 """
 
+import logging
 import os
 import re
 import sys
+import sysconfig
 import threading
 import time
+import warnings
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import NoReturn
+from pathlib import Path
+from typing import Any, NoReturn
 
-from hypernav.cli.guards.crashes import ReportedCrashError, crash_report
+from hypernav.cli.guards.crashes import ExitStatus, ReportedCrashError, crash_report
 from hypernav.cli.guards.interruptions import Terminated, sigterm_as_interruption
-from hypernav.cli.guards.library_words import silence_libraries
-from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.core.components.exits import answer_exits, end_at_once
 from hypernav.core.errors import HyPerNavError, ModelUnavailableError
 from hypernav.core.text.visible_text import visible
+
+_LIBRARIES = tuple(
+    f"{folder}{os.sep}"
+    for folder in {
+        *(sysconfig.get_path(kind) for kind in ("stdlib", "purelib", "platlib")),
+        str(Path(__file__).parents[1]),
+    }
+)
+"""Folders of Python, of installed packages and of this one, where their warnings are placed."""
+
+
+def silence_libraries() -> None:
+    """Print nothing more that libraries log or warn of; code of a user's own is heard as before.
+
+    Python's options ``-W`` and ``PYTHONWARNINGS`` bring back the warnings.
+    """
+    if logging.lastResort is not None:
+        logging.lastResort.addFilter(lambda record: not _is_library(record.pathname))
+    os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")
+    if sys.warnoptions:
+        return
+    show = warnings.showwarning
+
+    def shown(message: Any, category: Any, filename: str, *more: Any, **named: Any) -> None:
+        if not _is_library(filename):
+            show(message, category, filename, *more, **named)
+
+    warnings.showwarning = shown
+
+
+def _is_library(file: str) -> bool:
+    return file.startswith(_LIBRARIES)
+
 
 _LINGER_S = 5.0
 """Time that threads of components have to end after the command has."""

@@ -17,10 +17,10 @@ from rich.status import Status
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.worlds import open_world
 from hypernav.cli.find import check_start, start_pose, start_values
+from hypernav.cli.guards.crashes import ExitStatus
 from hypernav.cli.guards.outputs import check_folder
-from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
-from hypernav.cli.options.robot import Simulate
+from hypernav.cli.robot import Simulate
 from hypernav.cli.robots.own_server import server_at
 from hypernav.cli.robots.recording import (
     found_start_values,

@@ -11,7 +11,7 @@ from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.worlds import open_world
 from hypernav.cli.find import check_start, given_start
 from hypernav.cli.options.agent import check_steps_and_seed
-from hypernav.cli.options.robot import Wait
+from hypernav.cli.robot import Wait
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.config import layered
 from hypernav.core.episodes.episode import MAX_STEPS, Episode

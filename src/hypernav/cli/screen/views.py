@@ -14,7 +14,7 @@ from rich.status import Status
 
 from hypernav.cli.guards.interruptions import Terminated, interrupt
 from hypernav.cli.guards.outputs import check_file
-from hypernav.cli.options.views import ViewOptions
+from hypernav.cli.options.agent import ViewOptions
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.components.extras import require
 from hypernav.core.config import check_option

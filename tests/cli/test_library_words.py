@@ -10,7 +10,7 @@ from hypernav.cli.main import main
 
 SCRIPT = """
 import logging, sysconfig, warnings
-from hypernav.cli.guards.library_words import silence_libraries
+from hypernav.cli.main import silence_libraries
 
 silence_libraries()
 theirs = sysconfig.get_path("purelib") + "/trimesh/load.py"

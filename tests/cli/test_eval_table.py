@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from eval_runs import apart, record
-from hypernav.cli.screen.eval_table import outcome_lines, progress_table, result_line
+from hypernav.cli.eval import outcome_lines, progress_table, result_line
 from hypernav.evaluation.report.report_text import interval
 from hypernav.evaluation.runner import RunProgress
 from hypernav.evaluation.statistics import summarise
