@@ -33,10 +33,10 @@ from hypernav.core.episodes.episode import Episode
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog, StepTrace
 from hypernav.houses.building import Building
-from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
+from hypernav.houses.episodes.start_poses import CLIMBING_BODY
 from hypernav.houses.generator import storeys_of
 from hypernav.houses.house_cache import cached_building
-from hypernav.houses.plan.shapes import FloorPlan, Rect, Stairwell
+from hypernav.houses.plan.floor_plan import FloorPlan, Rect, Stairwell
 from hypernav.mapping.memory.connectors import Passage
 from hypernav.show.climbs import Climb, climbs
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig

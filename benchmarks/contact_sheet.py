@@ -15,7 +15,7 @@ import tyro
 from PIL import Image, ImageOps
 
 from hypernav.houses.building import Building
-from hypernav.houses.export.views import interior_views, view_from_above
+from hypernav.houses.export.building_views import interior_views, view_from_above
 from hypernav.houses.generator import generate, plan_of
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.surface.walkable import WalkableGrid

@@ -26,7 +26,7 @@ from hypernav.core.episodes.episode import Episode
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.houses.building import Building
-from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
+from hypernav.houses.episodes.start_poses import CLIMBING_BODY
 from hypernav.houses.house_cache import cached_building
 
 _ABOVE_FLOOR_M = 0.3

@@ -40,7 +40,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.houses.generator import plan_of
-from hypernav.houses.plan.shapes import FloorPlan
+from hypernav.houses.plan.floor_plan import FloorPlan
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.local.ground_truth import GroundTruthDetector, visible_objects
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig

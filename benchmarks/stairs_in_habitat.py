@@ -18,7 +18,7 @@ import tyro
 
 from hypernav.datasets.benchmarks import BENCHMARKS
 from hypernav.houses.building import Building
-from hypernav.houses.export.files import ExportedBuilding, export_building
+from hypernav.houses.export.building_files import ExportedBuilding, export_building
 from hypernav.houses.generator import generate
 from hypernav.worlds.config import NavmeshChoice
 from hypernav.worlds.habitat.simulator import HabitatRenderer, require_habitat

@@ -42,7 +42,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
+from hypernav.houses.episodes.start_poses import CLIMBING_BODY
 from hypernav.mapping.blocks import blocks_of
 from hypernav.mapping.frontiers import find_frontiers
 from hypernav.mapping.memory.memory import Memory

@@ -17,9 +17,9 @@ from PIL import Image, ImageDraw, ImageFont, ImageOps
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.houses.building import Building
-from hypernav.houses.export.views import views_from_above
+from hypernav.houses.export.building_views import views_from_above
 from hypernav.houses.generator import generate, storeys_of
-from hypernav.houses.plan.shapes import FloorPlan
+from hypernav.houses.plan.floor_plan import FloorPlan
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.scenes.scene import Scene
 

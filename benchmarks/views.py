@@ -13,9 +13,9 @@ from hypernav.build.presets import preset
 from hypernav.core.episodes.episode import Episode
 from hypernav.core.goal import Goal
 from hypernav.episodes.episode_run import EpisodeRun
-from hypernav.show.video.frame import EpisodeInfo
-from hypernav.show.views.foxglove_view import McapView
-from hypernav.show.views.rerun_view import RrdView
+from hypernav.show.foxglove_view import McapView
+from hypernav.show.rerun_view import RrdView
+from hypernav.show.video_frame import EpisodeInfo
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.starts import random_start
 

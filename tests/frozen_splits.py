@@ -20,9 +20,8 @@ import numpy as np
 from hypernav.build.data.datasets import fingerprint, load_episodes
 from hypernav.datasets.habitat_format import EpisodeDataset
 from hypernav.houses.building import Building
-from hypernav.houses.episodes.episode_cache import cached_episodes
 from hypernav.houses.episodes.house_episodes import with_view_points
-from hypernav.houses.episodes.splits import SPLITS, BuildingSplit
+from hypernav.houses.episodes.splits import SPLITS, BuildingSplit, cached_episodes
 from hypernav.houses.house_cache import cached_building
 from hypernav.worlds.scenes.scene import Scene
 

@@ -9,11 +9,11 @@ from hypernav.cli.main import main
 from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_files import read_episodes
 from hypernav.houses.building import house
-from hypernav.houses.episodes import episode_cache
-from hypernav.houses.export import page
+from hypernav.houses.episodes import splits
+from hypernav.houses.episodes.queries import near_misses
+from hypernav.houses.export import building_page
 from hypernav.houses.export.habitat_data import HabitatData
 from hypernav.houses.generator import generate
-from hypernav.houses.near_misses import near_misses
 
 
 @pytest.fixture(autouse=True)
@@ -23,7 +23,7 @@ def own_cache(tmp_path, monkeypatch):
 
 @pytest.fixture
 def box_houses(monkeypatch):
-    monkeypatch.setattr(episode_cache, "cached_building", box_house)
+    monkeypatch.setattr(splits, "cached_building", box_house)
 
 
 def hypernav(*arguments):
@@ -51,7 +51,7 @@ def test_episodes_are_written_and_their_difficulty_is_told(box_houses, tmp_path,
 def test_a_second_run_writes_the_same_bytes_from_the_cache(box_houses, tmp_path, monkeypatch):
     command = ("houses", "episodes", "houses-ovon", "--houses", "2000:2001", "--quiet", "--out")
     assert hypernav(*command, tmp_path / "a.json.gz") == 0
-    monkeypatch.setattr(episode_cache, "cached_building", None)
+    monkeypatch.setattr(splits, "cached_building", None)
     assert hypernav(*command, tmp_path / "b.json.gz") == 0
     assert (tmp_path / "a.json.gz").read_bytes() == (tmp_path / "b.json.gz").read_bytes()
 
@@ -167,7 +167,9 @@ def test_a_split_that_does_not_exist_is_not_exported(what, words, tmp_path, caps
 
 
 def test_a_house_is_shown_on_a_page(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(page, "_page", lambda building, progress: f"page of {building.scene}")
+    monkeypatch.setattr(
+        building_page, "_page", lambda building, progress: f"page of {building.scene}"
+    )
     assert hypernav("houses", "show", "houses:12", "--out", tmp_path / "new") == 0
     path = tmp_path / "new" / "house_12.html"
     assert str(path) in capsys.readouterr().err.replace("\n", "")
@@ -176,7 +178,9 @@ def test_a_house_is_shown_on_a_page(tmp_path, monkeypatch, capsys):
 
 @pytest.mark.slow
 def test_other_buildings_are_shown_by_the_name_of_their_scene(tmp_path, monkeypatch):
-    monkeypatch.setattr(page, "_page", lambda building, progress: f"page of {building.scene}")
+    monkeypatch.setattr(
+        building_page, "_page", lambda building, progress: f"page of {building.scene}"
+    )
     assert hypernav("houses", "show", "shops:12", "--out", tmp_path, "--quiet") == 0
     assert (tmp_path / "shop_12.html").read_text() == "page of shops:12"
 

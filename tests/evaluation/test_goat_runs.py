@@ -15,7 +15,7 @@ from hypernav.evaluation.report.report_page import write_report
 from hypernav.evaluation.report.run_data import load_runs
 from hypernav.evaluation.run_plan import RunPlan
 from hypernav.evaluation.store.run_store import RunStore, read_configuration, read_records
-from hypernav.houses.export.files import export_building
+from hypernav.houses.export.building_files import export_building
 from hypernav.houses.house_cache import cached_building
 from hypernav.worlds.simulation import SimulatedWorld
 from scan_writers.goat import goat_life, goat_object, write_goat

@@ -14,8 +14,9 @@ from hypernav.build.data.datasets import fingerprint, load_episodes
 from hypernav.core.errors import EpisodeError
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.houses.building import Building
-from hypernav.houses.episodes import episode_cache, split_files
+from hypernav.houses.episodes import splits
 from hypernav.houses.episodes.splits import load_split
+from hypernav.houses.export import habitat_data
 from small_worlds import InScenes, small_config
 
 SPLIT = "houses-train"
@@ -27,9 +28,9 @@ def split(tmp_path_factory):
     """A split of two houses out of boxes."""
     cache = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(episode_cache, "cached_building", box_house)
-        patch.setattr(split_files, "cached_building", box_house)
-        patch.setattr(episode_cache, "cache_folder", lambda: cache)
+        patch.setattr(splits, "cached_building", box_house)
+        patch.setattr(habitat_data, "cached_building", box_house)
+        patch.setattr(splits, "cache_folder", lambda: cache)
         yield load_split(SPLIT, numbers=HOUSES)
 
 
@@ -37,7 +38,7 @@ def split(tmp_path_factory):
 def written(split, tmp_path_factory):
     """The split in one file."""
     file = tmp_path_factory.mktemp("split") / "val.json.gz"
-    split_files.write_split(split, file)
+    habitat_data.write_split(split, file)
     return file
 
 
@@ -95,7 +96,7 @@ def test_editing_a_view_point_changes_the_result(file, tmp_path):
 
 
 def test_a_split_in_a_folder_is_habitats_layout(split, tmp_path):
-    split_files.write_split(split, tmp_path / "val")
+    habitat_data.write_split(split, tmp_path / "val")
     assert sorted(p.name for p in (tmp_path / "val" / "content").iterdir()) == [
         "houses-5.json.gz",
         "houses-6.json.gz",

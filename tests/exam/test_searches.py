@@ -3,7 +3,6 @@
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from answers import TRUE_BOX, boxed, checked, chose
@@ -27,12 +26,7 @@ NAY = [*PERFECT[:3], checked("there", "no"), checked("not there", "no"), chose(1
 
 @pytest.fixture(autouse=True)
 def two_rooms_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(searches, "load_scene", lambda *_: None)
-    monkeypatch.setattr(
-        searches,
-        "open_world",
-        lambda *_: SimpleNamespace(world=two_rooms(), renderer=SimpleNamespace()),
-    )
+    monkeypatch.setattr(searches, "open_world", lambda *_, **__: two_rooms())
     monkeypatch.setattr(type(two_rooms()), "close", lambda _: None)
 
 

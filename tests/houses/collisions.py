@@ -4,9 +4,8 @@ from itertools import combinations
 
 import numpy as np
 
-from hypernav.houses.assembly import PlacedModel
-from hypernav.houses.labelling import bounding_box
-from hypernav.houses.modelling.mesh import Mesh, Part, rotation_matrix
+from hypernav.houses.assembly import PlacedModel, bounding_box
+from hypernav.houses.modelling.model import Mesh, Part, rotation_matrix
 
 ALLOWED_M = 0.01
 _BUILDING = ("floor", "wall", "ceiling", "facade")

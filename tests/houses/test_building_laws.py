@@ -12,9 +12,9 @@ from hypernav.core.goal import Goal
 from hypernav.core.world import Instance
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
-from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
+from hypernav.houses.episodes.start_poses import CLIMBING_BODY
 from hypernav.houses.generator import generate, placed_models, storeys_of
-from hypernav.houses.plan.shapes import FloorPlan
+from hypernav.houses.plan.floor_plan import FloorPlan
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
 from hypernav.worlds.navmesh.surface import NavmeshSurface

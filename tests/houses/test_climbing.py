@@ -12,7 +12,7 @@ from hypernav.core.embodiment import CameraConfig, Embodiment, MotionConfig
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.core.world import Position
 from hypernav.houses.building import Building
-from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
+from hypernav.houses.episodes.start_poses import CLIMBING_BODY
 from hypernav.houses.generator import generate
 from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.drawing.rays import RayCaster

@@ -11,7 +11,7 @@ from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.splits import SPLITS
 from hypernav.houses.generator import generate, placed_models, plan_of
-from hypernav.houses.plan.crowded_plans import MEETING_ROOMS, screen_side, wide_opening
+from hypernav.houses.plan.office_plans import MEETING_ROOMS, screen_side, wide_opening
 from hypernav.worlds.drawing.rays import RayCaster
 from hypernav.worlds.surface.view_points import view_points
 from hypernav.worlds.surface.walkable import WalkableGrid

@@ -6,7 +6,7 @@ import numpy as np
 
 from hypernav.houses.assembly import CompactScene
 from hypernav.houses.building import BUILTIN_HOUSE, house
-from hypernav.houses.export.backs import with_backs
+from hypernav.houses.export.glb import with_backs
 from hypernav.houses.generator import build_compact
 
 _SQUARE = [[0, 1, 2], [0, 2, 3]]

@@ -10,12 +10,11 @@ from hypernav.build.data.datasets import load_episodes
 from hypernav.cli import houses
 from hypernav.cli.main import main
 from hypernav.core.errors import EpisodeError
-from hypernav.houses.episodes import episode_cache
-from hypernav.houses.episodes.split_files import of_scene
+from hypernav.houses.episodes import splits
 from hypernav.houses.episodes.splits import load_split
 from hypernav.houses.export import habitat_data
-from hypernav.houses.export.files import ExportedBuilding
-from hypernav.houses.export.habitat_data import HabitatData, export_split
+from hypernav.houses.export.building_files import ExportedBuilding
+from hypernav.houses.export.habitat_data import HabitatData, export_split, of_scene
 
 SPLIT = "houses-train"
 ENDINGS = (".glb", ".objects.json", ".semantic.glb", ".semantic.txt", ".navmesh")
@@ -33,7 +32,7 @@ def empty_files(building, out_dir):
 @pytest.fixture
 def dataset(tmp_path, monkeypatch):
     """Two houses out of boxes, whose scenes are exported as empty files."""
-    monkeypatch.setattr(episode_cache, "cached_building", box_house)
+    monkeypatch.setattr(splits, "cached_building", box_house)
     monkeypatch.setattr(habitat_data, "cached_building", box_house)
     monkeypatch.setattr(habitat_data, "export_building", empty_files)
     monkeypatch.setattr(habitat_data.NavmeshSurface, "load", lambda path: None)

@@ -6,9 +6,9 @@ from hypothesis import strategies as st
 
 from hypernav.houses.building import BUILTIN_HOUSE, house
 from hypernav.houses.generator import plan_of
-from hypernav.houses.plan.doors import leaf_rect
-from hypernav.houses.plan.program import LIMITS
-from hypernav.houses.plan.shapes import FloorPlan
+from hypernav.houses.plan.floor_plan import FloorPlan
+from hypernav.houses.plan.home_plans import LIMITS
+from hypernav.houses.plan.openings import leaf_rect
 
 SOME = (0, 1, 5, 1000, 1017, 2003, 54_321, 987_654_321)
 PASSABLE = ("hall", "living room", "dining room", "kitchen")

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from hypernav.houses.building import BUILTIN_HOUSE, house
-from hypernav.houses.export.files import export_building
+from hypernav.houses.export.building_files import export_building
 from hypernav.worlds.navmesh.navmesh import Navmesh
 
 ANSWERS = json.loads(Path(__file__).with_name("habitat_answers.json").read_text())

@@ -19,8 +19,8 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.datasets.habitat_frames import positions_from_habitat
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.houses.building import house
-from hypernav.houses.episodes import episode_cache
-from hypernav.houses.episodes.ground_truth import HouseGroundTruth
+from hypernav.houses.episodes import splits
+from hypernav.houses.episodes.building_truth import HouseGroundTruth
 from hypernav.houses.episodes.splits import load_split
 from hypernav.houses.export.habitat_data import HabitatData, export_split
 from hypernav.houses.house_cache import cached_building
@@ -53,7 +53,7 @@ def cache(tmp_path_factory):
 @pytest.fixture(scope="module")
 def data(cache, tmp_path_factory) -> HabitatData:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(episode_cache, "cache_folder", lambda: cache)
+        patch.setattr(splits, "cache_folder", lambda: cache)
         dataset = load_split(SPLIT, numbers=range(NUMBER, NUMBER + 1), cache=cache)
     return export_split(dataset, SPLIT, tmp_path_factory.mktemp("habitat") / "data", cache=cache)
 
@@ -188,7 +188,7 @@ def test_objects_have_the_numbers_of_the_semantics(episodes):
 
 
 def test_our_own_evaluation_of_the_files_is_that_of_the_houses(data, cache, tmp_path, monkeypatch):
-    monkeypatch.setattr(episode_cache, "cache_folder", lambda: cache)
+    monkeypatch.setattr(splits, "cache_folder", lambda: cache)
     read = load_episodes(f"habitat:{data.episodes}")
     own = load_episodes(f"{SPLIT}#{NUMBER}")
     assert [(e.goal, e.start, e.start_z) for e in read] == [
@@ -243,7 +243,7 @@ def test_an_export_is_compared_on_its_own_mesh(data, monkeypatch, capsys):
 
 
 def test_a_folder_that_cannot_be_written_is_an_error(data, cache, tmp_path, monkeypatch):
-    monkeypatch.setattr(episode_cache, "cache_folder", lambda: cache)
+    monkeypatch.setattr(splits, "cache_folder", lambda: cache)
     dataset = load_split(SPLIT, numbers=range(NUMBER, NUMBER + 1), cache=cache)
     (tmp_path / "datasets").write_text("in the way")
     with pytest.raises(EpisodeError, match="cannot be written"):

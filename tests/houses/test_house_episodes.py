@@ -13,16 +13,15 @@ from hypernav.core.goal import Goal
 from hypernav.datasets.habitat_files import read_episodes, write_episodes
 from hypernav.datasets.habitat_frames import pose_from_habitat
 from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
-from hypernav.houses.episodes import episode_cache
-from hypernav.houses.episodes.difficulty import difficulty
-from hypernav.houses.episodes.ground_truth import HouseGroundTruth
+from hypernav.houses.episodes import splits
+from hypernav.houses.episodes.building_truth import HouseGroundTruth
 from hypernav.houses.episodes.house_episodes import (
     EPISODES_PER_HOUSE,
     house_episodes,
     with_view_points,
 )
-from hypernav.houses.episodes.rules import CATEGORIES, HABITAT_CATEGORIES, RULES
-from hypernav.houses.episodes.splits import EPISODES_PER_ROUND, SPLITS, load_split
+from hypernav.houses.episodes.queries import CATEGORIES, HABITAT_CATEGORIES, RULES
+from hypernav.houses.episodes.splits import EPISODES_PER_ROUND, SPLITS, difficulty, load_split
 from hypernav.houses.generator import generate
 
 HOUSE = BUILTIN_HOUSE
@@ -44,7 +43,7 @@ def dataset(builtin_scene, request):
 @pytest.fixture
 def box_houses(monkeypatch):
     """Splits of houses made of boxes, which take no time to build."""
-    monkeypatch.setattr(episode_cache, "cached_building", box_house)
+    monkeypatch.setattr(splits, "cached_building", box_house)
 
 
 def check_laws(dataset, truth):
@@ -251,20 +250,20 @@ def test_a_split_visits_houses_in_rounds_and_subsets_agree(box_houses, tmp_path)
 
 
 def test_a_broken_cache_file_is_made_again(box_houses, tmp_path, monkeypatch):
-    fresh = episode_cache.cached_episodes(house(5), "categories", tmp_path)
+    fresh = splits.cached_episodes(house(5), "categories", tmp_path)
     (path,) = tmp_path.rglob("*.json.gz")
     good = path.read_bytes()
     path.write_bytes(good[: len(good) // 2])
-    assert episode_cache.cached_episodes(house(5), "categories", tmp_path) == fresh
+    assert splits.cached_episodes(house(5), "categories", tmp_path) == fresh
     assert path.read_bytes() == good
-    monkeypatch.setattr(episode_cache, "cached_building", None)
-    assert episode_cache.cached_episodes(house(5), "categories", tmp_path) == fresh
+    monkeypatch.setattr(splits, "cached_building", None)
+    assert splits.cached_episodes(house(5), "categories", tmp_path) == fresh
 
 
 def test_a_cache_that_cannot_be_written_is_done_without(box_houses, tmp_path):
     occupied = tmp_path / "file"
     occupied.write_text("not a folder")
-    assert episode_cache.cached_episodes(house(5), "categories", occupied).episodes
+    assert splits.cached_episodes(house(5), "categories", occupied).episodes
 
 
 @pytest.mark.freeze

@@ -11,10 +11,13 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.houses.building import BUILTIN_HOUSE, house
-from hypernav.houses.export.dataset_config import write_dataset_config
-from hypernav.houses.export.descriptions import describe
-from hypernav.houses.export.files import ExportedBuilding, export_building
-from hypernav.houses.export.page import building_page
+from hypernav.houses.export.building_files import (
+    ExportedBuilding,
+    describe,
+    export_building,
+    write_dataset_config,
+)
+from hypernav.houses.export.building_page import building_page
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.scenes.loading import read_scene

@@ -3,7 +3,7 @@ import pytest
 
 from hypernav.houses.random_stream import RandomStream
 from hypernav.houses.textures.library import _MAKERS, texture
-from hypernav.houses.textures.noise import cloud_noise, smooth_noise, to_image
+from hypernav.houses.textures.patterns import cloud_noise, smooth_noise, to_image
 
 
 @pytest.mark.parametrize("name", _MAKERS)

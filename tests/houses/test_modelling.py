@@ -5,10 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hypernav.houses.modelling.mesh import Mesh, join
+from hypernav.houses.modelling.curves import ball, cylinder, lathe, rod, rounded_outline, tube
+from hypernav.houses.modelling.model import Mesh, join
 from hypernav.houses.modelling.solids import box, cushion, prism
-from hypernav.houses.modelling.surfaces import ball, cylinder, lathe, rounded_outline
-from hypernav.houses.modelling.tubes import rod, tube
 
 SIDE = st.floats(0.05, 3.0)
 

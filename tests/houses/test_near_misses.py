@@ -3,7 +3,7 @@ import numpy as np
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.world import Instance
-from hypernav.houses.near_misses import near_misses
+from hypernav.houses.episodes.queries import near_misses
 from hypernav.worlds.scenes.scene import Scene
 
 LABELS = (

@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hypernav.houses.materials import sample_palette
+from hypernav.houses.modelling.materials import sample_palette
 from hypernav.houses.modelling.model import Model
 from hypernav.houses.objects.catalogue import all_makers
 from hypernav.houses.random_stream import RandomStream

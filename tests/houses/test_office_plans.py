@@ -5,10 +5,9 @@ import pytest
 
 from hypernav.houses.building import Building
 from hypernav.houses.generator import plan_of
-from hypernav.houses.plan.doors import leaf_rect
-from hypernav.houses.plan.public_plans import LEAST_M2, MOST_M2
-from hypernav.houses.plan.shapes import FloorPlan, Rect
-from hypernav.houses.plan.strips import StripProgram, Width, fill_strip
+from hypernav.houses.plan.floor_plan import FloorPlan, Rect
+from hypernav.houses.plan.openings import leaf_rect
+from hypernav.houses.plan.public_plans import LEAST_M2, MOST_M2, StripProgram, Width, fill_strip
 from hypernav.houses.random_stream import RandomStream
 
 NUMBERS = range(40)

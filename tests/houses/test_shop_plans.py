@@ -4,8 +4,8 @@ import pytest
 
 from hypernav.houses.building import Building
 from hypernav.houses.generator import plan_of
+from hypernav.houses.plan.floor_plan import FloorPlan
 from hypernav.houses.plan.public_plans import LEAST_M2, MOST_M2
-from hypernav.houses.plan.shapes import FloorPlan
 from hypernav.houses.plan.shop_plans import HALLS
 
 NUMBERS = range(40)

@@ -12,11 +12,10 @@ from hypernav.core.embodiment import BodyConfig
 from hypernav.core.world import Position
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.house_episodes import house_episodes
-from hypernav.houses.episodes.storey_starts import CLIMBING_BODY
-from hypernav.houses.export.files import export_building
+from hypernav.houses.episodes.start_poses import CLIMBING_BODY
+from hypernav.houses.export.building_files import export_building
 from hypernav.houses.generator import generate, storeys_of
-from hypernav.houses.plan.stairs import LEAST_RISER_M, MOST_RISER_M
-from hypernav.houses.plan.storey_plans import SLAB_M
+from hypernav.houses.plan.storey_plans import LEAST_RISER_M, MOST_RISER_M, SLAB_M
 from hypernav.worlds.navmesh.files.reader import navmesh_of
 from hypernav.worlds.navmesh.navmesh import Navmesh
 from hypernav.worlds.navmesh.robot_navmesh import computed_for, robot_navmesh

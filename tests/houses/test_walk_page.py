@@ -24,13 +24,19 @@ from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.houses.building import BUILTIN_HOUSE, Building, house
-from hypernav.houses.export import page as page_module
-from hypernav.houses.export.page import building_page
-from hypernav.houses.export.panorama import SLICES, Panorama, draw_panorama, slice_camera
-from hypernav.houses.export.views import camera_pose
-from hypernav.houses.export.walk_graph import WalkGraph, walk_graph
+from hypernav.houses.export import building_page as page_module
+from hypernav.houses.export.building_page import building_page
+from hypernav.houses.export.building_views import camera_pose
+from hypernav.houses.export.walk import (
+    SLICES,
+    Panorama,
+    WalkGraph,
+    draw_panorama,
+    slice_camera,
+    walk_graph,
+)
 from hypernav.houses.generator import generate, plan_of
-from hypernav.houses.plan.shapes import FloorPlan
+from hypernav.houses.plan.floor_plan import FloorPlan
 from hypernav.worlds.drawing.renderer import CpuRenderer
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.walkable import WalkableGrid

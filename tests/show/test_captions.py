@@ -5,7 +5,7 @@ import pytest
 from hypernav.core.trace import DetectionRecord, Exchange, Mode, StepTrace
 from hypernav.show import captions
 from hypernav.show.drawing import palette
-from hypernav.show.video.frame import EpisodeInfo
+from hypernav.show.video_frame import EpisodeInfo
 
 
 def test_the_gist_of_a_long_prompt_is_its_question() -> None:

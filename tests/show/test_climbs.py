@@ -33,7 +33,7 @@ def walk(make_step: MakeStep, *stretches: tuple[Mode, int | None, int]) -> list[
 def test_stairs_lead_from_where_the_climb_began_to_where_it_ended(make_step: MakeStep) -> None:
     steps = walk(make_step, (Mode.EXPLORE, None, 3), (Mode.CLIMB, None, 4), (Mode.EXPLORE, 2, 2))
     made = climbs(steps)
-    assert made == [Climb(3, 6, 1, 2, in_vain=False, ends=((3.0, 0.0), (6.0, 0.0)))]
+    assert made == [Climb(3, 6, 1, 2, given_up=False, ends=((3.0, 0.0), (6.0, 0.0)))]
     assert stairs_on(1, made) == [StairsMark((3.0, 0.0), "to floor 2")]
     assert stairs_on(2, made) == [StairsMark((6.0, 0.0), "to floor 1")]
     assert stairs_on(3, made) == []
@@ -52,7 +52,7 @@ def test_stairs_that_were_given_up_are_no_way(make_step: MakeStep) -> None:
     steps = walk(make_step, (Mode.CLIMB, 2, 3), (Mode.EXPLORE, 2, 1))
     given_up = steps[3].model_copy(update={"events": ["stairs given up"]})
     made = climbs([*steps[:3], given_up])
-    assert [one.in_vain for one in made] == [True]
+    assert [one.given_up for one in made] == [True]
     assert stairs_on(2, made) == [StairsMark((0.0, 0.0), "no way")]
     assert climb_words(made[0], 1, {}).startswith("Stairs tried in vain")
 
@@ -77,18 +77,18 @@ def test_stairs_on_which_the_robot_is_are_not_given_up(make_step: MakeStep) -> N
 
 
 def test_stairs_that_were_taken_once_lead_there() -> None:
-    begun = Climb(3, 4, 1, None, in_vain=True, ends=((0.0, 0.0), (1.0, 0.0)))
-    taken = Climb(9, 12, 1, 2, in_vain=False, ends=((0.5, 0.0), (3.0, 0.0)))
+    begun = Climb(3, 4, 1, None, given_up=True, ends=((0.0, 0.0), (1.0, 0.0)))
+    taken = Climb(9, 12, 1, 2, given_up=False, ends=((0.5, 0.0), (3.0, 0.0)))
     mark = StairsMark((0.5, 0.0), "to floor 2")
     assert stairs_on(1, [begun, taken]) == [mark] == stairs_on(1, [taken, begun])
 
 
 def test_of_two_flights_that_begin_at_one_landing_both_are_marked() -> None:
-    down = Climb(0, 2, 1, 2, in_vain=False, ends=((5.0, 0.0), (0.0, 0.0)))
-    up = Climb(5, 9, 2, 3, in_vain=False, ends=((0.5, 0.0), (5.0, 0.0)))
+    down = Climb(0, 2, 1, 2, given_up=False, ends=((5.0, 0.0), (0.0, 0.0)))
+    up = Climb(5, 9, 2, 3, given_up=False, ends=((0.5, 0.0), (5.0, 0.0)))
     marks = [StairsMark((0.0, 0.0), "to floor 1"), StairsMark((0.5, 0.0), "to floor 3")]
     assert stairs_on(2, [down, up]) == marks
-    again = Climb(12, 14, 2, 3, in_vain=False, ends=((0.4, 0.0), (5.0, 0.0)))
+    again = Climb(12, 14, 2, 3, given_up=False, ends=((0.4, 0.0), (5.0, 0.0)))
     assert stairs_on(2, [down, up, again]) == [marks[0], StairsMark((0.4, 0.0), "to floor 3")]
 
 
@@ -151,5 +151,5 @@ def test_a_search_may_begin_on_any_floor_that_is_remembered() -> None:
     ],
 )
 def test_a_climb_goes_up_or_down(heights_m: dict[int, float], words: str) -> None:
-    climb = Climb(0, 3, 1, 2, in_vain=False, ends=((0.0, 0.0), (1.0, 0.0)))
+    climb = Climb(0, 3, 1, 2, given_up=False, ends=((0.0, 0.0), (1.0, 0.0)))
     assert climb_words(climb, 1, heights_m) == words

@@ -13,11 +13,11 @@ from hypernav.core.exploring.insight import (
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.show.drawing import palette
-from hypernav.show.drawing.arrows import ArrowStyle, draw_arrows, foot_pixel
-from hypernav.show.drawing.insight_overlays import draw_graph, draw_values
+from hypernav.show.drawing.map_images import draw_graph, draw_values
 from hypernav.show.drawing.map_painter import MapPainter
 from hypernav.show.drawing.map_view import MapView
-from hypernav.show.video.insight_panel import draw_insight
+from hypernav.show.drawing.shapes import ArrowStyle, draw_arrows, foot_pixel
+from hypernav.show.video_frame import draw_insight
 
 GREY = np.full((240, 320, 3), 120, np.uint8)
 CAMERA = PinholeCamera.from_hfov(320, 240, 79.0)

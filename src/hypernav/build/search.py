@@ -13,6 +13,7 @@ from hypernav.core.episodes.episode import MAX_STEPS, Episode
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.world import Simulator
 from hypernav.episodes.episode_run import EpisodeRun
 from hypernav.mapping.memory.memory import Memory
 from hypernav.mapping.memory.memory_folder import MemoryFolder
@@ -21,7 +22,7 @@ from hypernav.worlds.scenes.scene import Scene
 
 def find(
     goal: Goal | str,
-    scene: Scene | str = "builtin",
+    scene: Scene | Simulator | str = "builtin",
     *,
     agent: Agent | BuiltAgent | None = None,
     config: HyPerNavConfig | None = None,
@@ -35,7 +36,7 @@ def find(
 
     Args:
         goal: What to find.
-        scene: A loaded scene, or its name as `load_scene` understands it.
+        scene: A loaded scene, its name as `load_scene` understands it, or a world of your own.
         agent: Agent that searches; by default the one of this package, built from ``config``. An
             agent of your own must be built for the robot of ``config``.
         config: Values of the method, the robot and its simulation; the preset ``default`` unless
@@ -80,8 +81,12 @@ def find(
         agent.check_goal(goal)
         agent, truth = agent.agent, agent.truth
     agent = through_door(agent, Agent)
-    name = scene if isinstance(scene, str) else scene.name
-    world = open_world(scene, config) if isinstance(scene, str) else in_our_own(scene, config)
+    if isinstance(scene, Simulator):
+        world, name = scene, scene.truth.name
+    elif isinstance(scene, Scene):
+        world, name = in_our_own(scene, config), scene.name
+    else:
+        world, name = open_world(scene, config), scene
     rng = np.random.default_rng(seed)
     start = start or world.truth.random_start(rng, goal)
     episode = Episode(name, "", goal, start, max_steps=max_steps)

@@ -55,7 +55,7 @@ from hypernav.datasets.benchmarks import robot_in
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
 from hypernav.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
 from hypernav.mapping.memory.memory_folder import MemoryFolder
-from hypernav.show.video.frame import EpisodeInfo
+from hypernav.show.video_frame import EpisodeInfo
 from hypernav.warmup.background import warm_up_in_background
 from hypernav.worlds.simulated_robot import check_standable
 
@@ -111,7 +111,7 @@ def _find(options: FindOptions, goal: Goal, folder: Path) -> ExitStatus:
         warnings_on(console),
         warm_up_in_background(console.print),
         console.status("loading the building …") as status,
-        closing(open_world(options.scene, config)) as world,
+        closing(open_world(options.scene, config, options.world)) as world,
         ExitStack() as opened,
     ):
         rng = np.random.default_rng(options.seed)

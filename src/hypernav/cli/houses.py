@@ -15,13 +15,17 @@ from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.core.text.whole_numbers import is_whole_number
 from hypernav.houses.building import NOUNS, Building
-from hypernav.houses.episodes.difficulty import Difficulty, difficulty
-from hypernav.houses.episodes.split_files import is_file_name, write_split
-from hypernav.houses.episodes.splits import SPLITS, load_split, numbers_of, split_named
-from hypernav.houses.export.dataset_config import write_dataset_config
-from hypernav.houses.export.files import export_building
-from hypernav.houses.export.habitat_data import HabitatData, export_split
-from hypernav.houses.export.page import building_page
+from hypernav.houses.episodes.splits import (
+    SPLITS,
+    Difficulty,
+    difficulty,
+    load_split,
+    numbers_of,
+    split_named,
+)
+from hypernav.houses.export.building_files import export_building, write_dataset_config
+from hypernav.houses.export.building_page import building_page
+from hypernav.houses.export.habitat_data import HabitatData, export_split, is_file_name, write_split
 
 
 def run(options: Show | Export | Episodes | Splits) -> int:

@@ -35,7 +35,7 @@ from hypernav.mapping.memory.things import Things
 from hypernav.show.climbs import StairsMark
 from hypernav.show.drawing.map_painter import MapPainter
 from hypernav.show.drawing.map_view import MapView
-from hypernav.show.pages.templating import data_uri, image_uri, page_environment
+from hypernav.show.templating import data_uri, image_uri, page_environment
 
 _PLAN_PX = 900
 _DRIVEN_M = 1.0

@@ -137,6 +137,7 @@ class KeepsMapFrame(Protocol):
         ...
 
 
+@runtime_checkable
 class HasSurfaces(Protocol):
     """Whatever knows the surfaces of a scene's instances."""
 

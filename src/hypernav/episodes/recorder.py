@@ -23,8 +23,8 @@ from hypernav.core.view import json_values
 from hypernav.mapping.ros_map import save_ros_map
 from hypernav.perception.exchanges import unusable_answers
 from hypernav.show.drawing.map_images import write_map_png
-from hypernav.show.pages.episode_page import write_page
-from hypernav.show.video.episode_video import EpisodeVideo
+from hypernav.show.episode_page import write_page
+from hypernav.show.episode_video import EpisodeVideo
 
 OUTPUT_FILES = (
     *("trace.jsonl", "timings.jsonl", "trajectory.tum", "episode.mp4", "map.png", "map.pgm"),

@@ -22,7 +22,7 @@ from hypernav.evaluation.failures import (
     Failure,
     TargetKind,
 )
-from hypernav.houses.near_misses import near_misses
+from hypernav.houses.episodes.queries import near_misses
 from hypernav.planning.planner import PlannedPath, Planner
 
 _WRONG_BELIEFS = frozenset(

@@ -33,7 +33,7 @@ from hypernav.episodes.true_paths import true_paths
 from hypernav.exam.bank import VIEWS, Sheet
 from hypernav.exam.image_questions import close_by, of_frame, of_images, of_stops
 from hypernav.exam.questions import ExamQuestion, best_of
-from hypernav.houses.episodes.rules import RULES
+from hypernav.houses.episodes.queries import RULES
 from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.perception.explorers.map_question import offered_blocks
 from hypernav.perception.local.ground_truth import GroundTruthDetector

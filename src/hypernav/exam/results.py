@@ -22,7 +22,7 @@ from hypernav.exam.prediction import Prediction
 from hypernav.exam.questions import KINDS, STRATA, Answered
 from hypernav.exam.worth import worth_of
 from hypernav.models.chat.unwrapping import unwrapped
-from hypernav.show.pages.templating import data_uri, page_environment, plain
+from hypernav.show.templating import data_uri, page_environment, plain
 
 PAGE, RESULT = "index.html", "exam.json"
 _MOST_WRONG, _MOST_RIGHT = 9, 3

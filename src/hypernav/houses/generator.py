@@ -1,25 +1,104 @@
-"""Generation of a building from its number."""
+"""Kinds of buildings, and generation of a building from its number."""
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
-from hypernav.houses.assembly import CompactScene, PlacedModel, compact, to_scene
-from hypernav.houses.building import VERSION, Building
-from hypernav.houses.furnishing.rooms import furnish_rooms
-from hypernav.houses.kinds.building_kind import BuildingKind
-from hypernav.houses.kinds.crowded import CROWDED
-from hypernav.houses.kinds.homes import HOMES
-from hypernav.houses.kinds.offices import OFFICES
-from hypernav.houses.kinds.shops import SHOPS
-from hypernav.houses.kinds.storeys import kind_of, program_of
-from hypernav.houses.labelling import name_and_label
-from hypernav.houses.materials import sample_palette
-from hypernav.houses.plan.shapes import FloorPlan
-from hypernav.houses.plan.storey_plans import sample_storeys
+from hypernav.houses.assembly import CompactScene, PlacedModel, compact, name_and_label, to_scene
+from hypernav.houses.building import BUILTIN_HOUSE, VERSION, Building
+from hypernav.houses.furnishing.crowded_offices import CROWDED_FURNISHING
+from hypernav.houses.furnishing.home import HOME_FURNISHING
+from hypernav.houses.furnishing.offices import OFFICE_FURNISHING
+from hypernav.houses.furnishing.rooms import Furnishing, furnish_rooms
+from hypernav.houses.furnishing.shops import SHOP_FURNISHING
+from hypernav.houses.modelling.materials import sample_palette
+from hypernav.houses.plan.floor_plan import FloorPlan
+from hypernav.houses.plan.home_plans import sample_plan, small_flat
+from hypernav.houses.plan.office_plans import OFFICE_PLANS, crowded_plan
+from hypernav.houses.plan.public_plans import sample_public_plan
+from hypernav.houses.plan.shop_plans import SHOP_PLANS
+from hypernav.houses.plan.storey_plans import (
+    HOME_STOREYS,
+    OFFICE_STOREYS,
+    StoreyProgram,
+    sample_storeys,
+)
 from hypernav.houses.random_stream import RandomStream
 from hypernav.houses.shell.doors_and_windows import build_openings
+from hypernav.houses.shell.finishes import RoomFinish, public_finishes, room_finishes
 from hypernav.houses.shell.room_surfaces import build_rooms
 from hypernav.houses.shell.stairs import build_stairs
 from hypernav.worlds.scenes.scene import Scene
+
+_OFFICE_CARPETS = {
+    **dict.fromkeys(("office", "open office", "meeting room", "conference room"), 0.75),
+    **dict.fromkeys(("corridor", "lounge"), 0.4),
+}
+
+_SHOP_CARPETS = {
+    "library": 0.6,
+    "reading room": 0.6,
+    "clothes shop": 0.3,
+    "bookshop": 0.4,
+    "office": 0.6,
+}
+
+
+@dataclass(frozen=True)
+class BuildingKind:
+    """Kind of building: its plans, its surfaces and its furniture.
+
+    Attributes:
+        sample_plan: Gives the floor plan of the building with a number.
+        sample_finishes: Gives the finishes of rooms of these kinds.
+        furnishing: Rules by which its rooms are furnished.
+    """
+
+    sample_plan: Callable[[RandomStream, int], FloorPlan]
+    sample_finishes: Callable[[RandomStream, list[str]], list[RoomFinish]]
+    furnishing: Furnishing
+
+
+def _home_plan(rng: RandomStream, number: int) -> FloorPlan:
+    return sample_plan(rng, small_flat() if number == BUILTIN_HOUSE else None)
+
+
+HOMES = BuildingKind(_home_plan, room_finishes, HOME_FURNISHING)
+
+
+def _office_plan(rng: RandomStream, _number: int) -> FloorPlan:
+    return sample_public_plan(rng, OFFICE_PLANS)
+
+
+def _office_finishes(rng: RandomStream, kinds: list[str]) -> list[RoomFinish]:
+    return public_finishes(rng, kinds, _OFFICE_CARPETS)
+
+
+OFFICES = BuildingKind(_office_plan, _office_finishes, OFFICE_FURNISHING)
+
+
+CROWDED = replace(OFFICES, sample_plan=crowded_plan, furnishing=CROWDED_FURNISHING)
+
+
+def _shop_plan(rng: RandomStream, _number: int) -> FloorPlan:
+    return sample_public_plan(rng, SHOP_PLANS)
+
+
+def _shop_finishes(rng: RandomStream, kinds: list[str]) -> list[RoomFinish]:
+    return public_finishes(rng, kinds, _SHOP_CARPETS)
+
+
+SHOPS = BuildingKind(_shop_plan, _shop_finishes, SHOP_FURNISHING)
+
+
+def _storeyed_kind(number: int) -> BuildingKind:
+    """Finishes and furniture of the building with a number."""
+    return OFFICES if number % 2 else HOMES
+
+
+def _storeyed_program(number: int) -> StoreyProgram:
+    """Rooms of the building with a number."""
+    return OFFICE_STOREYS if number % 2 else HOME_STOREYS
+
 
 _KINDS: dict[str, BuildingKind] = {
     "houses": HOMES,
@@ -30,14 +109,14 @@ _KINDS: dict[str, BuildingKind] = {
 
 
 def _kind_of(building: Building) -> BuildingKind:
-    return kind_of(building.number) if building.kind == "storeys" else _KINDS[building.kind]
+    return _storeyed_kind(building.number) if building.kind == "storeys" else _KINDS[building.kind]
 
 
 def storeys_of(building: Building) -> tuple[FloorPlan, ...]:
     """Floor plans of a building, the lowest storey first."""
     rng = RandomStream(VERSION, *building.key, "plan")
     if building.kind == "storeys":
-        return sample_storeys(rng, program_of(building.number))
+        return sample_storeys(rng, _storeyed_program(building.number))
     return (_kind_of(building).sample_plan(rng, building.number),)
 
 

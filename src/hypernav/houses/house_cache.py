@@ -21,7 +21,7 @@ from hypernav.core.files.cache_folder import cache_folder
 from hypernav.core.labels import ObjectLabel
 from hypernav.houses.assembly import CompactScene, to_scene
 from hypernav.houses.building import VERSION, Building
-from hypernav.houses.modelling.mesh import Finish
+from hypernav.houses.modelling.model import Finish
 from hypernav.houses.textures.library import is_image, is_loaded, store_texture, texture
 from hypernav.worlds.scenes.scene import Scene
 

@@ -69,6 +69,22 @@ _PARTS_WITHOUT_MODEL: dict[str, str] = {
     "truth": "a stand-in that knows what is in view (no model)",
 }
 
+_ENDINGS: dict[str, tuple[str, str]] = {
+    "not_found": (
+        "Did not find {goal}",
+        "It was not where the robot looked, or the robot did not recognise it.",
+    ),
+    "wrong_place": ("Stopped, but not at {goal}", "The robot believed that it had arrived."),
+    "unreachable": ("No path to {goal}", "No path leads to where the goal is."),
+    "model_unavailable": (
+        "Stopped: the model did not answer",
+        "This is an outage, not a failure of the search, and counts as neither.",
+    ),
+    "interrupted": ("Interrupted while looking for {goal}", "Someone stopped the run."),
+    "replayed": ("A recording, looked through for {goal}", ""),
+}
+_NEUTRAL = frozenset({"model_unavailable", "interrupted", "replayed"})
+
 
 def floor_prefix(step: StepTrace) -> str:
     """The floor or stairs of a step, before other words; empty while only one floor is known."""
@@ -166,23 +182,6 @@ class Headline:
 def sentence(text: str) -> str:
     """The text with a capital at its start."""
     return text[:1].upper() + text[1:]
-
-
-_ENDINGS: dict[str, tuple[str, str]] = {
-    "not_found": (
-        "Did not find {goal}",
-        "It was not where the robot looked, or the robot did not recognise it.",
-    ),
-    "wrong_place": ("Stopped, but not at {goal}", "The robot believed that it had arrived."),
-    "unreachable": ("No path to {goal}", "No path leads to where the goal is."),
-    "model_unavailable": (
-        "Stopped: the model did not answer",
-        "This is an outage, not a failure of the search, and counts as neither.",
-    ),
-    "interrupted": ("Interrupted while looking for {goal}", "Someone stopped the run."),
-    "replayed": ("A recording, looked through for {goal}", ""),
-}
-_NEUTRAL = frozenset({"model_unavailable", "interrupted", "replayed"})
 
 
 def headline(result: Mapping[str, Any]) -> Headline:

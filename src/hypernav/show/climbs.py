@@ -1,4 +1,4 @@
-"""The floors of a search and the stairs between them, told from its trace."""
+"""The floors of a search and the stairs between them, read from its trace."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -11,7 +11,7 @@ _SAME_STAIRS_M = 1.0
 """Distance between two ends of stairs on a floor, metres, that count as the same."""
 _SAME_HEIGHT_M = 0.5
 """Difference between the heights of two floors, metres, below which none is the upper one."""
-_IN_VAIN = "stairs given up"
+_GIVEN_UP = "stairs given up"
 """Event of a step at which the robot gave up stairs."""
 _LEADS_TO = "to floor"
 
@@ -25,7 +25,7 @@ class Climb:
         last: Index of its last step so far.
         floor: Number of the floor that the robot came from.
         other_floor: Number of the floor that it came to; None if it did not get to one.
-        in_vain: Whether it gave the stairs up.
+        given_up: Whether it gave the stairs up.
         ends: Positions ``(x, y)`` at which it began and ended, ``map`` frame, metres.
         heights_m: Heights there, or of the other floor once the robot is on it.
     """
@@ -34,7 +34,7 @@ class Climb:
     last: int
     floor: int
     other_floor: int | None
-    in_vain: bool
+    given_up: bool
     ends: tuple[tuple[float, float], tuple[float, float]]
     heights_m: tuple[float, float] = (0.0, 0.0)
 
@@ -65,7 +65,7 @@ def _climbs_by_step(steps: Iterable[StepTrace]) -> Iterator[list[Climb]]:
     made, climbed = list[Climb](), False
     for number, step in enumerate(steps):
         floor, climbs_now = floor_of(step), step.mode is Mode.CLIMB
-        gives_up, goes_on = _IN_VAIN in step.events, False
+        gives_up, goes_on = _GIVEN_UP in step.events, False
         if climbed:
             last = made[-1]
             other = None if floor == last.floor else floor
@@ -74,7 +74,7 @@ def _climbs_by_step(steps: Iterable[StepTrace]) -> Iterator[list[Climb]]:
                 last,
                 last=number if goes_on else last.last,
                 other_floor=other,
-                in_vain=other is None and (last.in_vain or gives_up),
+                given_up=other is None and (last.given_up or gives_up),
                 ends=(last.ends[0], step.pose[:2]) if goes_on else last.ends,
                 heights_m=(last.heights_m[0], step.z),
             )
@@ -94,7 +94,7 @@ def stairs_on(floor: int, made: Iterable[Climb]) -> list[StairsMark]:
     marks = list[StairsMark]()
     for one in sorted(made, key=lambda climb: climb.other_floor is not None):
         if one.floor == floor:
-            words = "no way" if one.in_vain else "stairs"
+            words = "no way" if one.given_up else "stairs"
             if one.other_floor is not None:
                 words = _leads_to(one.other_floor, *one.heights_m)
             mark = StairsMark(one.ends[0], words)
@@ -107,10 +107,10 @@ def stairs_on(floor: int, made: Iterable[Climb]) -> list[StairsMark]:
 
 
 def _leads_to(floor: int, from_m: float, to_m: float) -> str:
-    return f"{_way(to_m - from_m, 'up ', 'down ', '')}{_LEADS_TO} {floor}"
+    return f"{_direction(to_m - from_m, 'up ', 'down ', '')}{_LEADS_TO} {floor}"
 
 
-def _way(rise_m: float, up: str, down: str, level: str) -> str:
+def _direction(rise_m: float, up: str, down: str, level: str) -> str:
     """The word for a difference of heights."""
     return level if abs(rise_m) < _SAME_HEIGHT_M else up if rise_m > 0.0 else down
 
@@ -130,7 +130,7 @@ def stairs_by_step(steps: Iterable[StepTrace]) -> dict[int, dict[int, list[Stair
     changes, stairs = dict[int, dict[int, list[StairsMark]]](), dict[int, list[StairsMark]]()
     known = list[tuple[int, int | None, bool]]()
     for last, made in enumerate(_climbs_by_step(steps)):
-        ends = [(one.floor, one.other_floor, one.in_vain) for one in made]
+        ends = [(one.floor, one.other_floor, one.given_up) for one in made]
         if ends == known:
             continue
         known, before = ends, stairs
@@ -156,13 +156,13 @@ def whereabouts(steps: Sequence[StepTrace]) -> list[str]:
     """
     if not names_floors(steps):
         return [""] * len(steps)
-    told = [f"on floor {floor_of(step)}" for step in steps]
+    where = [f"on floor {floor_of(step)}" for step in steps]
     for climb in climbs(steps):
         words = f"on the stairs from floor {climb.floor}"
         if climb.other_floor is not None:
             words += f" to floor {climb.other_floor}"
-        told[climb.first : climb.last + 1] = [words] * (climb.last + 1 - climb.first)
-    return told
+        where[climb.first : climb.last + 1] = [words] * (climb.last + 1 - climb.first)
+    return where
 
 
 def typical_steps(steps: Iterable[StepTrace]) -> dict[int, int]:
@@ -213,13 +213,13 @@ def climb_words(climb: Climb, start: int, heights_m: Mapping[int, float]) -> str
         start: Number of the floor where the search began.
         heights_m: Heights of the floors, metres; some or all may be missing.
     """
-    if climb.in_vain:
+    if climb.given_up:
         return "Stairs tried in vain: no way to another floor was found there"
     if climb.other_floor is None:
         return f"Onto stairs from floor {climb.floor}"
-    way = "Over"
+    direction = "Over"
     if {climb.floor, climb.other_floor} <= heights_m.keys():
         rise = heights_m[climb.other_floor] - heights_m[climb.floor]
-        way = _way(rise, "Up", "Down", "Over")
+        direction = _direction(rise, "Up", "Down", "Over")
     to = floor_words(climb.other_floor, start, heights_m)
-    return f"{way} the stairs from floor {climb.floor} to f{to[1:]}"
+    return f"{direction} the stairs from floor {climb.floor} to f{to[1:]}"

@@ -20,7 +20,7 @@ from hypernav.perception.visual_prompts.proposals import (
     biased_moves,
     spatial_moves,
 )
-from hypernav.show.drawing.arrows import ArrowStyle
+from hypernav.show.drawing.shapes import ArrowStyle
 
 FOV = math.radians(79.0)
 HEADINGS = np.linspace(-0.75 * FOV, 0.75 * FOV, 60)

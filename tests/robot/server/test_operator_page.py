@@ -38,7 +38,7 @@ from hypernav.robot.simulation.base import SimulatedBase
 from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.show.drawing.palette import STAIRS
-from hypernav.show.video.frame import EpisodeInfo
+from hypernav.show.video_frame import EpisodeInfo
 from hypernav.worlds.box_room import BoxRoom
 from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.worlds.simulation import SimulatedWorld

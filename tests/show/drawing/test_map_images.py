@@ -15,11 +15,10 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import BlockRecord, StepTrace
 from hypernav.show.climbs import StairsMark
 from hypernav.show.drawing import map_painter, palette
+from hypernav.show.drawing.label_placement import Disc, Square, number_position
 from hypernav.show.drawing.map_images import draw_map, draw_result, write_map_png
 from hypernav.show.drawing.map_painter import MapPainter
-from hypernav.show.drawing.map_raster import rasterize_map
-from hypernav.show.drawing.map_view import MapView
-from hypernav.show.drawing.number_placement import Disc, Square, number_position
+from hypernav.show.drawing.map_view import MapView, rasterize_map
 from hypernav.show.drawing.question_map import draw_question_map
 from hypernav.show.drawing.text import text_width
 

@@ -35,7 +35,7 @@ def is_no_file(spec: str) -> bool:
     return SCENES.knows(spec.partition(":")[0])
 
 
-def load_scene(spec: str, simulation: SimulationConfig | None = None) -> Scene:
+def load_scene(spec: str | Path, simulation: SimulationConfig | None = None) -> Scene:
     """Load a scene by name.
 
     Args:
@@ -47,7 +47,7 @@ def load_scene(spec: str, simulation: SimulationConfig | None = None) -> Scene:
     Raises:
         SceneError: The file cannot be used, or there is no such building.
     """
-    config = simulation or SimulationConfig()
+    spec, config = str(spec), simulation or SimulationConfig()
     up, scale = config.file_up, config.file_scale
     if not is_no_file(spec):
         if not os.path.exists(spec):  # unlike Path.exists, it accepts any name

@@ -24,6 +24,8 @@ class FindOptions:
     scene: str = "builtin"
     """The building: builtin, houses:N, offices:N, shops:N, crowded:N or storeys:N (any whole number
     N), or the path of a GLB, another model or a Gazebo world."""
+    world: str = "native"
+    """Simulator: native, habitat if it is installed, or module:Name of one of your own."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agent."""
     start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW [Z]")] = None
@@ -79,7 +81,7 @@ class EvalOptions:
     scenes_dir: Path | None = None
     """Folder of the scenes that the episodes name; by default the data set's own folder."""
     world: str = "native"
-    """Simulator: our own, or habitat-sim if it is installed."""
+    """Simulator: native, habitat if it is installed, or module:Name of one of your own."""
     workers: int | None = None
     """Number of processes, one core each; by default the number of cores, but one with
     --vlm local:…, which every process loads."""

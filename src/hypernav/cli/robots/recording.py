@@ -12,7 +12,7 @@ from hypernav.core.errors import RequestRefusedError, RobotLinkError
 from hypernav.episodes.recorder import EpisodeRecorder
 from hypernav.robot.client.links import HttpServer
 from hypernav.robot.wire.replies import SearchOpened, StartInMemory, Status
-from hypernav.show.video.frame import EpisodeInfo
+from hypernav.show.video_frame import EpisodeInfo
 
 _LOG = logging.getLogger(__name__)
 

@@ -23,7 +23,7 @@ from hypernav.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
 from hypernav.robot.recordings.opening import open_recording
 from hypernav.robot.recordings.replay import UprightRecording, replayed
 from hypernav.robot.ros.topics import CameraTopics
-from hypernav.show.video.frame import EpisodeInfo
+from hypernav.show.video_frame import EpisodeInfo
 
 _LONGEST_NAME = 80
 

@@ -24,7 +24,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
 from hypernav.core.view import View, WatchedView
 from hypernav.episodes.recorder import OUTPUT_FILES
-from hypernav.show.video.frame import EpisodeInfo
+from hypernav.show.video_frame import EpisodeInfo
 
 _LOOK_S = 0.05
 _PACE_TO_WATCH = 5.0
@@ -159,11 +159,11 @@ def opened_views(options: ViewOptions, info: EpisodeInfo, recorder: View | None)
             views.append(opened.enter_context(closing(view)))
 
         if options.rrd is not None:
-            from hypernav.show.views.rerun_view import RrdView
+            from hypernav.show.rerun_view import RrdView
 
             open_view(RrdView(options.rrd, info))
         if options.mcap is not None:
-            from hypernav.show.views.foxglove_view import McapView
+            from hypernav.show.foxglove_view import McapView
 
             open_view(McapView(options.mcap, info))
         if options.view == "page":
@@ -171,11 +171,11 @@ def opened_views(options: ViewOptions, info: EpisodeInfo, recorder: View | None)
 
             open_view(PageView(info, interrupt))
         if options.view == "rerun":
-            from hypernav.show.views.rerun_view import RerunView
+            from hypernav.show.rerun_view import RerunView
 
             open_view(RerunView(info))
         if options.view == "foxglove":
-            from hypernav.show.views.foxglove_view import FoxgloveView
+            from hypernav.show.foxglove_view import FoxgloveView
 
             open_view(FoxgloveView(info))
         yield Views(views, options.pace)

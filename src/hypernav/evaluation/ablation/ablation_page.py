@@ -22,7 +22,7 @@ from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.report import report_text, tables
 from hypernav.evaluation.report.report_page import tex, with_interval
 from hypernav.evaluation.statistics import Comparison, Estimate, failure_counts
-from hypernav.show.pages.templating import page_environment
+from hypernav.show.templating import page_environment
 
 _MEANS = ("success", "spl", "steps")
 _PARTS = ("", "_low", "_high")

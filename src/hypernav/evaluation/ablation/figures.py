@@ -9,7 +9,7 @@ from hypernav.evaluation.report import report_text
 from hypernav.evaluation.report.report_text import SIGNIFICANT, drawn
 from hypernav.evaluation.statistics import Comparison, Estimate
 from hypernav.show.drawing import palette
-from hypernav.show.pages.templating import data_uri
+from hypernav.show.templating import data_uri
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

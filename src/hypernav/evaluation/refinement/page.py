@@ -15,7 +15,7 @@ from hypernav.evaluation.refinement.boxes import JITTER_SHARE, MATCHING_IOU
 from hypernav.evaluation.refinement.figure import shares_figure
 from hypernav.evaluation.refinement.goal_position import GoalPosition
 from hypernav.evaluation.refinement.summary import MEASURES, Measure, Row, drawn_in, table
-from hypernav.show.pages.templating import page_environment
+from hypernav.show.templating import page_environment
 
 CSV = "refinement.csv"
 

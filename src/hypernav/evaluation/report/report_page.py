@@ -26,7 +26,7 @@ from hypernav.evaluation.report.report_text import drawn_in
 from hypernav.evaluation.report.run_data import RunData, call_axis, costs
 from hypernav.evaluation.statistics import Estimate
 from hypernav.show import captions
-from hypernav.show.pages.templating import page_environment, plain
+from hypernav.show.templating import page_environment, plain
 
 _TEX_SPECIAL = str.maketrans(
     {

@@ -2,27 +2,159 @@
 
 Every text is checked with the grammar of `hypernav.core.labels`, which decides what counts as
 reached: a description is only used if it is true of one object and false of another object of the
-same name.
+same name. Near misses of a goal are objects that nearly satisfy it and are easily confused with it.
 """
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import count, cycle, islice
 from typing import Literal
 
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel, canonical
+from hypernav.core.labels import ObjectLabel, canonical, normalise
 from hypernav.core.world import Instance
-from hypernav.houses.episodes.ground_truth import BuildingTruth
-from hypernav.houses.episodes.rules import EpisodeRules
-from hypernav.houses.near_misses import near_misses
+from hypernav.houses.episodes.building_truth import BuildingTruth
 from hypernav.houses.random_stream import RandomStream
+
+HABITAT_CATEGORIES = ("chair", "bed", "potted plant", "toilet", "tv", "sofa")
+"""The six goals of Habitat's ObjectNav challenge on HM3D."""
+
+CATEGORIES = (
+    *HABITAT_CATEGORIES,
+    *("refrigerator", "oven", "sink", "bathtub", "washing machine", "dishwasher"),
+    *("dining table", "coffee table", "desk", "nightstand", "tv stand"),
+    *("wardrobe", "bookshelf", "dresser", "armchair", "mirror", "floor lamp", "table lamp"),
+)
+"""Goals of ``houses-val`` and ``houses-train``; these are the seen names of ``houses-ovon``."""
+
+_PREPOSITION = re.compile(r" (?:in|inside|of|beside|next to|near|by|close to|on|under|at) ")
+
+_ALIKE: tuple[frozenset[str], ...] = tuple(
+    frozenset(canonical(name) for name in group)
+    for group in (
+        ("sofa", "armchair", "bean bag", "ottoman", "bench"),
+        ("chair", "armchair", "rocking chair", "stool", "bench"),
+        ("bed", "crib", "sofa", "pet basket"),
+        ("washing machine", "clothes dryer", "dishwasher", "oven"),
+        ("oven", "microwave", "fireplace"),
+        ("refrigerator", "wardrobe", "cabinet"),
+        ("wardrobe", "bookshelf", "cabinet", "dresser", "storage rack", "filing cabinet"),
+        ("nightstand", "dresser", "cabinet", "side table"),
+        ("tv", "computer monitor", "laptop", "picture", "mirror"),
+        ("toilet", "sink", "bathtub", "shower"),
+        ("potted plant", "vase", "succulent", "cactus", "herb"),
+        ("backpack", "handbag", "suitcase"),
+        ("trash can", "basket", "laundry basket", "bucket"),
+        ("bicycle", "exercise equipment"),
+        ("picture", "mirror", "window", "clock"),
+        ("rug", "bath mat", "doormat", "yoga mat"),
+    )
+)
+"""Groups of categories that look alike or serve the same purpose."""
 
 Vocabulary = Literal["seen", "synonym", "unseen"]
 
 _UBIQUITOUS = ("window", "door", "ceiling lamp", "kitchen cabinet")
 _MIN_SIDE_AREA_M2 = 0.1
 """Smallest area of the largest side of an object's box: plates and cups are no goals."""
+
+
+@dataclass(frozen=True)
+class EpisodeRules:
+    """Goals and distances of the episodes in one kind of building.
+
+    Attributes:
+        categories: Goals that are categories. Things that are everywhere, such as desks in
+            offices, are no goals: they would be found by looking around.
+        frequent: The categories that come first in every building.
+        least_m: Least geodesic distance from a start to its goal, metres.
+        most_m: Greatest geodesic distance from a start to its goal, metres.
+    """
+
+    categories: tuple[str, ...]
+    frequent: tuple[str, ...]
+    least_m: float
+    most_m: float
+
+
+RULES = {
+    "houses": EpisodeRules(CATEGORIES, HABITAT_CATEGORIES, 2.0, 30.0),
+    "offices": EpisodeRules(
+        (
+            *("copier", "printer", "whiteboard", "reception desk", "meeting table", "tv", "sofa"),
+            *("refrigerator", "coffee machine", "microwave", "toilet", "sink", "water dispenser"),
+            *("vending machine", "coat rack", "locker", "server rack", "filing cabinet"),
+            *("bookshelf", "armchair", "coffee table", "dining table", "mirror", "storage rack"),
+            *("potted plant", "notice board", "fire extinguisher", "projector screen"),
+        ),
+        (),
+        4.0,
+        60.0,
+    ),
+    "shops": EpisodeRules(
+        (
+            *("checkout counter", "sales counter", "reception desk", "shopping cart", "copier"),
+            *("display refrigerator", "chest freezer", "mannequin", "display table", "mirror"),
+            *("magazine rack", "book cart", "shoe display", "ladder", "bicycle", "toolbox"),
+            *("shopping basket", "armchair", "toilet", "sink", "coffee machine", "microwave"),
+            *("vending machine", "water dispenser", "desk", "meeting table", "filing cabinet"),
+            *("potted plant", "bench", "suitcase", "cardboard box", "coat rack", "dining table"),
+        ),
+        (),
+        4.0,
+        60.0,
+    ),
+    "crowded": EpisodeRules(
+        ("tv", "whiteboard", "meeting table", "refrigerator", "copier", "toilet", "sofa"),
+        ("tv",),
+        4.0,
+        60.0,
+    ),
+}
+RULES["storeys"] = EpisodeRules(
+    tuple(dict.fromkeys((*CATEGORIES, *RULES["offices"].categories))), (), 2.0, 60.0
+)
+"""Rules of the episodes by kind of building."""
+
+
+def near_misses(instances: Sequence[Instance], goal: Goal) -> tuple[Instance, ...]:
+    """Instances that do not satisfy a goal but come close.
+
+    An instance comes close if it has the goal's name but not its appearance or position ("the red
+    armchair" and a blue one), if the last words of the names are the same (window curtain and
+    shower curtain), or if its category looks similar or serves the same purpose (washing machine
+    and clothes dryer).
+
+    Args:
+        instances: All instances of the scene, with labels.
+        goal: The goal of the search.
+    """
+    labelled = [(i, i.label) for i in instances if i.label is not None]
+    wanted = [label for _, label in labelled if label.satisfies(goal)]
+    names = list(_names_in(goal)) + [label.category for label in wanted]
+    return tuple(
+        instance
+        for instance, label in labelled
+        if not label.satisfies(goal) and any(_comes_close(label, name) for name in names)
+    )
+
+
+def _names_in(goal: Goal) -> Iterator[str]:
+    """Names of the goal with fewer attributes each: "red dining chair", "dining chair", "chair"."""
+    words = _PREPOSITION.split(normalise(goal.text), maxsplit=1)[0].split()
+    for first in range(len(words)):
+        yield " ".join(words[first:])
+
+
+def _comes_close(label: ObjectLabel, name: str) -> bool:
+    wanted = canonical(name)
+    if label.is_named(name):
+        return True
+    own = canonical(label.category)
+    if own.rsplit(" ", maxsplit=1)[-1] == wanted.rsplit(" ", maxsplit=1)[-1]:
+        return True
+    return any(wanted in group and own in group for group in _ALIKE)
 
 
 @dataclass(frozen=True)

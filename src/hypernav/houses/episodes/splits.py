@@ -1,30 +1,148 @@
-"""Splits of the generated buildings: their buildings, number of episodes and order.
+"""Splits of the generated buildings: their buildings, number of episodes, order and difficulty.
 
 Episodes come in rounds of four per building, so that the first hundred of a split already visit 25
-buildings and every building is opened once for four episodes; lives in rounds of one.
+buildings and every building is opened once for four episodes; lives in rounds of one. The episodes
+of a building are cached on disk.
 """
 
+import contextlib
 import difflib
+import hashlib
 import math
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from hypernav.core.errors import EpisodeError
+from hypernav.core.files.cache_folder import cache_folder
 from hypernav.core.text.whole_numbers import is_whole_number
+from hypernav.datasets.habitat_files import read_episodes, write_episodes
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectNavEpisode
 from hypernav.houses.building import Building
-from hypernav.houses.episodes.episode_cache import cached_episodes
-from hypernav.houses.episodes.house_episodes import EPISODES_PER_HOUSE, GoalStyle
-from hypernav.houses.episodes.life_episodes import LIVES_PER_BUILDING
-from hypernav.houses.episodes.rules import RULES
+from hypernav.houses.episodes.house_episodes import (
+    EPISODES_PER_HOUSE,
+    EPISODES_VERSION,
+    LIVES_PER_BUILDING,
+    GoalStyle,
+    house_episodes,
+)
+from hypernav.houses.episodes.queries import RULES
+from hypernav.houses.house_cache import cached_building, generator_version
 
 EXAM_BUILDINGS = {"val": range(9000, 9100), "train": range(7000, 7100)}
 """Buildings of the exam's banks, of every kind. No split may have those of val."""
 EPISODES_PER_ROUND = 4
 """Number of consecutive episodes in the same building; of lives it is one."""
 _MOST_HOUSES = 100_000
+
+
+def cached_episodes(
+    building: Building, style: GoalStyle, folder: Path | None = None
+) -> EpisodeDataset:
+    """Episodes of a building, from the cache if possible; otherwise generated and cached.
+
+    A broken file is replaced. Without a writable folder nothing is cached.
+
+    Args:
+        building: The building.
+        style: What they ask for.
+        folder: Cache folder; the platform's own if None.
+
+    Raises:
+        EpisodeError: The building contains no possible goal.
+    """
+    home = (folder or cache_folder()) / f"{building.noun}_episodes" / episodes_version()
+    path = home / f"{style}-{building.number}.json.gz"
+    with contextlib.suppress(EpisodeError, OSError):
+        if path.is_file():
+            return read_episodes(path)
+    dataset = house_episodes(cached_building(building, folder), building, style)
+    # The disk may be read-only or full; the episodes are still valid.
+    with contextlib.suppress(OSError):
+        write_episodes(dataset, path)
+    return dataset
+
+
+@lru_cache(maxsize=1)
+def episodes_version() -> str:
+    """Version of buildings and episodes together with a digest of the sources in this folder.
+
+    The digest is for developers of the generator: without it, if they forgot to increase the
+    version, outdated episodes would be used.
+    """
+    digest = hashlib.sha256(generator_version().encode())
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(source.name.encode())
+        digest.update(source.read_bytes())
+    return f"v{EPISODES_VERSION}-{digest.hexdigest()[:12]}"
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """Distribution of a measure over episodes.
+
+    Attributes:
+        measure: Name of the measure, with the unit.
+        quantiles: Minimum, 10%, median, 90% and maximum.
+        mean: Arithmetic mean.
+    """
+
+    measure: str
+    quantiles: tuple[float, float, float, float, float]
+    mean: float
+
+
+@dataclass(frozen=True)
+class Difficulty:
+    """Statistics that describe the difficulty of a set of episodes.
+
+    Attributes:
+        episodes: Number of episodes.
+        buildings: Number of buildings.
+        distributions: Distributions of distance, detour (geodesic over Euclidean) and rooms on the
+            shortest path.
+        goals: Number of episodes per goal, most frequent first.
+        vocabulary: Episodes by kind of name (seen, synonym, unseen); empty without phrases.
+        descriptions: Number of episodes whose goal says more than a name.
+    """
+
+    episodes: int
+    buildings: int
+    distributions: tuple[Distribution, ...]
+    goals: dict[str, int]
+    vocabulary: dict[str, int]
+    descriptions: int
+
+
+def difficulty(dataset: EpisodeDataset) -> Difficulty:
+    """Measure a split that was made by `hypernav.houses.episodes`."""
+    infos = [episode.info or {} for episode in dataset.episodes]
+    geodesic = np.array([info["geodesic_distance"] for info in infos], dtype=np.float64)
+    euclidean = np.array([info["euclidean_distance"] for info in infos], dtype=np.float64)
+    rooms = np.array([info["rooms_on_path"] for info in infos], dtype=np.float64)
+    named = Counter(info["vocabulary"] for info in infos if "vocabulary" in info)
+    return Difficulty(
+        episodes=len(infos),
+        buildings=len({episode.scene_id for episode in dataset.episodes}),
+        distributions=(
+            _distribution("geodesic distance (m)", geodesic),
+            _distribution("geodesic / Euclidean", geodesic / np.maximum(euclidean, 1e-6)),
+            _distribution("rooms on the path", rooms),
+        ),
+        goals=dict(Counter(episode.object_category for episode in dataset.episodes).most_common()),
+        vocabulary={name: named[name] for name in ("seen", "synonym", "unseen") if name in named},
+        descriptions=sum(bool(info.get("is_description")) for info in infos),
+    )
+
+
+def _distribution(measure: str, values: np.ndarray) -> Distribution:
+    low, tenth, middle, ninetieth, high = np.quantile(values, (0.0, 0.1, 0.5, 0.9, 1.0)).tolist()
+    return Distribution(measure, (low, tenth, middle, ninetieth, high), float(values.mean()))
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Writes a split of buildings as one data folder, which Habitat can use unchanged.
+"""Writes complete episodes of a split, alone or in a data folder that Habitat can use unchanged.
 
 The folder is laid out as habitat-lab's ``data``::
 
@@ -21,21 +21,87 @@ from hypernav.core.errors import EpisodeError
 from hypernav.datasets.benchmark_files import SCENES_FOLDER
 from hypernav.datasets.benchmarks import GENERATED
 from hypernav.datasets.habitat_episodes import episodes_of
-from hypernav.datasets.habitat_files import CONTENT
+from hypernav.datasets.habitat_files import CONTENT, write_episodes
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectGoal, ObjectNavEpisode
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.house_episodes import with_view_points
-from hypernav.houses.episodes.split_files import of_scene, write
 from hypernav.houses.episodes.splits import SPLITS
-from hypernav.houses.export.dataset_config import DATASET_CONFIG, write_dataset_config
-from hypernav.houses.export.files import FIRST_ANNOTATION, export_building
+from hypernav.houses.export.building_files import (
+    DATASET_CONFIG,
+    FIRST_ANNOTATION,
+    export_building,
+    write_dataset_config,
+)
 from hypernav.houses.house_cache import cached_building
 from hypernav.worlds.navmesh.surface import NavmeshSurface
+
+_ENDINGS = (".json.gz", ".json")
 
 _NAME = GENERATED.scenes[0]
 """Name of the buildings among Habitat's sets of scenes."""
 _EPISODES = ".json.gz"
 _DIGITS = 4
+
+
+def is_file_name(out: Path) -> bool:
+    """Whether a name means one file, not a folder."""
+    return out.name.endswith(_ENDINGS)
+
+
+def write_split(
+    dataset: EpisodeDataset,
+    out: Path,
+    *,
+    cache: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Write the episodes of a split with every view point of their goals.
+
+    Args:
+        dataset: What `load_split` gave.
+        out: One file (``.json.gz`` or ``.json``), or a folder in Habitat's layout: the split's file
+            without episodes, and in ``content`` a file for every scene.
+        cache: Cache folder of the buildings; the platform's own if None.
+        progress: Function that is called with the numbers of finished buildings and of all.
+
+    Raises:
+        EpisodeError: It cannot be written.
+    """
+    scenes = list(dict.fromkeys(episode.scene_id for episode in dataset.episodes))
+    whole = dataset.model_copy(update={"goals_by_category": {}})
+    for done, scene_id in enumerate(scenes):
+        if progress is not None:
+            progress(done, len(scenes))
+        scene = cached_building(Building.named(scene_id), cache)
+        part = with_view_points(of_scene(dataset, scene_id), scene)
+        if is_file_name(out):
+            whole.goals_by_category.update(part.goals_by_category)
+        else:
+            write(part, out / "content" / f"{scene_id.replace(':', '-')}.json.gz")
+    if is_file_name(out):
+        write(whole, out)
+    else:
+        write(whole.model_copy(update={"episodes": []}), out / f"{out.name}.json.gz")
+
+
+def of_scene(dataset: EpisodeDataset, scene_id: str) -> EpisodeDataset:
+    """The episodes of one scene, with their goals."""
+    episodes = [episode for episode in dataset.episodes if episode.scene_id == scene_id]
+    keys = dict.fromkeys(episode.goals_key() for episode in episodes)
+    goals = {key: dataset.goals_by_category[key] for key in keys}
+    return dataset.model_copy(update={"episodes": episodes, "goals_by_category": goals})
+
+
+def write(dataset: EpisodeDataset, path: Path) -> None:
+    """Write a file of a split.
+
+    Raises:
+        EpisodeError: It cannot be written.
+    """
+    try:
+        write_episodes(dataset, path)
+    except OSError as error:
+        raise EpisodeError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
 @dataclass(frozen=True)

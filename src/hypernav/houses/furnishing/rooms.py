@@ -4,10 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from hypernav.houses.assembly import PlacedModel
-from hypernav.houses.materials import Palette, vary
-from hypernav.houses.placement.room_layout import RoomLayout
-from hypernav.houses.placement.visibility import remove_hidden
-from hypernav.houses.plan.shapes import FloorPlan
+from hypernav.houses.furnishing.hidden_objects import remove_hidden
+from hypernav.houses.furnishing.room_layout import RoomLayout
+from hypernav.houses.modelling.materials import Palette, vary
+from hypernav.houses.plan.floor_plan import FloorPlan
 from hypernav.houses.random_stream import RandomStream
 
 _ATTEMPTS = 12

@@ -2,11 +2,9 @@
 
 import numpy as np
 
-from hypernav.houses.modelling.mesh import Finish, Mesh, Vector, join
-from hypernav.houses.modelling.model import ModelBuilder
+from hypernav.houses.modelling.curves import cylinder, rod
+from hypernav.houses.modelling.model import Finish, Mesh, ModelBuilder, Vector, join
 from hypernav.houses.modelling.solids import box
-from hypernav.houses.modelling.surfaces import cylinder
-from hypernav.houses.modelling.tubes import rod
 
 
 def four_legs(
@@ -111,16 +109,14 @@ def front(
         rail = 0.055
         y = at[1] + thick + 0.004
         for dx in (-1.0, 1.0):
-            builder.add(
-                finish,
-                box(
-                    rail,
-                    0.01,
-                    z - 0.004,
-                    bevel=0.003,
-                    at=(at[0] + dx * (x / 2 - rail / 2 - 0.002), y, at[2] + 0.002),
-                ),
+            part = box(
+                rail,
+                0.01,
+                z - 0.004,
+                bevel=0.003,
+                at=(at[0] + dx * (x / 2 - rail / 2 - 0.002), y, at[2] + 0.002),
             )
+            builder.add(finish, part)
         for dz in (0.002, z - rail - 0.002):
             builder.add(
                 finish, box(x - 2 * rail, 0.01, rail, at=(at[0], y, at[2] + dz), bevel=0.003)
@@ -160,12 +156,8 @@ def case(
         back: Finish of the back; the same as the boards if None.
     """
     for s in (-1.0, 1.0):
-        builder.add(
-            finish,
-            box(
-                board, y, z, at=(at[0] + s * (x - board) / 2, at[1], at[2]), bevel=0.002
-            ).swapped_uv(),
-        )
+        part = box(board, y, z, at=(at[0] + s * (x - board) / 2, at[1], at[2]), bevel=0.002)
+        builder.add(finish, part.swapped_uv())
     for level in (0.0, z - board):
         builder.add(
             finish, box(x - 2 * board, y, board, at=(at[0], at[1], at[2] + level), bevel=0.002)

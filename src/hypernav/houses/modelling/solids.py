@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float64, Int64
 
-from hypernav.houses.modelling.mesh import Mesh, unit_vectors
+from hypernav.houses.modelling.model import Mesh, unit_vectors
 
 _CORNERS = np.array([[x, y, z] for z in (-1.0, 1.0) for y in (-1.0, 1.0) for x in (-1.0, 1.0)])
 # The axes that texture coordinates run along on the sides across each axis.

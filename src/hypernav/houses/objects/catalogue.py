@@ -4,51 +4,35 @@ import inspect
 from collections.abc import Callable
 from types import ModuleType
 
-from hypernav.houses.materials import Palette
+from hypernav.houses.modelling.materials import Palette
 from hypernav.houses.modelling.model import Model
 from hypernav.houses.objects.belongings import (
+    decor,
+    devices,
     household,
+    kitchenware,
     leisure,
     luggage_and_tools,
-    pets,
+    plants,
     sports,
-    toys,
 )
-from hypernav.houses.objects.decor import ornaments, plants, textiles, wall_decor
-from hypernav.houses.objects.devices import electronics, lighting, screens
 from hypernav.houses.objects.furniture import (
     beds,
-    cabinets,
-    chairs,
-    desks,
-    shelves,
-    sofas,
-    stools,
+    kitchen_units,
+    office_equipment,
+    sanitary,
+    seating,
+    shop_fittings,
+    storage,
     tables,
 )
-from hypernav.houses.objects.kitchen_and_bathroom import (
-    appliances,
-    bathing,
-    kitchen_units,
-    laundry,
-    sanitary,
-    small_appliances,
-    tableware,
-)
-from hypernav.houses.objects.shop import clothes, counters, shelving
-from hypernav.houses.objects.workplace import boards, machines, office_furniture
 from hypernav.houses.random_stream import RandomStream
 
 Maker = Callable[[RandomStream, Palette], Model]
 
 _FAMILIES: tuple[ModuleType, ...] = (
-    *(sofas, chairs, stools, beds, tables, desks, cabinets, shelves),
-    *(kitchen_units, appliances, small_appliances, tableware, sanitary, bathing, laundry),
-    *(lighting, screens, electronics),
-    *(plants, textiles, wall_decor, ornaments),
-    *(household, leisure, sports, toys, pets, luggage_and_tools),
-    *(machines, office_furniture, boards),
-    *(shelving, counters, clothes),
+    *(seating, beds, tables, storage, kitchen_units, sanitary, shop_fittings, office_equipment),
+    *(plants, decor, kitchenware, devices, household, leisure, sports, luggage_and_tools),
 )
 
 

@@ -7,10 +7,18 @@ wide passage. *Round*: four halls around a core, so that customers walk in a cir
 
 from dataclasses import replace
 
-from hypernav.houses.plan.circulation import Circulation, WindowRule
-from hypernav.houses.plan.public_plans import Layout, PlanRules
-from hypernav.houses.plan.shapes import Rect
-from hypernav.houses.plan.strips import Cell, StripProgram, Width, fill_strip, snapped
+from hypernav.houses.plan.floor_plan import Rect
+from hypernav.houses.plan.public_plans import (
+    Cell,
+    Circulation,
+    Layout,
+    PlanRules,
+    StripProgram,
+    Width,
+    WindowRule,
+    fill_strip,
+    snapped,
+)
 from hypernav.houses.random_stream import RandomStream
 
 HALLS = ("supermarket", "clothes shop", "bookshop", "library", "hardware store")

@@ -1,13 +1,19 @@
 """Models of door leaves, the front door, windows and the balcony's railing."""
 
 from hypernav.houses.assembly import PlacedModel
-from hypernav.houses.materials import BLACK_METAL, GLASS, STEEL, image_finish, lacquer, wood
-from hypernav.houses.modelling.mesh import Finish, Mesh
-from hypernav.houses.modelling.model import Model, ModelBuilder
+from hypernav.houses.modelling.curves import rod
+from hypernav.houses.modelling.materials import (
+    BLACK_METAL,
+    GLASS,
+    STEEL,
+    image_finish,
+    lacquer,
+    wood,
+)
+from hypernav.houses.modelling.model import Finish, Mesh, Model, ModelBuilder
 from hypernav.houses.modelling.solids import box, panel
-from hypernav.houses.modelling.tubes import rod
-from hypernav.houses.plan.doors import LEAF_M, leaf_rect
-from hypernav.houses.plan.shapes import WALL_M, FloorPlan, Opening, Room
+from hypernav.houses.plan.floor_plan import WALL_M, FloorPlan, Opening, Room
+from hypernav.houses.plan.openings import LEAF_M, leaf_rect
 from hypernav.houses.random_stream import RandomStream
 from hypernav.houses.shell.room_surfaces import bar, structural_model, wall_planes
 
@@ -22,12 +28,8 @@ def door_leaf(finish: Finish, wide: float, high: float) -> Model:
     for side in (-1.0, 1.0):
         y = side * (LEAF_M / 2 - 0.004)
         for x in (-1.0, 1.0):
-            builder.add(
-                finish,
-                box(
-                    rail, 0.008, high, at=(x * (wide - rail) / 2, y, 0.008), bevel=0.002
-                ).swapped_uv(),
-            )
+            part = box(rail, 0.008, high, at=(x * (wide - rail) / 2, y, 0.008), bevel=0.002)
+            builder.add(finish, part.swapped_uv())
         for z in (0.008, high * 0.42, high - rail):
             builder.add(finish, box(wide - 2 * rail, 0.008, rail, at=(0, y, z), bevel=0.002))
         x = wide / 2 - 0.06
@@ -129,43 +131,32 @@ def _window(plan: FloorPlan, opening: Opening, rng: RandomStream) -> PlacedModel
         builder.add(
             _FRAME, bar(opening.along, s, e, at - 0.03, at + 0.03, low_z, high_z, bevel=0.004)
         )
-    builder.add(
-        _pane(rng),
-        _facing(
-            panel(opening.width, z1 - z0),
-            opening.along,
-            (a + b) / 2,
-            at - inward * 0.005,
-            z0,
-            inward,
-        ),
+    part = _facing(
+        panel(opening.width, z1 - z0), opening.along, (a + b) / 2, at - inward * 0.005, z0, inward
     )
-    builder.add(
-        _FRAME,
-        bar(
-            opening.along,
-            a - 0.04,
-            b + 0.04,
-            at + inward * 0.03,
-            inner + inward * 0.035,
-            z0 - 0.025,
-            z0 + 0.004,
-            bevel=0.005,
-        ),
+    builder.add(_pane(rng), part)
+    part = bar(
+        opening.along,
+        a - 0.04,
+        b + 0.04,
+        at + inward * 0.03,
+        inner + inward * 0.035,
+        z0 - 0.025,
+        z0 + 0.004,
+        bevel=0.005,
     )
+    builder.add(_FRAME, part)
     if panes == 2:
-        builder.add(
-            STEEL,
-            bar(
-                opening.along,
-                (a + b) / 2 - 0.008,
-                (a + b) / 2 + 0.008,
-                at + inward * 0.03,
-                at + inward * 0.06,
-                (z0 + z1) / 2 - 0.05,
-                (z0 + z1) / 2 + 0.05,
-            ),
+        part = bar(
+            opening.along,
+            (a + b) / 2 - 0.008,
+            (a + b) / 2 + 0.008,
+            at + inward * 0.03,
+            at + inward * 0.06,
+            (z0 + z1) / 2 - 0.05,
+            (z0 + z1) / 2 + 0.05,
         )
+        builder.add(STEEL, part)
     piece = structural_model(builder, "window", plan.rooms[host].name)
     return PlacedModel(piece.model, piece.x, piece.y, 0.0, 0.0, piece.room)
 

@@ -6,13 +6,11 @@ from dataclasses import replace
 from itertools import pairwise
 
 from hypernav.houses.assembly import PlacedModel
-from hypernav.houses.modelling.mesh import Finish, Mesh, unit_vectors
-from hypernav.houses.modelling.model import ModelBuilder
+from hypernav.houses.modelling.model import Finish, Mesh, ModelBuilder, unit_vectors
 from hypernav.houses.modelling.solids import box
-from hypernav.houses.plan.shapes import FloorPlan, Place, Rail, Rect, Step
-from hypernav.houses.shell.room_finishes import RoomFinish
-from hypernav.houses.shell.room_surfaces import structural_model
-from hypernav.houses.shell.wall_faces import floor_quad, quad
+from hypernav.houses.plan.floor_plan import FloorPlan, Place, Rail, Rect, Step
+from hypernav.houses.shell.finishes import RoomFinish
+from hypernav.houses.shell.room_surfaces import floor_quad, quad, structural_model
 
 FOUNDATION_M = 0.17
 """Depth of the lowest surface below the lowest floor. The voxels of Habitat's navigation meshes

@@ -22,7 +22,7 @@ from hypernav.perception.visual_prompts.proposals import (
     biased_moves,
     spatial_moves,
 )
-from hypernav.show.drawing.arrows import ArrowStyle
+from hypernav.show.drawing.shapes import ArrowStyle
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from hypernav.core.observation import Observation
 from hypernav.perception.visual_prompts.config import ArrowsConfig
 from hypernav.perception.visual_prompts.free_range import RayMemory, all_headings, free_ranges
 from hypernav.perception.visual_prompts.proposals import FreeDirections, Move
-from hypernav.show.drawing.arrows import ArrowStyle, draw_arrows, foot_pixel
+from hypernav.show.drawing.shapes import ArrowStyle, draw_arrows, foot_pixel
 
 _KEY = "arrows"
 """Key of the notes."""

@@ -19,7 +19,7 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.perception.visual_prompts.arrow_sight import ArrowSight
 from hypernav.perception.visual_prompts.config import ArrowsConfig
 from hypernav.perception.visual_prompts.proposals import MOST_MOVE_M, FreeDirections, Move
-from hypernav.show.drawing.arrows import ArrowStyle
+from hypernav.show.drawing.shapes import ArrowStyle
 
 _KEY = "pivot"
 """Key of this explorer's notes."""

@@ -34,7 +34,7 @@ from hypernav.robot.ros2.idl_types import (
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.robot.wire.replies import StartInMemory
 from hypernav.show.drawing import palette
-from hypernav.show.video.camera_panel import draw_camera
+from hypernav.show.video_frame import draw_camera
 
 
 def ros_time(seconds: float) -> Time:

@@ -41,7 +41,7 @@ from hypernav.robot.wire.requests import (
 )
 from hypernav.show.captions import MODES, QUESTIONS
 from hypernav.show.drawing import palette
-from hypernav.show.pages.templating import page_environment
+from hypernav.show.templating import page_environment
 
 _FOLDER = Path(__file__).parent / "page"
 _KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}

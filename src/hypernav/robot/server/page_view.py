@@ -24,8 +24,8 @@ from hypernav.robot.server.waiting_robots import WaitingRobots
 from hypernav.robot.server.watching import watching_routes
 from hypernav.robot.wire.replies import MapExtent, SearchEnding, SearchState, Status
 from hypernav.show import captions
-from hypernav.show.video.frame import EpisodeInfo
-from hypernav.show.views.frame_data import colour_jpeg
+from hypernav.show.frame_data import colour_jpeg
+from hypernav.show.video_frame import EpisodeInfo
 
 _ENDINGS = {
     Outcome.FOUND: SearchEnding.FOUND,

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import UInt8
 
 from hypernav.show.drawing import palette, shapes
-from hypernav.show.drawing.robot_arrow import draw_arrow
+from hypernav.show.drawing.shapes import draw_robot
 from hypernav.show.drawing.text import draw_text, text_width
 
 _Drawing = Callable[[UInt8[np.ndarray, "_ _ 3"], float, float, float], None]
@@ -89,7 +89,7 @@ def _trajectory(image: UInt8[np.ndarray, "_ _ 3"], left: float, middle: float, s
 
 
 def _robot(image: UInt8[np.ndarray, "_ _ 3"], left: float, middle: float, side: float) -> None:
-    draw_arrow(image, (left + side / 2.0, middle + 0.1 * side), math.pi / 2.0, 0.75 * side)
+    draw_robot(image, (left + side / 2.0, middle + 0.1 * side), math.pi / 2.0, 0.75 * side)
 
 
 def _path(image: UInt8[np.ndarray, "_ _ 3"], left: float, middle: float, side: float) -> None:

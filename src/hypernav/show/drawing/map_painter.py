@@ -13,18 +13,20 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import BlockRecord
 from hypernav.show.climbs import StairsMark
 from hypernav.show.drawing import palette, shapes
-from hypernav.show.drawing.hidden_weight import HiddenWeight
-from hypernav.show.drawing.label_placement import Label, free_labels, moved_by_rows, placed_labels
-from hypernav.show.drawing.map_raster import CellColors, rasterize_map
-from hypernav.show.drawing.map_view import MapView
-from hypernav.show.drawing.number_placement import (
+from hypernav.show.drawing.label_placement import (
     Disc,
+    HiddenWeight,
+    Label,
     Square,
     clear_position,
+    free_labels,
+    moved_by_rows,
     number_position,
     number_size,
+    placed_labels,
 )
-from hypernav.show.drawing.robot_arrow import draw_arrow
+from hypernav.show.drawing.map_view import CellColors, MapView, rasterize_map
+from hypernav.show.drawing.shapes import draw_robot
 from hypernav.show.drawing.text import draw_text, text_width
 
 _SHADES_OF_TIME = 24
@@ -132,18 +134,7 @@ class MapPainter:
             width = text_width(text, size, bold=bold) + 4.0
             at = number_position(square, width, size, arrow, mark)
             color = palette.INK if bold else palette.BLOCK
-            draw_text(
-                self.image,
-                text,
-                at,
-                size,
-                bold=bold,
-                align=0.5,
-                color=color,
-                halo=palette.FREE,
-                halo_px=max(round(2 * self._unit), 1),
-                opacity=opacity,
-            )
+            self._write(text, at, size, bold=bold, color=color, opacity=opacity)
 
     def clear_numbers(
         self,
@@ -171,16 +162,7 @@ class MapPainter:
                 self._arrow_disc(robot),
                 lambda u, v, width=width: hides.weight(u, v, width, 0.8 * size),
             )
-            draw_text(
-                self.image,
-                str(number),
-                at,
-                size,
-                bold=True,
-                align=0.5,
-                halo=palette.FREE,
-                halo_px=max(round(2 * self._unit), 1),
-            )
+            self._write(str(number), at, size, bold=True)
 
     def labels(self, things: Sequence[SeenThing]) -> None:
         """Write the names of things where they are, or beside them if another name is there."""
@@ -190,8 +172,7 @@ class MapPainter:
             for one in things
         ]
         for label in placed_labels(labels, size + halo):
-            at = (label.u, label.v)
-            draw_text(self.image, label.text, at, size, align=0.5, halo=palette.FREE, halo_px=halo)
+            self._write(label.text, (label.u, label.v), size)
 
     def trajectory(self, points: Sequence[XY]) -> None:
         """Draw the trajectory, from pale (long ago) to dark (now)."""
@@ -210,18 +191,18 @@ class MapPainter:
         shapes.disc(self.image, at, radius, palette.TRAJECTORY_NEW)
         shapes.disc(self.image, at, 0.45 * radius, palette.FREE)
 
-    def stairs(self, marks: Sequence[StairsMark], ways: Iterable[Sequence[XY]] = ()) -> None:
+    def stairs(self, marks: Sequence[StairsMark], paths: Iterable[Sequence[XY]] = ()) -> None:
         """Mark the ends of stairs, each with where they lead beside it.
 
         Args:
             marks: The ends of stairs.
-            ways: Lines of the map of which the words cover as little as they can.
+            paths: Lines of the map of which the words cover as little as they can.
         """
         if not marks:
             return
         size, half = max(round(20 * self._unit), 12), max(12.0 * self._unit, 8.0)
         row, gap = 1.2 * size, half + 5.0
-        drawn = self._drawn(ways)
+        drawn = self._drawn(paths)
         taken = [Label("", *self.view.pixel_of(*mark.position), 2.0 * half) for mark in marks]
         for mark in marks:
             u, v = self.view.pixel_of(*mark.position)
@@ -239,16 +220,14 @@ class MapPainter:
                 key=lambda one: _covered(drawn, one, row),
             )
             taken.append(label)
-            draw_text(
-                self.image,
+            halo_px = max(round(3 * self._unit), 2)
+            self._write(
                 label.text,
                 (label.u, label.v),
                 size,
                 bold=True,
-                align=0.5,
                 color=palette.STAIRS,
-                halo=palette.FREE,
-                halo_px=max(round(3 * self._unit), 2),
+                halo_px=halo_px,
             )
 
     def path(self, points: Sequence[XY]) -> None:
@@ -278,7 +257,7 @@ class MapPainter:
     def robot(self, pose: Pose2) -> None:
         """Draw the robot as an arrow that points where it looks."""
         disc = self._arrow_disc(pose)
-        draw_arrow(self.image, (disc.u, disc.v), pose.yaw, disc.radius)
+        draw_robot(self.image, (disc.u, disc.v), pose.yaw, disc.radius)
 
     def title(self, words: str) -> None:
         """Write words into the upper left corner."""
@@ -313,15 +292,41 @@ class MapPainter:
             halo=palette.FREE,
         )
 
+    def _write(
+        self,
+        text: str,
+        at: XY,
+        size: int,
+        *,
+        bold: bool = False,
+        color: palette.Rgb = palette.INK,
+        halo_px: int | None = None,
+        opacity: float = 1.0,
+    ) -> None:
+        """Write centred text with a white rim."""
+        rim = max(round(2 * self._unit), 1) if halo_px is None else halo_px
+        draw_text(
+            self.image,
+            text,
+            at,
+            size,
+            color=color,
+            bold=bold,
+            align=0.5,
+            halo=palette.FREE,
+            halo_px=rim,
+            opacity=opacity,
+        )
+
     def _pixels(
         self, points: Sequence[XY] | Float64[np.ndarray, "_ 2"]
     ) -> Float64[np.ndarray, "_ 2"]:
         return self.view.to_pixels(np.asarray(points, dtype=np.float64).reshape(-1, 2))
 
-    def _drawn(self, ways: Iterable[Sequence[XY]]) -> UInt8[np.ndarray, "_ _"]:
+    def _drawn(self, paths: Iterable[Sequence[XY]]) -> UInt8[np.ndarray, "_ _"]:
         """The pixels of lines, each 1."""
         drawn = np.zeros(self.image.shape[:2], dtype=np.uint8)
-        lines = [np.rint(self._pixels(way)).astype(np.int32) for way in ways if len(way)]
+        lines = [np.rint(self._pixels(path)).astype(np.int32) for path in paths if len(path)]
         return cv2.polylines(drawn, lines, False, 1, max(round(3.4 * self._unit), 1))
 
     def _square(self, block: NumberedSquare) -> Square:

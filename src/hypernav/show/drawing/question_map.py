@@ -13,8 +13,7 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.show.drawing import palette
 from hypernav.show.drawing.map_painter import XY, MapPainter
-from hypernav.show.drawing.map_raster import CellColors
-from hypernav.show.drawing.map_view import MapView
+from hypernav.show.drawing.map_view import CellColors, MapView
 
 _STRONG = CellColors(palette.UNKNOWN_STRONG, palette.FREE, palette.OCCUPIED_STRONG)
 _LARGEST_INSIDE_M2 = 3.0

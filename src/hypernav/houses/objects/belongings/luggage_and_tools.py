@@ -1,6 +1,7 @@
 """Models of luggage, umbrellas, tools and other belongings."""
 
-from hypernav.houses.materials import (
+from hypernav.houses.modelling.curves import ball, cylinder, lathe, rod, tube
+from hypernav.houses.modelling.materials import (
     BLACK_METAL,
     HUES,
     RUBBER,
@@ -13,12 +14,9 @@ from hypernav.houses.materials import (
     plastic,
     wood,
 )
-from hypernav.houses.modelling.mesh import Finish
-from hypernav.houses.modelling.model import Model, ModelBuilder
+from hypernav.houses.modelling.model import Finish, Model, ModelBuilder
 from hypernav.houses.modelling.solids import box, cushion, panel
-from hypernav.houses.modelling.surfaces import ball, cylinder, lathe
-from hypernav.houses.modelling.tubes import rod, tube
-from hypernav.houses.objects.furniture.shelves import shoe_parts
+from hypernav.houses.objects.furniture.storage import shoe_parts
 from hypernav.houses.random_stream import RandomStream
 
 
@@ -77,18 +75,16 @@ def backpack(rng: RandomStream, palette: Palette) -> Model:
         tube([(-0.04, 0, 0.45), (-0.03, 0, 0.49), (0.03, 0, 0.49), (0.04, 0, 0.45)], 0.009),
     )
     for s in (-1.0, 1.0):
-        builder.add(
-            cloth.tinted(0.6),
-            tube(
-                [
-                    (s * 0.08, -0.08, 0.4),
-                    (s * 0.1, -0.13, 0.33),
-                    (s * 0.11, -0.12, 0.15),
-                    (s * 0.13, -0.08, 0.04),
-                ],
-                0.014,
-            ),
+        part = tube(
+            [
+                (s * 0.08, -0.08, 0.4),
+                (s * 0.1, -0.13, 0.33),
+                (s * 0.11, -0.12, 0.15),
+                (s * 0.13, -0.08, 0.04),
+            ],
+            0.014,
         )
+        builder.add(cloth.tinted(0.6), part)
     return builder.model("backpack", "rucksack", "school bag", main=cloth)
 
 
@@ -122,14 +118,12 @@ def umbrella(rng: RandomStream, palette: Palette) -> Model:
     for k, ink in enumerate((hue, "black")):
         x = 0.04 - 0.08 * k
         cloth = Finish("fabric", HUES[ink], 0.3, ink, "fabric")
-        builder.add(
-            cloth,
-            lathe(
-                [(0.006, 0.02), (0.02, 0.1), (0.035, 0.45), (0.03, 0.62), (0.008, 0.68)],
-                sides=10,
-                crease_deg=80,
-            ).moved(x, 0, 0),
-        )
+        part = lathe(
+            [(0.006, 0.02), (0.02, 0.1), (0.035, 0.45), (0.03, 0.62), (0.008, 0.68)],
+            sides=10,
+            crease_deg=80,
+        ).moved(x, 0, 0)
+        builder.add(cloth, part)
         builder.add(
             wood("walnut"),
             rod((x, 0, 0.66), (x, 0, 0.8), 0.008),
@@ -142,7 +136,6 @@ def umbrella(rng: RandomStream, palette: Palette) -> Model:
 
 def cardboard_boxes(rng: RandomStream, palette: Palette) -> Model:
     """A stack of moving boxes."""
-    del palette
     builder = ModelBuilder()
     card = Finish("cardboard", (0.74, 0.57, 0.38), 0.5, "brown", "cardboard")
     z = 0.0
@@ -177,7 +170,6 @@ def toolbox(rng: RandomStream, palette: Palette) -> Model:
 
 def ladder(rng: RandomStream, palette: Palette) -> Model:
     """A folded step ladder that leans on the wall (-y)."""
-    del rng, palette
     builder = ModelBuilder()
     for s in (-1.0, 1.0):
         builder.add(STEEL, rod((s * 0.21, 0.14, 0.0), (s * 0.17, -0.1, 1.6), 0.018))
@@ -191,7 +183,6 @@ def ladder(rng: RandomStream, palette: Palette) -> Model:
 
 def shoes(rng: RandomStream, palette: Palette) -> Model:
     """A pair of shoes on the floor."""
-    del palette
     builder = ModelBuilder()
     builder.extend(shoe_parts(rng, 0.0, 0.0))
     return builder.model("shoes", "pair of shoes")
@@ -199,17 +190,11 @@ def shoes(rng: RandomStream, palette: Palette) -> Model:
 
 def fire_extinguisher(rng: RandomStream, palette: Palette) -> Model:
     """A red extinguisher."""
-    del rng, palette
     builder = ModelBuilder()
     red = plastic("red")
-    builder.add(
-        red,
-        lathe(
-            [(0, 0), (0.08, 0), (0.082, 0.38), (0.06, 0.45), (0.03, 0.48), (0, 0.48)],
-            sides=20,
-            crease_deg=50,
-        ),
-    )
+    profile = [(0, 0), (0.08, 0), (0.082, 0.38), (0.06, 0.45), (0.03, 0.48), (0, 0.48)]
+    part = lathe(profile, sides=20, crease_deg=50)
+    builder.add(red, part)
     builder.add(
         BLACK_METAL,
         box(0.03, 0.14, 0.03, at=(0, 0.03, 0.5)),

@@ -2,7 +2,8 @@
 
 import math
 
-from hypernav.houses.materials import (
+from hypernav.houses.modelling.curves import ball, cylinder, rod, tube
+from hypernav.houses.modelling.materials import (
     BLACK_METAL,
     CHROME,
     HUES,
@@ -12,11 +13,8 @@ from hypernav.houses.materials import (
     image_finish,
     plastic,
 )
-from hypernav.houses.modelling.mesh import Finish
-from hypernav.houses.modelling.model import Model, ModelBuilder
+from hypernav.houses.modelling.model import Finish, Model, ModelBuilder
 from hypernav.houses.modelling.solids import box, cushion, panel
-from hypernav.houses.modelling.surfaces import ball, cylinder
-from hypernav.houses.modelling.tubes import rod, tube
 from hypernav.houses.random_stream import RandomStream
 
 
@@ -76,12 +74,10 @@ def bicycle(rng: RandomStream, palette: Palette) -> Model:
         cushion(0.27, 0.15, 0.06, radius=0.028, at=(-0.25, 0, 0.9)),
         cylinder(0.09, 0.006, sides=24).turned(90, "x").moved(-0.06, 0.05, 0.31),
     )
-    builder.add(
-        BLACK_METAL,
-        tube(
-            [(0.22, -0.28, 1.0), (0.32, -0.12, 1.02), (0.32, 0.12, 1.02), (0.22, 0.28, 1.0)], 0.013
-        ),
+    part = tube(
+        [(0.22, -0.28, 1.0), (0.32, -0.12, 1.02), (0.32, 0.12, 1.02), (0.22, 0.28, 1.0)], 0.013
     )
+    builder.add(BLACK_METAL, part)
     for s in (-1.0, 1.0):
         builder.add(
             CHROME,
@@ -96,7 +92,6 @@ def bicycle(rng: RandomStream, palette: Palette) -> Model:
 
 def treadmill(rng: RandomStream, palette: Palette) -> Model:
     """A running machine; its user faces -y."""
-    del rng, palette
     builder = ModelBuilder()
     builder.add(plastic("dark gray"), box(0.74, 1.5, 0.14, bevel=0.02))
     builder.add(RUBBER, box(0.48, 1.36, 0.012, at=(0, 0.06, 0.14)))
@@ -178,7 +173,6 @@ def exercise_ball(rng: RandomStream, palette: Palette) -> Model:
 
 def football(rng: RandomStream, palette: Palette) -> Model:
     """A ball to play with."""
-    del palette
     builder = ModelBuilder()
     ink = rng.choice(
         (Finish("", (0.85, 0.45, 0.15), 1.0, "orange", "rubber"), plastic("white"), plastic("red"))

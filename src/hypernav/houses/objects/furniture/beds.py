@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from hypernav.houses.materials import (
+from hypernav.houses.modelling.curves import rod, sheet
+from hypernav.houses.modelling.joinery import four_legs
+from hypernav.houses.modelling.materials import (
     BLACK_METAL,
     BRASS,
     WHITE_METAL,
@@ -11,13 +13,9 @@ from hypernav.houses.materials import (
     lacquer,
     leather,
 )
-from hypernav.houses.modelling.joinery import four_legs
-from hypernav.houses.modelling.mesh import Finish, Mesh
-from hypernav.houses.modelling.model import Model, ModelBuilder
+from hypernav.houses.modelling.model import Finish, Mesh, Model, ModelBuilder
 from hypernav.houses.modelling.solids import box, cushion
-from hypernav.houses.modelling.surfaces import sheet
-from hypernav.houses.modelling.tubes import rod
-from hypernav.houses.objects.furniture.sofas import throw_pillow
+from hypernav.houses.objects.furniture.seating import throw_pillow
 from hypernav.houses.random_stream import RandomStream
 
 LONG_M = 2.0
@@ -159,16 +157,9 @@ def _headboard(
         builder.add(frame, box(full, 0.04, high - 0.2, at=(0, y, 0.2), bevel=0.008))
         builder.add(frame, box(full + 0.03, 0.06, 0.05, at=(0, y, high - 0.02), bevel=0.012))
         for k in range(3):
-            builder.add(
-                frame.tinted(1.06),
-                box(
-                    full / 3 - 0.08,
-                    0.02,
-                    high - 0.75,
-                    bevel=0.006,
-                    at=((k - 1) * full / 3, y + 0.025, 0.62),
-                ),
-            )
+            at = ((k - 1) * full / 3, y + 0.025, 0.62)
+            part = box(full / 3 - 0.08, 0.02, high - 0.75, bevel=0.006, at=at)
+            builder.add(frame.tinted(1.06), part)
     elif kind == "upholstered":
         cloth = leather("brown") if rng.chance(0.2) else fabric(palette.upholstery_hue)
         columns = max(round(full / 0.3), 2)
@@ -182,14 +173,12 @@ def _headboard(
                     puff=0.012,
                     flats=3,
                 ).turned(90, "x")
-                builder.add(
-                    cloth,
-                    tuft.moved(
-                        (k + 0.5 - columns / 2) * full / columns,
-                        y + 0.05,
-                        0.3 + (row + 0.5) * (high - 0.3) / 2,
-                    ),
+                part = tuft.moved(
+                    (k + 0.5 - columns / 2) * full / columns,
+                    y + 0.05,
+                    0.3 + (row + 0.5) * (high - 0.3) / 2,
                 )
+                builder.add(cloth, part)
         builder.add(cloth, box(full, 0.04, high - 0.1, at=(0, y - 0.005, 0.1), bevel=0.01))
     else:
         metal = rng.choice((BLACK_METAL, WHITE_METAL, BRASS)) if kind == "metal" else frame
@@ -214,42 +203,23 @@ def bunk_bed(rng: RandomStream, palette: Palette) -> Model:
     high = 1.7
     for sx in (-1.0, 1.0):
         for sy in (-1.0, 1.0):
-            builder.add(
-                frame,
-                box(
-                    0.07,
-                    0.07,
-                    high,
-                    at=(sx * (wide / 2 + 0.03), sy * (half + 0.03), 0),
-                    bevel=0.008,
-                ).swapped_uv(),
+            part = box(
+                0.07, 0.07, high, at=(sx * (wide / 2 + 0.03), sy * (half + 0.03), 0), bevel=0.008
             )
+            builder.add(frame, part.swapped_uv())
     covers = [bedding(rng, palette.linen_hue), bedding(rng, palette.accent_hue)]
     for level, cover in ((0.25, covers[0]), (1.2, covers[1])):
         for s in (-1.0, 1.0):
-            builder.add(
-                frame,
-                box(
-                    0.03, LONG_M, 0.13, at=(s * (wide / 2 + 0.03), 0, level), bevel=0.004
-                ).swapped_uv(),
-            )
+            part = box(0.03, LONG_M, 0.13, at=(s * (wide / 2 + 0.03), 0, level), bevel=0.004)
+            builder.add(frame, part.swapped_uv())
             builder.add(frame, box(wide, 0.03, 0.13, at=(0, s * (half + 0.03), level), bevel=0.004))
         builder.add(
             fabric("white"),
             cushion(wide - 0.02, LONG_M - 0.02, 0.16, radius=0.04, at=(0, 0, level + 0.08)),
         )
-        builder.add(
-            cover,
-            cushion(
-                wide,
-                LONG_M * 0.72,
-                0.05,
-                radius=0.022,
-                puff=0.01,
-                flats=3,
-                at=(0, half * 0.28, level + 0.22),
-            ),
-        )
+        at = (0, half * 0.28, level + 0.22)
+        part = cushion(wide, LONG_M * 0.72, 0.05, radius=0.022, puff=0.01, flats=3, at=at)
+        builder.add(cover, part)
         pillow = throw_pillow(0.42).scaled(1.4, 1.0, 0.9)
         builder.add(fabric("white"), pillow.moved(0, -half + 0.28, level + 0.23))
     for z in (1.42, 1.54):
@@ -280,12 +250,8 @@ def crib(rng: RandomStream, palette: Palette) -> Model:
     wide, long, high = 0.7, 1.3, 0.9
     for sx in (-1.0, 1.0):
         for sy in (-1.0, 1.0):
-            builder.add(
-                frame,
-                box(
-                    0.045, 0.045, high, at=(sx * wide / 2, sy * long / 2, 0), bevel=0.006
-                ).swapped_uv(),
-            )
+            part = box(0.045, 0.045, high, at=(sx * wide / 2, sy * long / 2, 0), bevel=0.006)
+            builder.add(frame, part.swapped_uv())
     for z in (0.28, high - 0.06):
         for s in (-1.0, 1.0):
             builder.add(frame, box(0.025, long, 0.05, at=(s * wide / 2, 0, z)).swapped_uv())

@@ -1,1 +1,0 @@
-"""Furnishing of shops and libraries, one module per group of rooms."""

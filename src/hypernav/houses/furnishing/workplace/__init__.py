@@ -1,1 +1,0 @@
-"""Furnishing of offices, one module per group of rooms."""

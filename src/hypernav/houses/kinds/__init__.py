@@ -1,1 +1,0 @@
-"""Kinds of buildings: the differences of homes, offices and shops."""

@@ -1,1 +1,0 @@
-"""Models of plants, textiles, ornaments and wall decoration."""

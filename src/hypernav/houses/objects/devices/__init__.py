@@ -1,1 +1,0 @@
-"""Models of screens, lamps and electronic devices."""

@@ -1,1 +1,0 @@
-"""Models of objects in kitchens, bathrooms and laundries."""

@@ -1,1 +1,0 @@
-"""Models of what stands in shops and libraries."""

@@ -1,1 +1,0 @@
-"""Placement of models in a room: poses, collisions, free floor, visibility."""

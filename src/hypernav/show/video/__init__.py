@@ -1,1 +1,0 @@
-"""The video of an episode."""

@@ -1,1 +1,0 @@
-"""Views of a search in other programs: rerun and Foxglove."""
