@@ -33,7 +33,6 @@ def test_the_program_silences_them_and_a_call_of_it_does_not(monkeypatch):
     called = []
     monkeypatch.setattr("hypernav.cli.main.silence_libraries", lambda: called.append(True))
     monkeypatch.setattr("hypernav.cli.main._status", lambda _: 0)
-    monkeypatch.setattr("hypernav.cli.main.answer_exits", lambda _: None)
     monkeypatch.setattr("hypernav.cli.main._end_without_threads", lambda _: None)
     for arguments in ([], None):
         with pytest.raises(SystemExit):

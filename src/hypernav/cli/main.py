@@ -19,7 +19,6 @@ from typing import Any, NoReturn
 
 from hypernav.cli.guards.crashes import ExitStatus, ReportedCrashError, crash_report
 from hypernav.cli.guards.interruptions import Terminated, sigterm_as_interruption
-from hypernav.core.components.exits import answer_exits, end_at_once
 from hypernav.core.errors import HyPerNavError, ModelUnavailableError
 from hypernav.core.text.visible_text import visible
 
@@ -68,10 +67,8 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
     if arguments is None:  # this is the program
         silence_libraries()
-        answer_exits(_end_of_component)
     status = _flushed(_status(sys.argv[1:] if arguments is None else arguments))
     if arguments is None:  # this is the program
-        answer_exits(lambda _: end_at_once(status))  # a library may end so what has ended
         _end_without_threads(status)
     sys.exit(status)
 
@@ -94,11 +91,6 @@ def _status(arguments: Sequence[str]) -> int:
         return _say(str(error), ExitStatus.USAGE)
 
 
-def _end_of_component(called: str) -> NoReturn:
-    said = f"a component ended the program by {called}, outside a call of this program"
-    end_at_once(_say(said, ExitStatus.CRASH))
-
-
 def _end_without_threads(status: int) -> None:
     """Let the process end although a component has left a thread running."""
 
@@ -107,7 +99,7 @@ def _end_without_threads(status: int) -> None:
         names = ", ".join(thread.name for thread in left if thread.is_alive())
         if names:
             _say(f"ended although a component has left a thread running: {names}", status)
-            end_at_once(status)
+            os._exit(status)
 
     left = [one for one in threading.enumerate() if not one.daemon]
     left.remove(threading.main_thread())

@@ -15,7 +15,6 @@ from functools import partial, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-from hypernav.core.components.exits import exits_raised
 from hypernav.core.components.returned import CHECKS, Check, ValueFault
 from hypernav.core.errors import (
     CameraError,
@@ -112,7 +111,7 @@ def calling(name: str, what: str) -> Iterator[None]:
         KeyboardInterrupt: Ctrl-C or SIGTERM came.
     """
     try:
-        with interruptions_of_kernels(), exits_raised():
+        with interruptions_of_kernels():
             yield
     except KeyboardInterrupt:
         raise

@@ -19,7 +19,6 @@ from types import FrameType
 from typing import NoReturn
 
 from hypernav.build.choosing import choose_components
-from hypernav.core.components.exits import end_at_once
 from hypernav.core.episodes.life import Life
 from hypernav.core.errors import ComponentError, HyPerNavError
 from hypernav.core.interruptions import interruptions_of_kernels
@@ -229,7 +228,7 @@ def _die_with_owner() -> None:
 
     def watch() -> None:
         wait([owner.sentinel])
-        end_at_once(0)
+        os._exit(0)
 
     threading.Thread(target=watch, daemon=True, name="watch-owner").start()
 
