@@ -10,6 +10,9 @@ between the two is said in sentences, since no run is the paper's own.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
 
 from hypernav.core.episodes.episode import MAX_STEPS
 from hypernav.core.goal import Goal
@@ -55,17 +58,7 @@ class Published:
     step_seconds: float | None = None
 
 
-_HABITAT = "STOP within 0.1 m of a view point"
 _QUOTED = "as quoted by the HyPerNav paper, which did not run it again"
-_VLMNAV_URL = "https://github.com/Jirl-upenn/VLMnav"
-_VLMNAV_REACHED = "within 0.3 m of a view point, also when steps run out there"
-_MACRO = "up to 1.7 m, and any turn"
-
-
-def _quoted(method: str) -> tuple[float, float]:
-    """SR and SPL of another method on HM3D, as the paper quotes them."""
-    score = paper_results.OTHERS_ON_HM3D[method]
-    return score.success_percent, score.spl_percent
 
 
 def _in_simulation(runs: PaperRuns, version: str, step_seconds: float | None = None) -> Published:
@@ -98,6 +91,17 @@ def _with_robot(row: RobotRow) -> Published:
     )
 
 
+def _of_others() -> Iterator[Published]:
+    """The rows of the file; SR and SPL of some are those that the paper quotes."""
+    text = Path(__file__).with_name("published.yaml").read_text(encoding="utf-8")
+    for row in yaml.safe_load(text):
+        if quoted := row.pop("quoted", None):
+            score = paper_results.OTHERS_ON_HM3D[quoted]
+            row |= {"success_percent": score.success_percent, "spl_percent": score.spl_percent}
+            row["step_seconds"] = paper_results.STEP_SECONDS.get(quoted)
+        yield Published(**{"source": _QUOTED} | row)
+
+
 PUBLISHED: tuple[Published, ...] = (
     _in_simulation(
         paper_results.HM3D,
@@ -106,138 +110,7 @@ PUBLISHED: tuple[Published, ...] = (
     ),
     _in_simulation(paper_results.OVON, ""),
     *map(_with_robot, paper_results.ROBOT),
-    Published(
-        "VLFM",
-        "HM3D-v1 val",
-        *_quoted("VLFM"),
-        "real scans, GroundingDINO, YOLOv7 and BLIP-2 see; habitat-lab's own objectnav_hm3d task "
-        "with turns of 30°, half our step; a learned policy drives",
-        "Yokoyama et al., VLFM, ICRA 2024",
-        "https://arxiv.org/abs/2312.03275",
-        _HABITAT,
-        "0.25 m",
-    ),
-    Published(
-        "VLFM",
-        "MP3D val",
-        36.4,
-        17.5,
-        "real scans; as on HM3D",
-        "as reported by Aghaei et al., When Engineering Outruns Intelligence, 2025",
-        "https://arxiv.org/abs/2507.20021",
-        _HABITAT,
-        "0.25 m",
-    ),
-    Published(
-        "VLFM",
-        "HM3D-OVON val unseen",
-        35.2,
-        19.6,
-        "real scans; the original publication was not seen",
-        "as reported by MetaNav",
-    ),
-    Published(
-        "NavVLM",
-        "HM3D val, version unstated",
-        *_quoted("NavVLM"),
-        "its released code is a demonstration of one scene without measures, and reproduces "
-        "nothing of this: a camera of 90° at 1.1 m, 400 steps, sliding; the time of a step is "
-        "as the HyPerNav paper gives it, which doesn't say who measured it, and where",
-        _QUOTED,
-        "https://github.com/Yonggie/NavVLM",
-        step="0.3 m",
-        step_seconds=paper_results.STEP_SECONDS["NavVLM"],
-    ),
-    Published(
-        "VLMnav",
-        "HM3D-v2 val, 1,000 episodes",
-        *_quoted("VLMNav"),
-        "real scans; camera of 131° at 1.5 m, 40 moves, sliding, Gemini 1.5 Flash; episodes that "
-        "raise an error are not reported",
-        _QUOTED,
-        _VLMNAV_URL,
-        _VLMNAV_REACHED,
-        _MACRO,
-    ),
-    Published(
-        "PIVOT",
-        "HM3D-v2 val, 1,000 episodes",
-        *_quoted("PIVOT"),
-        "VLMnav's own run of it, by VLMnav's protocol; ten questions a move",
-        _QUOTED,
-        _VLMNAV_URL,
-        _VLMNAV_REACHED,
-        _MACRO,
-    ),
-    Published(
-        "DyNaVLM",
-        "HM3D val, version unstated",
-        *_quoted("DyNaVLM"),
-        "no code was published",
-        _QUOTED,
-        "https://arxiv.org/abs/2506.15096",
-    ),
-    Published(
-        "PIRLNav, imitation only",
-        "HM3D-v1 val",
-        *_quoted("PIRLNav"),
-        "real scans; trained on human demonstrations of exactly these six classes",
-        "Ramrakhya et al., PIRLNav, in its repository",
-        "https://github.com/Ram81/pirlnav",
-        _HABITAT,
-        "0.25 m",
-    ),
-    Published(
-        "PIRLNav, finetuned",
-        "HM3D-v1 val",
-        70.4,
-        34.1,
-        "real scans; trained on human demonstrations of exactly these six classes, and finetuned "
-        "by reward; the HyPerNav paper quotes the imitation alone",
-        "Ramrakhya et al., PIRLNav, in its repository",
-        "https://github.com/Ram81/pirlnav",
-        _HABITAT,
-        "0.25 m",
-    ),
-    Published(
-        "ZSON",
-        "HM3D-v1 val",
-        *_quoted("ZSON"),
-        "real scans; a policy trained to go to images, asked with words",
-        _QUOTED,
-        "https://github.com/gunagg/zson",
-        _HABITAT,
-        "0.25 m",
-    ),
-    Published(
-        "ZSON",
-        "MP3D val",
-        15.3,
-        4.8,
-        "real scans; a policy trained to go to images, asked with words",
-        "as reported by Aghaei et al., When Engineering Outruns Intelligence, 2025",
-        "https://arxiv.org/abs/2507.20021",
-        _HABITAT,
-        "0.25 m",
-    ),
-    Published(
-        "InstructNav",
-        "HM3D-v1 val",
-        58.0,
-        20.9,
-        "real scans, detection by GLEE and GPT-4 in the loop; 2,000 episodes of six categories",
-        "as reported by Aghaei et al., When Engineering Outruns Intelligence, 2025",
-        "https://arxiv.org/abs/2507.20021",
-    ),
-    Published(
-        "DWFE (frontiers, no language model)",
-        "HM3D-v1 val",
-        61.1,
-        36.0,
-        "real scans; InstructNav without its GPT-4, detector and saliency map; 2,000 episodes",
-        "Aghaei et al., When Engineering Outruns Intelligence, 2025",
-        "https://arxiv.org/abs/2507.20021",
-    ),
+    *_of_others(),
 )
 """In the order in which they are shown; it is not a ranking."""
 
