@@ -146,7 +146,6 @@ def _text(file: IO[bytes]) -> str:
 def _run(arguments: list[str]) -> NoReturn:
     """Run the program to its end, without the teardown of modules: it takes the longest."""
     from hypernav.cli.main import main
-    from hypernav.core.components.exits import end_at_once
 
     sys.argv = ["hypernav", *arguments]
     status = 0
@@ -161,7 +160,7 @@ def _run(arguments: list[str]) -> NoReturn:
     atexit._run_exitfuncs()
     sys.stdout.flush()
     sys.stderr.flush()
-    end_at_once(status)
+    os._exit(status)
 
 
 if __name__ == "__main__":
