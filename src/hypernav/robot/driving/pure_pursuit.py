@@ -178,7 +178,7 @@ def _simplified(corners: Float64[np.ndarray, "n 2"]) -> Float64[np.ndarray, "m 2
 
 
 _SAMPLE_M = 0.025
-"""Distance between the points at which the way ahead is examined: half a cell of a map."""
+"""Distance between the points at which the path ahead is examined: half a cell of a map."""
 _TOUCH_M = 1e-6
 _AIMS = (1.0, 0.5, 0.25, 0.125)
 """Shares of the look-ahead to try, for a robot beside its path among obstacles."""

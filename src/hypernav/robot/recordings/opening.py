@@ -126,8 +126,8 @@ def _looks(recording: Recording) -> tuple[list[_Depth], _Looks]:
         here = first.camera_to_world.translation
         second = next((one for one in frames[i:] if _moved_m(one, here) >= _MOVED_M), None)
         if second is not None:
-            way = second.camera_to_world.inverse() @ first.camera_to_world
-            looks.append((way, depth, second.depth()))
+            first_to_second = second.camera_to_world.inverse() @ first.camera_to_world
+            looks.append((first_to_second, depth, second.depth()))
     return depths, looks
 
 
@@ -139,10 +139,10 @@ def _difference(camera: PinholeCamera, looks: _Looks, scale: float) -> float:
     """By how much second looks differ from first ones, relatively, if depth is scaled."""
     stride = max(camera.width // _COLUMNS, 1)
     found = [np.zeros(0)]
-    for way, depth, second in looks:
+    for first_to_second, depth, second in looks:
         rows, columns = stride * np.array(np.nonzero(depth[::stride, ::stride] > 0.0))
         points = camera.unproject_pixels(rows, columns, depth[rows, columns].astype(float) * scale)
-        seen = way.apply(points)
+        seen = first_to_second.apply(points)
         seen = seen[seen[:, 2] > 0.0]
         u, v = np.floor(camera.project(seen)).T
         inside = (u >= 0) & (u < camera.width) & (v >= 0) & (v < camera.height)
@@ -211,7 +211,7 @@ _OTHER_FORMATS = {
     "--export_depth_images --export_color_images --export_poses --export_intrinsics' of its "
     "SensReader, and give DIR",
 }
-"""What recordings of other formats are, and the way to one that is read."""
+"""What recordings of other formats are, and how to make one that is read."""
 _FOLDERS = (
     (is_matched_frames, read_matched_frames),
     (is_tum, read_tum),

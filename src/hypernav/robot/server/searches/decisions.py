@@ -75,7 +75,7 @@ class Decisions:
         self._start: UnknownStart | None = None
         if record.relocalize:
             self._start = UnknownStart(memory, self._robot, start)
-        self._told: Action | None = None
+        self._commanded: Action | None = None
         self._steps = 0
 
     def check(self, packed: PackedObservation) -> Observation:
@@ -88,7 +88,7 @@ class Decisions:
         seen = self._decoded(packed)
         if self._has_labels and packed.labels is None:
             raise WireError("the search was opened with labels: true; this observation has none")
-        self._sensing.check(packed, seen, self._told)
+        self._sensing.check(packed, seen, self._commanded)
         return seen
 
     def decide(
@@ -108,7 +108,7 @@ class Decisions:
         """
         step, grid = self._decided(packed, seen)
         step = self._with_doubts(step, self._doubts.look(packed.header, seen))
-        self._told = step.reply.action
+        self._commanded = step.reply.action
         return step if self._start is None else self._start.as_robot_knows(step), grid
 
     def _decided(
@@ -118,7 +118,7 @@ class Decisions:
         number, start = packed.header.sequence, self._start
         if self._steps >= self._most_steps:
             return StepRecord(reply=_reply_out_of_steps(number, self._steps), trace=None), None
-        self._sensing.note(packed, seen, self._told)
+        self._sensing.note(packed, seen, self._commanded)
         if start is not None and start.told is None and not start.look(packed.header, seen):
             return StepRecord(reply=_reply_looking_around(number, self._robot), trace=None), None
         if self._steps == 0:
@@ -196,13 +196,13 @@ class Decisions:
             again, grid = self.decide(packed, self._decoded(packed))
             if again.trace is not None and grid is not None:
                 maps[floor_of(again.trace)] = grid
-            self._told = recorded.reply.action
-            if again.reply.action != self._told:
+            self._commanded = recorded.reply.action
+            if again.reply.action != self._commanded:
                 _LOG.warning(
                     "search %s, step %d: the action was %s, and would be %s today",
                     self._name,
                     number,
-                    self._told,
+                    self._commanded,
                     again.reply.action,
                 )
         return maps

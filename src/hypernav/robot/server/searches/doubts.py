@@ -92,11 +92,11 @@ class FloorFit:
         seen = depth[:: self._every, :: self._every].astype(np.float64).ravel()
         measured = is_measured(seen, 0.0, float(seen.max(initial=0.0)))
         self._height_m = float(camera_to_base.translation[2])
-        told = self._logs(seen, measured, camera_to_base.rotation)
-        counts, _ = np.histogram(told, _BINS)
-        self._factors.append(counts / max(told.size, 1))
+        claimed = self._logs(seen, measured, camera_to_base.rotation)
+        counts, _ = np.histogram(claimed, _BINS)
+        self._factors.append(counts / max(claimed.size, 1))
         turned = (camera_to_base.rotation @ by for by in _FRAME_MISREADINGS.values())
-        logs = [told, *(self._logs(seen, measured, rotation) for rotation in turned)]
+        logs = [claimed, *(self._logs(seen, measured, rotation) for rotation in turned)]
         self._shares.append(
             [float(np.mean(np.abs(one) < _NEAR)) if one.size else 0.0 for one in logs]
         )
@@ -105,14 +105,14 @@ class FloorFit:
         """What may be misread, in a sentence that names the evidence; None if all fits."""
         if len(self._shares) < _LEAST_IMAGES:
             return None
-        told, *others = np.mean(self._shares, axis=0).tolist()
+        claimed, *others = np.mean(self._shares, axis=0).tolist()
         log, share = _lowest_level(np.mean(self._factors, axis=0))
         best = max(others)
-        if best >= max(_LEAST_SHARE, share) and told <= _LESS * best:
+        if best >= max(_LEAST_SHARE, share) and claimed <= _LESS * best:
             fitting = (one > best - _ALIKE for one in others)
-            return _words_of_a_frame(told, best, next(compress(_FRAME_MISREADINGS, fitting)))
+            return _words_of_a_frame(claimed, best, next(compress(_FRAME_MISREADINGS, fitting)))
         most = (_MUCH_LESS if log > 0.0 else _LESS) * share
-        if abs(log) < _OTHER_FACTOR or share < _LEAST_SHARE or told > most:
+        if abs(log) < _OTHER_FACTOR or share < _LEAST_SHARE or claimed > most:
             return None
         return self._words_of_a_factor(math.exp(-log), share)
 
@@ -145,9 +145,9 @@ class FloorFit:
         return np.log(self._height_m / down[looks] / depth[looks])
 
 
-def _words_of_a_frame(told: float, best: float, misreading: str) -> str:
+def _words_of_a_frame(claimed: float, best: float, misreading: str) -> str:
     return (
-        f"{told:.0%} of the depth that looks down is floor where the camera's pose puts it, and "
+        f"{claimed:.0%} of the depth that looks down is floor where the camera's pose puts it, and "
         f"{best:.0%} would be if {misreading}; camera_to_base leads from the optical frame (x "
         "right, y down, z forward) to the base, and on ROS frame_id names the optical frame"
     )
@@ -254,12 +254,12 @@ class TurnFit:
         if last is not None and abs(wrap_angle(turn - last)) > _TURNED_RAD:
             angles[_LATE] = last
         for name, image in now.items():
-            told = self._correlation(signals[name], image, turn, camera_to_base)
+            claimed = self._correlation(signals[name], image, turn, camera_to_base)
             for other, angle in angles.items():
                 found = self._correlation(signals[name], image, angle, camera_to_base)
-                if told is not None and found is not None:
+                if claimed is not None and found is not None:
                     pairs = self._seen.setdefault((name, other), deque(maxlen=_MOST_TURNS))
-                    pairs.append((told, found))
+                    pairs.append((claimed, found))
 
     def doubt(self) -> str | None:
         """What may be misread, in a sentence that names the evidence; None if all fits."""
@@ -269,20 +269,22 @@ class TurnFit:
             if len(pairs) >= _LEAST_TURNS
         }
         doubted = [
-            (found, told, other)
-            for (_, other), (told, found) in means.items()
-            if found >= _FITS and told < _DOES_NOT_FIT and found - told >= _BETTER
+            (found, claimed, other)
+            for (_, other), (claimed, found) in means.items()
+            if found >= _FITS and claimed < _DOES_NOT_FIT and found - claimed >= _BETTER
         ]
         if not doubted:
             return None
-        found, told, other = max(doubted)
+        found, claimed, other = max(doubted)
         names = " and ".join(
             name
             for (name, one), (as_told, as_other) in means.items()
             if one == other and as_other >= max(as_told, _FITS)
         )
         words = _WORDS.get(other) or _OF_ANOTHER_ANGLE.format(factor=_FACTORS[other])
-        return f"the {names} images {words} Correlation {found:.2f} so, {told:.2f} as the poses say"
+        return (
+            f"the {names} images {words} Correlation {found:.2f} so, {claimed:.2f} as the poses say"
+        )
 
     def _grey(self, rgb: UInt8[np.ndarray, "height width 3"]) -> _Signal:
         size = (self._camera.width, self._camera.height)
@@ -327,7 +329,7 @@ def _varying(values: Float32[np.ndarray, " n"], rows: np.ndarray) -> Float64[np.
 
 
 _MOST_IMAGES = 40
-"""Number of observations that are looked at: a look around, and some of the way."""
+"""Number of observations that are looked at: a look around, and the beginning of the path."""
 _VIEW_MOVED_M, _VIEW_TURNED_RAD = 0.1, math.radians(5.0)
 _ASIDE = 0.2
 """Largest distance of the principal point from the image's centre, as a share of its size; lenses

@@ -82,13 +82,13 @@ class Sensing:
         self._blocked: Counter[bool] = Counter()  # failed in a row: turns, and steps
         self._wrong: Counter[bool] = Counter()  # others than ordered in a row: turns, and steps
 
-    def check(self, packed: PackedObservation, seen: Observation, told: Action | None) -> None:
+    def check(self, packed: PackedObservation, seen: Observation, commanded: Action | None) -> None:
         """Look at the next observation.
 
         Args:
             packed: The observation as it came.
             seen: The same, decoded.
-            told: Action that the robot was told before; None at the beginning.
+            commanded: Action that the robot was told before; None at the beginning.
 
         Raises:
             SensorError: The data cannot be right.
@@ -97,18 +97,18 @@ class Sensing:
         self._check_depth(seen)
         if last is not None:
             _check_time(last, facts)
-            self._check_motion(last, facts, told)
-            self._check_direction(last, facts, told)
+            self._check_motion(last, facts, commanded)
+            self._check_direction(last, facts, commanded)
         self._check_images(packed, seen)
         if last is not None and self._depth is not None:
             self._check_change(last, facts, self._depth, seen.depth)
 
-    def note(self, packed: PackedObservation, seen: Observation, told: Action | None) -> None:
+    def note(self, packed: PackedObservation, seen: Observation, commanded: Action | None) -> None:
         """Remember an observation; one of before a restart of the server isn't checked again."""
         facts, lens = packed.header, self._robot.camera
-        if self._last is not None and told is not None:
-            turns = told is not Action.MOVE_FORWARD
-            is_wrong = not facts.blocked and self._is_other(self._last, facts, told)
+        if self._last is not None and commanded is not None:
+            turns = commanded is not Action.MOVE_FORWARD
+            is_wrong = not facts.blocked and self._is_other(self._last, facts, commanded)
             self._wrong[turns] = self._wrong[turns] + 1 if is_wrong else 0
             self._blocked[turns] = self._blocked[turns] + 1 if facts.blocked else 0
         digests = _digests(packed)
@@ -199,7 +199,7 @@ class Sensing:
         return all(one is not None and one.sequence == facts.sequence - 1 for one in known)
 
     def _check_motion(
-        self, before: ObservationFacts, now: ObservationFacts, told: Action | None
+        self, before: ObservationFacts, now: ObservationFacts, commanded: Action | None
     ) -> None:
         motion = self._robot.motion
         moved_m, _ = _motion(before.base_to_odom, now.base_to_odom)
@@ -210,8 +210,8 @@ class Sensing:
                 f"{motion.forward_m:g} m and {now.stamp_s - before.stamp_s:.1f} s; it may drift, "
                 "but not jump: what localisation finds belongs in odom_to_map"
             )
-        turns = told is not Action.MOVE_FORWARD
-        if now.blocked and told is not None and self._blocked[turns] + 1 >= _MOST_BLOCKED:
+        turns = commanded is not Action.MOVE_FORWARD
+        if now.blocked and commanded is not None and self._blocked[turns] + 1 >= _MOST_BLOCKED:
             raise SensorError(
                 f"{_MOST_BLOCKED} {'turns' if turns else 'steps'} in a row did not happen, "
                 "according to the robot or its odometry; does it move, and does its odometry show "
@@ -219,15 +219,15 @@ class Sensing:
             )
 
     def _check_direction(
-        self, before: ObservationFacts, now: ObservationFacts, told: Action | None
+        self, before: ObservationFacts, now: ObservationFacts, commanded: Action | None
     ) -> None:
         """Refuse several motions in a row that odometry shows as others than those ordered."""
-        if told is None or now.blocked or not self._is_other(before, now, told):
+        if commanded is None or now.blocked or not self._is_other(before, now, commanded):
             return
-        if self._wrong[told is not Action.MOVE_FORWARD] + 1 < _MOST_WRONG:
+        if self._wrong[commanded is not Action.MOVE_FORWARD] + 1 < _MOST_WRONG:
             return
         moved_m, turned = _motion(before.base_to_odom, now.base_to_odom)
-        if told is Action.MOVE_FORWARD:
+        if commanded is Action.MOVE_FORWARD:
             aside = math.degrees(abs(_aside(before.base_to_odom, now.base_to_odom)))
             raise SensorError(
                 f"the robot was told to drive forward, and its odometry moved {moved_m:.2f} m at "
@@ -235,29 +235,29 @@ class Sensing:
                 "the left at yaw 0 (REP 103)"
             )
         raise SensorError(
-            f"the robot was told to turn {math.degrees(self._turn(told)):+.0f}°, and its odometry "
-            f"turned {math.degrees(turned):+.0f}°, {_MOST_WRONG} times in a row something else "
+            f"the robot was told to turn {math.degrees(self._turn(commanded)):+.0f}°, and its "
+            f"odometry turned {math.degrees(turned):+.0f}°, {_MOST_WRONG} times in a row something else "
             "than it was told; yaw is in radians and grows to the left (REP 103)"
         )
 
-    def _is_other(self, before: ObservationFacts, now: ObservationFacts, told: Action) -> bool:
+    def _is_other(self, before: ObservationFacts, now: ObservationFacts, commanded: Action) -> bool:
         """Whether odometry shows a motion of another direction, or a turn of another size."""
         moved_m, turned = _motion(before.base_to_odom, now.base_to_odom)
-        if told is Action.STOP:
+        if commanded is Action.STOP:
             return False
-        if told is Action.MOVE_FORWARD:
+        if commanded is Action.MOVE_FORWARD:
             is_long = moved_m > _WRONG_SHARE * self._robot.motion.forward_m
             return is_long and abs(_aside(before.base_to_odom, now.base_to_odom)) > _ASIDE_RAD
-        turn = self._turn(told)
+        turn = self._turn(commanded)
         is_mirrored = turned * turn < 0.0 and abs(turned) > _WRONG_SHARE * abs(turn)
         too_far = math.copysign(1.0, turn) * wrap_angle(turned - turn)
         is_far = too_far > max(_FURTHER_SHARE * abs(turn), _FURTHER_RAD)
         return is_mirrored or is_far or abs(too_far) > _OTHER_TURN_RAD
 
-    def _turn(self, told: Action) -> float:
+    def _turn(self, commanded: Action) -> float:
         """The angle of a turn, radians, positive to the left."""
         angle = math.radians(self._robot.motion.turn_angle_deg)
-        return angle if told is Action.TURN_LEFT else -angle
+        return angle if commanded is Action.TURN_LEFT else -angle
 
 
 def _check_time(before: ObservationFacts, now: ObservationFacts) -> None:

@@ -131,15 +131,15 @@ class UnknownStart:
         """Begin where the frames of the turn lie in the memory, or anew."""
         if self._folder is None or not self._is_around:
             facts = {"sure": False, "doubt": _NOT_AROUND, "turns": turns}
-            return _told(facts, own), None, seen
+            return _start_in_memory(facts, own), None, seen
         found = replace(found_by_turn(self._folder.memory, self._frames), turns=turns)
         if found.place is None or found.doubt:
-            return _told(found.as_dict(), own), None, seen
-        told = _told(found.as_dict(), found.place.own_to_map @ own)
+            return _start_in_memory(found.as_dict(), own), None, seen
+        told = _start_in_memory(found.as_dict(), found.place.own_to_map @ own)
         try:
             return self._begin_as(told, seen, own, goal)
         except MemoryStartError:
-            return _told(replace(found, is_refused=True).as_dict(), own), None, seen
+            return _start_in_memory(replace(found, is_refused=True).as_dict(), own), None, seen
 
     def _begin_as(
         self, told: StartInMemory, seen: Observation, own: Transform, goal: Goal
@@ -178,7 +178,7 @@ def _moved(reply: Reply, map_to_robot: Transform) -> Reply:
     return reply.model_copy(update={"destination": end, "path": tuple(moved[len(ends) :])})
 
 
-def _told(facts: Mapping[str, Any], robot_to_map: Transform) -> StartInMemory:
+def _start_in_memory(facts: Mapping[str, Any], robot_to_map: Transform) -> StartInMemory:
     x, y, z = robot_to_map.translation.tolist()
     frame = (x, y, robot_to_map.yaw)
     return StartInMemory(**facts, robot_frame=frame, robot_frame_z=z)
