@@ -236,8 +236,8 @@ class Sensing:
             )
         raise SensorError(
             f"the robot was told to turn {math.degrees(self._turn(commanded)):+.0f}°, and its "
-            f"odometry turned {math.degrees(turned):+.0f}°, {_MOST_WRONG} times in a row something else "
-            "than it was told; yaw is in radians and grows to the left (REP 103)"
+            f"odometry turned {math.degrees(turned):+.0f}°, {_MOST_WRONG} times in a row something "
+            "else than it was told; yaw is in radians and grows to the left (REP 103)"
         )
 
     def _is_other(self, before: ObservationFacts, now: ObservationFacts, commanded: Action) -> bool:
