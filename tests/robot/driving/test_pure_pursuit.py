@@ -1,7 +1,9 @@
 """Laws of pure pursuit, in a closed loop with a robot that does exactly what it is told."""
 
 import math
+import re
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.planning.config import PlanningConfig
 from hypernav.planning.planner import Planner
 from hypernav.robot.driving.base import STANDSTILL, Velocity
+from hypernav.robot.driving.driven_robot import CAREFUL
 from hypernav.robot.driving.obstacles import MapObstacles, Obstacles, PointObstacles
 from hypernav.robot.driving.pure_pursuit import DriveConfig, PurePursuit
 
@@ -242,3 +245,17 @@ def test_a_command_that_holds_too_long_leaves_room_to_brake():
         braked_m = speed**2 / (2.0 * config.max_acceleration_m_s2)
         assert robot.x + held_m + braked_m + RADIUS_M < 1.5 + ROUNDING
     assert driven[-1].x > 1.2
+
+
+PAGE = Path(__file__).parents[3] / "docs" / "robot.md"
+
+
+def test_the_page_about_robots_has_every_limit_and_its_default():
+    section = PAGE.read_text().partition("The fields of `DriveConfig`")[2].partition("\n## ")[0]
+    written: dict[str, float] = {}
+    for fields, defaults in re.findall(r"^\| (`.*?) \| (.*?) \|", section, re.MULTILINE):
+        names = re.findall(r"`(\w+)`", fields)
+        values = [float(value) for value in re.findall(r"\d[\d.]*", defaults.partition(";")[0])]
+        written |= dict(zip(names, values, strict=True))
+    assert written == DriveConfig().model_dump()
+    assert f"0; {CAREFUL.margin_m} in `DrivenRobot`" in section
