@@ -1,8 +1,8 @@
 import pytest
 
 from hypernav.core.errors import EpisodeError
+from hypernav.datasets.building_splits import EXAM_BUILDINGS, SPLITS
 from hypernav.exam.bank import Bank
-from hypernav.houses.episodes.splits import EXAM_BUILDINGS, SPLITS
 
 
 @pytest.mark.parametrize("name", ["val", "train"])

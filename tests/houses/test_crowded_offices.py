@@ -7,9 +7,9 @@ from collisions import collisions
 
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.goal import Goal
+from hypernav.datasets.building_splits import SPLITS
 from hypernav.houses.assembly import PlacedModel
 from hypernav.houses.building import Building
-from hypernav.houses.episodes.splits import SPLITS
 from hypernav.houses.generator import generate, placed_models, plan_of
 from hypernav.houses.plan.office_plans import MEETING_ROOMS, screen_side, wide_opening
 from hypernav.worlds.drawing.rays import RayCaster

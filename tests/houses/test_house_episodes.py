@@ -10,18 +10,15 @@ from box_scenes import room_boxes, scene_of
 from certainty import certain
 from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
+from hypernav.datasets.building_splits import EPISODES_PER_HOUSE, EPISODES_PER_ROUND, SPLITS
 from hypernav.datasets.habitat_files import read_episodes, write_episodes
 from hypernav.datasets.habitat_frames import pose_from_habitat
 from hypernav.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
 from hypernav.houses.episodes import splits
 from hypernav.houses.episodes.building_truth import HouseGroundTruth
-from hypernav.houses.episodes.house_episodes import (
-    EPISODES_PER_HOUSE,
-    house_episodes,
-    with_view_points,
-)
+from hypernav.houses.episodes.house_episodes import house_episodes, with_view_points
 from hypernav.houses.episodes.queries import CATEGORIES, HABITAT_CATEGORIES, RULES
-from hypernav.houses.episodes.splits import EPISODES_PER_ROUND, SPLITS, difficulty, load_split
+from hypernav.houses.episodes.splits import difficulty, load_split
 from hypernav.houses.generator import generate
 
 HOUSE = BUILTIN_HOUSE

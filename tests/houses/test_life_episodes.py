@@ -9,16 +9,12 @@ from hypernav.core.episodes.life import lives_of
 from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
 from hypernav.core.labels import canonical
+from hypernav.datasets.building_splits import LIVES_PER_BUILDING, SPLITS
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.building_truth import HouseGroundTruth
-from hypernav.houses.episodes.house_episodes import (
-    GOALS_OF_A_LIFE,
-    LIVES_PER_BUILDING,
-    draw_lives,
-    house_episodes,
-)
+from hypernav.houses.episodes.house_episodes import GOALS_OF_A_LIFE, draw_lives, house_episodes
 from hypernav.houses.episodes.queries import RULES
-from hypernav.houses.episodes.splits import SPLITS, load_split
+from hypernav.houses.episodes.splits import load_split
 from hypernav.houses.episodes.start_poses import StoreyTruth
 from hypernav.houses.house_cache import cached_building
 from hypernav.houses.random_stream import RandomStream

@@ -57,7 +57,7 @@ def run(options: CompareOptions) -> int:
     rng = np.random.default_rng(options.seed)
     with closing(native), closing(habitat):
         found = []
-        for comparison in compare_worlds(habitat.truth, native.truth, robot, options.poses, rng):
+        for comparison in compare_worlds(habitat, native, robot, options.poses, rng):
             console.print(_line(comparison), markup=False)
             found.append(comparison)
     same = sum(comparison.is_same for comparison in found)

@@ -14,15 +14,9 @@ from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.core.text.whole_numbers import is_whole_number
+from hypernav.datasets.building_splits import SPLITS, numbers_of, split_named
 from hypernav.houses.building import NOUNS, Building
-from hypernav.houses.episodes.splits import (
-    SPLITS,
-    Difficulty,
-    difficulty,
-    load_split,
-    numbers_of,
-    split_named,
-)
+from hypernav.houses.episodes.splits import Difficulty, difficulty, load_split
 from hypernav.houses.export.building_files import export_building, write_dataset_config
 from hypernav.houses.export.building_page import building_page
 from hypernav.houses.export.habitat_data import HabitatData, export_split, is_file_name, write_split

@@ -10,7 +10,7 @@ import numpy as np
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.world import Position, SceneTruth
+from hypernav.core.world import Position, Simulator
 
 DEPTH_M = 0.05
 STEP_M = 1e-3
@@ -56,8 +56,8 @@ _ANY = Goal("position")
 
 
 def compare_worlds(
-    habitat: SceneTruth,
-    native: SceneTruth,
+    habitat: Simulator,
+    native: Simulator,
     robot: Embodiment,
     poses: int,
     rng: np.random.Generator,
@@ -71,7 +71,7 @@ def compare_worlds(
         poses: Number of poses.
         rng: Generator of the poses.
     """
-    surface = habitat.walkable
+    surface = habitat.truth.walkable
     points = [surface.random_point(rng) for _ in range(poses + 1)]
     places = [(x, y, surface.height_at(x, y)) for x, y in points]
     for here, there in itertools.pairwise(places):
@@ -80,25 +80,24 @@ def compare_worlds(
 
 
 def _compare(
-    habitat: SceneTruth,
-    native: SceneTruth,
+    habitat: Simulator,
+    native: Simulator,
     robot: Embodiment,
     here: Position,
     there: Position,
     yaw: float,
 ) -> PoseComparison:
-    pose = Pose2(here[0], here[1], yaw)
+    scenes, pose = (habitat.truth, native.truth), Pose2(here[0], here[1], yaw)
     camera_to_scene = pose.to_transform(here[2]) @ robot.camera.camera_to_base
-    theirs, ours = (scene.view_from(camera_to_scene) for scene in (habitat, native))
+    theirs, ours = (scene.view_from(camera_to_scene) for scene in scenes)
     length = robot.motion.forward_m
     dx, dy = length * math.cos(yaw), length * math.sin(yaw)
-    surfaces = habitat.walkable, native.walkable
     steps = [
-        math.dist(*(surface.move(here, dx, dy, sliding=sliding) for surface in surfaces))
+        math.dist(*(scene.walkable.move(here, dx, dy, sliding=sliding) for scene in scenes))
         for sliding in (False, True)
     ]
     goal = np.array([there])
-    paths = [scene.goal_truth(_ANY, goal).distance(*here) for scene in (habitat, native)]
+    paths = [scene.goal_truth(_ANY, goal).distance(*here) for scene in scenes]
     colors = theirs.rgb.astype(np.int16) - ours.rgb.astype(np.int16)
     return PoseComparison(
         position=here,

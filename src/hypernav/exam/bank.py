@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hypernav.core.goal import Goal
+from hypernav.datasets.building_splits import EXAM_BUILDINGS
 from hypernav.exam.questions import ExamQuestion, Kind
-from hypernav.houses.episodes.splits import EXAM_BUILDINGS
 
 BankName = Literal["val", "train"]
 ExamSize = Literal["quick", "full"]

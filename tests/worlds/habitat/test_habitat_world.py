@@ -48,7 +48,7 @@ def opened(mesh, name, config=CONFIG):
 
 def compared(habitat, native, poses, config=CONFIG):
     rng = np.random.default_rng(0)
-    return list(compare_worlds(habitat.truth, native.truth, config.embodiment, poses, rng))
+    return list(compare_worlds(habitat, native, config.embodiment, poses, rng))
 
 
 def test_without_habitat_sim_the_error_says_how_to_get_it(mesh):

@@ -62,7 +62,7 @@ def load_scene(spec: str | Path, simulation: SimulationConfig | None = None) -> 
 def _refuse_other_names(spec: str) -> None:
     """Refuse the name of a split, and one that is almost that of a scene."""
     # imported here, so that a search in one building loads no code of episodes
-    from hypernav.houses.episodes.splits import SPLITS
+    from hypernav.datasets.building_splits import SPLITS
 
     if split := SPLITS.get(spec.partition("#")[0]):
         number = spec.partition("#")[2].partition(":")[0]

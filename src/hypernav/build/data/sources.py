@@ -29,8 +29,9 @@ from hypernav.datasets.benchmark_files import (
     split_of,
 )
 from hypernav.datasets.benchmarks import BENCHMARKS, Benchmark
+from hypernav.datasets.building_splits import SPLITS, numbers_of
 from hypernav.datasets.habitat_episodes import episodes_of, read_split
-from hypernav.houses.episodes.splits import SPLITS, load_split, numbers_of
+from hypernav.datasets.shipped import shipped_split
 from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.navmesh.surface import NavmeshSurface
 from hypernav.worlds.surface.starts import random_start
@@ -80,7 +81,12 @@ DataSource = Callable[[DatasetRequest], list[Episode]]
 
 
 def split_episodes(split: str, request: DatasetRequest) -> list[Episode]:
-    """The episodes of a split of generated buildings."""
+    """The episodes of a split of generated buildings; only what isn't shipped is generated."""
+    if not request.part and (shipped := shipped_split(split)) is not None:
+        return episodes_of(shipped)
+    # Imported here: the generator is large, and most runs don't need it.
+    from hypernav.houses.episodes.splits import load_split
+
     numbers = None if not request.part else numbers_of(split, request.part)
     return episodes_of(load_split(split, numbers=numbers, progress=request.progress))
 

@@ -12,7 +12,6 @@ before. A real robot stands elsewhere, so every goal can be reached from everywh
 import math
 from collections.abc import Iterator, Sequence
 from itertools import chain, islice
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float64
@@ -21,6 +20,7 @@ from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.world import Instance, Position
+from hypernav.datasets.building_splits import EPISODES_PER_HOUSE, LIVES_PER_BUILDING, GoalStyle
 from hypernav.datasets.habitat_format import (
     AgentState,
     EpisodeDataset,
@@ -47,7 +47,6 @@ from hypernav.houses.random_stream import RandomStream
 from hypernav.worlds.scenes.scene import Scene
 from hypernav.worlds.surface.goal_regions import GoalRegion
 
-LIVES_PER_BUILDING = 4
 GOALS_OF_A_LIFE = (5, 10)
 """Least and greatest number of goals of a life."""
 
@@ -58,11 +57,6 @@ LifeGoals = list[tuple[Query, Start]]
 
 EPISODES_VERSION = 2
 """Version of the episodes; increased whenever the same house gives others than before."""
-
-EPISODES_PER_HOUSE = 28
-
-GoalStyle = Literal["categories", "phrases", "lives"]
-"""What episodes ask for; the goals of a life are categories and phrases in turn."""
 
 _MAX_QUERIES = 400
 _DIGITS = 5

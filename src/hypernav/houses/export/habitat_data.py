@@ -20,12 +20,12 @@ from typing import Any
 from hypernav.core.errors import EpisodeError
 from hypernav.datasets.benchmark_files import SCENES_FOLDER
 from hypernav.datasets.benchmarks import GENERATED
+from hypernav.datasets.building_splits import SPLITS
 from hypernav.datasets.habitat_episodes import episodes_of
 from hypernav.datasets.habitat_files import CONTENT, write_episodes
 from hypernav.datasets.habitat_format import EpisodeDataset, ObjectGoal, ObjectNavEpisode
 from hypernav.houses.building import Building
 from hypernav.houses.episodes.house_episodes import with_view_points
-from hypernav.houses.episodes.splits import SPLITS
 from hypernav.houses.export.building_files import (
     DATASET_CONFIG,
     FIRST_ANNOTATION,
