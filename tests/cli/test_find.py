@@ -202,12 +202,13 @@ def test_in_a_building_with_stairs_the_robot_climbs_unless_told(tmp_path):
 
 @pytest.mark.slow
 def test_a_start_may_be_on_any_floor(tmp_path, capsys):
-    def status_from(*start: float) -> int:
+    def status_from(*start: float):
         options = ("--start", *start, "--max-steps", 1, "--quiet", *SMALL)
         return hypernav("find", "bed", "--scene", "storeys:3004", "--out", tmp_path, *options)
 
     storeys = storeys_of(building_of("storeys:3004"))
     assert len(storeys) > 1
+    start = (0.0, 0.0, 0.0)
     for storey in storeys:
         room = storey.rooms[0].inner
         start = ((room.x0 + room.x1) / 2.0, (room.y0 + room.y1) / 2.0, 126.0)
