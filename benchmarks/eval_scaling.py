@@ -34,12 +34,12 @@ from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
 from hypernav.episodes.episode_run import EpisodeRun
+from hypernav.evaluation.choices import SaveChoice
 from hypernav.evaluation.runner import RunProgress, run_episodes
-from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.workers.process_pool import ProcessPool
-from hypernav.evaluation.workers.resource_usage import cpu_seconds_of_ended_workers
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.evaluation.workers.worker_pool import cpu_seconds_of_ended_workers
 from hypernav.worlds.simulation import SimulatedWorld
 from hypernav.worlds.surface.goal_regions import random_start
 

@@ -33,9 +33,9 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
-from hypernav.robot.server.agents import AgentPlan
-from hypernav.robot.server.decisions import Decisions
-from hypernav.robot.server.state.journal import SearchRecord
+from hypernav.robot.server.searches.agents import AgentPlan
+from hypernav.robot.server.searches.decisions import Decisions
+from hypernav.robot.server.searches.journal import SearchRecord
 from hypernav.robot.wire.frames import decode_observation, pack_observation, unpack_observation
 from hypernav.robot.wire.requests import ObservationFacts, OpenSearch
 from hypernav.robot.wire.values import PlanarPose

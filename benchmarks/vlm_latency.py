@@ -35,7 +35,7 @@ from hypernav.core.components.registry import require
 from hypernav.core.errors import HyPerNavError
 from hypernav.core.exploring.overview import Block
 from hypernav.core.goal import Goal
-from hypernav.evaluation.checks.known_answers import drawn_house
+from hypernav.evaluation.checks.vlm_checkup import drawn_house
 from hypernav.models.chat.config import ChatConfig
 from hypernav.models.chat.local_chat import LocalChat
 from hypernav.models.chat.vlm_families import family_named

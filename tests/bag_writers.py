@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from hypernav.core.geometry.transforms import Transform
 from hypernav.robot.recordings.recording import Recording
-from hypernav.robot.recordings.upright import world_to_map
+from hypernav.robot.recordings.replay import world_to_map
 
 FORMATS = ("sqlite", "mcap", "ros1")
 OPTICAL = "camera_color_optical_frame"

@@ -17,7 +17,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels
 from hypernav.core.trace import StepTrace
 from hypernav.robot.client.robot import Executed, Sensed
-from hypernav.robot.motion.velocity import Velocity
+from hypernav.robot.driving.base import Velocity
 from hypernav.robot.wire.frames import decode_observation, unpack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding
 

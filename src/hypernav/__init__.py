@@ -54,8 +54,7 @@ if TYPE_CHECKING:
     from hypernav.core.observation import Observation
     from hypernav.core.trace import StepTrace
     from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
-    from hypernav.evaluation.checks.agents import check_agent
-    from hypernav.evaluation.checks.worlds import check_world
+    from hypernav.evaluation.checks.contracts import check_agent, check_world
     from hypernav.evaluation.evaluate import evaluate
     from hypernav.evaluation.habitat_lab.benchmark import HabitatBenchmark
     from hypernav.evaluation.habitat_lab.env import HabitatEnv
@@ -66,14 +65,11 @@ if TYPE_CHECKING:
     from hypernav.evaluation.report.run_data import load_runs
     from hypernav.evaluation.run_plan import RunPlan, Selection
     from hypernav.perception.local.ground_truth import GroundTruthDetector
-    from hypernav.robot.client.links import HttpLink, HttpServer
+    from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
     from hypernav.robot.client.robot import Executed, Robot, Sensed
-    from hypernav.robot.client.robot_client import RobotClient
-    from hypernav.robot.client.server_address import ServerAddress
-    from hypernav.robot.client.stop_listener import StopListener
-    from hypernav.robot.driving.base import Base, DepthView
+    from hypernav.robot.client.robot_client import RobotClient, StopListener
+    from hypernav.robot.driving.base import Base, DepthView, Velocity
     from hypernav.robot.driving.driven_robot import DrivenRobot
-    from hypernav.robot.motion.velocity import Velocity
     from hypernav.robot.wire.requests import OpenSearch
     from hypernav.worlds.box_room import BoxRoom
     from hypernav.worlds.scenes.scene import Scene
@@ -210,9 +206,9 @@ _MODULES = {
     "Goal": "hypernav.core.goal",
     "Observation": "hypernav.core.observation",
     "StepTrace": "hypernav.core.trace",
-    "check_agent": "hypernav.evaluation.checks.agents",
+    "check_agent": "hypernav.evaluation.checks.contracts",
     "BoxRoom": "hypernav.worlds.box_room",
-    "check_world": "hypernav.evaluation.checks.worlds",
+    "check_world": "hypernav.evaluation.checks.contracts",
     "evaluate": "hypernav.evaluation.evaluate",
     "HabitatBenchmark": "hypernav.evaluation.habitat_lab.benchmark",
     "HabitatEnv": "hypernav.evaluation.habitat_lab.env",
@@ -226,16 +222,16 @@ _MODULES = {
     "GroundTruthDetector": "hypernav.perception.local.ground_truth",
     "HttpLink": "hypernav.robot.client.links",
     "HttpServer": "hypernav.robot.client.links",
-    "ServerAddress": "hypernav.robot.client.server_address",
+    "ServerAddress": "hypernav.robot.client.links",
     "Executed": "hypernav.robot.client.robot",
     "Robot": "hypernav.robot.client.robot",
     "Sensed": "hypernav.robot.client.robot",
     "RobotClient": "hypernav.robot.client.robot_client",
-    "StopListener": "hypernav.robot.client.stop_listener",
+    "StopListener": "hypernav.robot.client.robot_client",
     "Base": "hypernav.robot.driving.base",
     "DepthView": "hypernav.robot.driving.base",
     "DrivenRobot": "hypernav.robot.driving.driven_robot",
-    "Velocity": "hypernav.robot.motion.velocity",
+    "Velocity": "hypernav.robot.driving.base",
     "OpenSearch": "hypernav.robot.wire.requests",
     "ObjectNavEnv": "hypernav.build.env",
     "EpisodeResult": "hypernav.episodes.episode_run",

@@ -12,7 +12,7 @@ from hypernav.core.embodiment import Action, CameraConfig, Embodiment, MotionCon
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.evaluation.checks.agents import check_agent
+from hypernav.evaluation.checks.contracts import check_agent
 from hypernav.models.policy_network import PIRLNAV, ZSON
 from hypernav.worlds.box_room import BoxRoom
 

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ValidationError
 from hypernav.build.env import ObjectNavConfig
 from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.core.errors import ConfigError
-from hypernav.evaluation.ablation.config_fields import values_by_field
+from hypernav.evaluation.ablation.switches import values_by_field
 from hypernav.io.layered_config import layered
 from hypernav.worlds.drawing.renderer import RenderConfig
 

@@ -14,9 +14,9 @@ import pytest
 from eval_runs import SMALL, timeless_lines, write_exam, write_room
 from hypernav.cli.main import main
 from hypernav.cli.options.agent import AgentOptions
-from hypernav.cli.options.eval import Options
+from hypernav.cli.options.commands import EvalOptions
 from hypernav.cli.run_choice import worker_count
-from hypernav.evaluation.run_session import available_cores
+from hypernav.evaluation.runner import available_cores
 
 QUICK = ("--workers", "1", "--max-steps", "30", *SMALL)
 
@@ -85,10 +85,10 @@ def test_a_run_does_not_go_on_with_other_weights_in_the_same_file(
 
 def test_there_is_one_worker_a_core_unless_each_would_load_a_model():
     served, local = (AgentOptions(vlm=vlm) for vlm in ("openai:http://gpu/v1", "local:qwen"))
-    assert worker_count(Options("houses-val")) == available_cores()
-    assert worker_count(Options("houses-val", served)) == available_cores()
-    assert worker_count(Options("houses-val", local)) == 1
-    assert worker_count(Options("houses-val", local, workers=3)) == 3
+    assert worker_count(EvalOptions("houses-val")) == available_cores()
+    assert worker_count(EvalOptions("houses-val", served)) == available_cores()
+    assert worker_count(EvalOptions("houses-val", local)) == 1
+    assert worker_count(EvalOptions("houses-val", local, workers=3)) == 3
 
 
 def test_saved_episodes_have_a_page_and_colours_change_no_result(runs, room, tmp_path):

@@ -1,14 +1,17 @@
 import json
+import re
 import subprocess
 import sys
 
 import pytest
 
 from box_scenes import room_glb
+from hypernav.build.data.scenes import building_of
 from hypernav.cli.main import main
-from hypernav.cli.screen.warnings_shown import no_such_object_line
+from hypernav.cli.screen.search_lines import no_such_object_line
 from hypernav.core.goal import Goal
 from hypernav.houses.building import NOUNS
+from hypernav.houses.generator import storeys_of
 from hypernav.io.folder_lock import folder_lock
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
@@ -199,13 +202,29 @@ def test_in_a_building_with_stairs_the_robot_climbs_unless_told(tmp_path):
 
 @pytest.mark.slow
 def test_a_start_may_be_on_any_floor(tmp_path, capsys):
-    def found_from(*start):
+    def status_from(*start: float):
         options = ("--start", *start, "--max-steps", 1, "--quiet", *SMALL)
         return hypernav("find", "bed", "--scene", "storeys:3004", "--out", tmp_path, *options)
 
-    downstairs = (4.275, 8.425, 126.0, 0.03)
-    assert found_from(*downstairs) == 1
-    result = json.loads((tmp_path / "result.json").read_text())
-    assert result["start"] == pytest.approx(downstairs)
-    assert found_from(*downstairs[:3], 20.0) == 2
-    assert "can't stand at (4.28, 8.43, 20.00)" in capsys.readouterr().err
+    storeys = storeys_of(building_of("storeys:3004"))
+    assert len(storeys) > 1
+    start = (0.0, 0.0, 0.0)
+    for storey in storeys:
+        room = storey.rooms[0].inner
+        start = ((room.x0 + room.x1) / 2.0, (room.y0 + room.y1) / 2.0, 126.0)
+        status = status_from(*start, storey.floor_z)
+        if status == 2:  # furniture stands there
+            nearest = re.search(
+                r"nearest position is \((.*), (.*), (.*)\)", capsys.readouterr().err
+            )
+            assert nearest is not None
+            x, y, z = map(float, nearest.groups())
+            start = (x, y, 126.0)
+            assert z == pytest.approx(storey.floor_z, abs=0.1)
+            status = status_from(*start, z)
+        assert status == 1
+        *begun, z = json.loads((tmp_path / "result.json").read_text())["start"]
+        assert begun == pytest.approx(start)
+        assert z == pytest.approx(storey.floor_z, abs=0.1)
+    assert status_from(*start, 20.0) == 2
+    assert "can't stand at" in capsys.readouterr().err

@@ -12,7 +12,7 @@ import pytest
 
 from box_scenes import room_glb
 from hypernav.cli.main import main
-from hypernav.cli.screen.memory_page import mark, ways
+from hypernav.cli.memory import mark, ways
 from hypernav.core.errors import OutputError
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2

@@ -227,7 +227,7 @@ def test_requests_that_wait_are_answered_at_its_end(ended):
 
 
 def test_it_loads_nothing_of_the_simulator(ended):
-    assert "hypernav.robot.server.search" in ended.modules
+    assert "hypernav.robot.server.searches.search" in ended.modules
     simulator = {name for name in ended.modules if name.startswith("hypernav.worlds.")}
     assert simulator == {"hypernav.worlds.config"}  # settings, which each configuration has
     assert not any(name.startswith("hypernav.houses") for name in ended.modules)

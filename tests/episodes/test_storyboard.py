@@ -19,8 +19,8 @@ from hypernav.core.trace import Mode, StepTrace
 from hypernav.episodes.episode_run import EpisodeStep
 from hypernav.episodes.recorder import EpisodeRecorder
 from hypernav.episodes.storyboard import Storyboard
-from hypernav.evaluation.failures.classification import Failure
-from hypernav.evaluation.save_choice import SaveChoice
+from hypernav.evaluation.choices import SaveChoice
+from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from small_episodes import episode_from
 from small_worlds import InScenes, small_config

@@ -13,7 +13,7 @@ from eval_runs import SMALL, timeless_lines
 from hypernav.build.data.datasets import load_episodes, select
 from hypernav.cli.main import main
 from hypernav.cli.options.agent import AgentOptions
-from hypernav.cli.options.eval import Options
+from hypernav.cli.options.commands import EvalOptions
 from hypernav.cli.run_choice import check, config_of, plan_of
 from hypernav.core.episode import Outcome
 from hypernav.core.errors import ConfigError, EpisodeError
@@ -166,7 +166,7 @@ def test_the_command_takes_the_robot_and_the_limits_of_the_benchmark(benchmark_d
 
 def test_another_benchmark_and_single_values_win():
     who = AgentOptions(set=("embodiment.camera.width=160",))
-    options = Options(
+    options = EvalOptions(
         "hm3d:data", who, benchmark="hypernav-paper-hm3d", success_distance=1.0, max_steps=3
     )
     config = config_of(options)
@@ -179,10 +179,10 @@ def test_another_benchmark_and_single_values_win():
 @pytest.mark.parametrize(
     ("options", "run_ends", "agent_knows"),
     [
-        (Options("goat:data"), 5000, 5000),
-        (Options("hm3d:data"), 500, 500),
-        (Options("houses-val", max_steps=80), 80, 80),
-        (Options("houses-val", AgentOptions(set=("search.max_steps=300",))), 500, 300),
+        (EvalOptions("goat:data"), 5000, 5000),
+        (EvalOptions("hm3d:data"), 500, 500),
+        (EvalOptions("houses-val", max_steps=80), 80, 80),
+        (EvalOptions("houses-val", AgentOptions(set=("search.max_steps=300",))), 500, 300),
     ],
     ids=["goat", "hm3d", "--max-steps", "--set"],
 )
@@ -214,13 +214,13 @@ def test_the_papers_goals_go_by_the_words_of_the_files(benchmark_data):
     ],
 )
 def test_the_papers_networks_have_to_be_named_or_what_replaces_them(who, refused):
-    options = Options("hm3d:data", who, benchmark="hypernav-paper-hm3d")
+    options = EvalOptions("hm3d:data", who, benchmark="hypernav-paper-hm3d")
     with pytest.raises(ConfigError, match=refused) if refused else nullcontext():
         check(options)
 
 
 def test_a_run_by_the_papers_protocol_names_the_papers_networks_beside_its_own():
-    config = config_of(Options("ovon:data", AgentOptions(), benchmark="hypernav-paper-ovon"))
+    config = config_of(EvalOptions("ovon:data", AgentOptions(), benchmark="hypernav-paper-ovon"))
     assert config.chat.published_model == paper_results.MODEL
     assert config.local.published_segmenter == paper_results.SEGMENTER
 

@@ -11,8 +11,8 @@ from hypernav.cli.main import main
 from hypernav.datasets import paper_results
 from hypernav.datasets.benchmarks import BENCHMARKS
 from hypernav.datasets.paper_results import HM3D, OVON
-from hypernav.evaluation.failures.classification import Failure
-from hypernav.evaluation.report.beside_paper import BesidePaper, beside_paper
+from hypernav.evaluation.failures import Failure
+from hypernav.evaluation.report.published_results import BesidePaper, beside_paper
 from hypernav.evaluation.report.report_page import write_report
 from hypernav.evaluation.report.run_data import load_runs
 from hypernav.evaluation.run_plan import RunPlan

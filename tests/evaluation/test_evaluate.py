@@ -9,8 +9,7 @@ from hypernav.evaluation.evaluate import evaluate
 from hypernav.evaluation.report.report_page import write_report
 from hypernav.evaluation.report.run_data import load_runs
 from hypernav.evaluation.run_plan import RunPlan, Selection
-from hypernav.evaluation.runner import NothingScoredError, check_scored
-from hypernav.evaluation.workers.schedule import ATTEMPTS
+from hypernav.evaluation.runner import ATTEMPTS, NothingScoredError, check_scored
 from small_worlds import small_config
 
 

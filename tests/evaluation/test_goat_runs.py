@@ -10,7 +10,7 @@ from hypernav.build.data.scenes import building_of
 from hypernav.cli.main import main
 from hypernav.core.goal import Goal
 from hypernav.datasets.benchmarks import BENCHMARKS
-from hypernav.evaluation.report.goat_rules import ALL, GOAT_RULES, by_goal_type
+from hypernav.evaluation.report.lives import ALL, GOAT_RULES, by_goal_type
 from hypernav.evaluation.report.report_page import write_report
 from hypernav.evaluation.report.run_data import load_runs
 from hypernav.evaluation.run_plan import RunPlan

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from eval_runs import record
-from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.protocol import (
     PROTOCOLS,
     SUCCESS_DISTANCES_M,

@@ -3,11 +3,10 @@
 import pytest
 
 from eval_runs import record
-from hypernav.evaluation.failures.classification import Failure
-from hypernav.evaluation.report.costs import call_axis, costs
+from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.report.report_page import write_report
 from hypernav.evaluation.report.report_text import warnings
-from hypernav.evaluation.report.run_data import load_runs
+from hypernav.evaluation.report.run_data import call_axis, costs, load_runs
 from hypernav.evaluation.run_plan import RunPlan
 from hypernav.evaluation.store.run_store import RunStore
 

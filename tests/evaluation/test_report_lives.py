@@ -8,7 +8,7 @@ import pytest
 
 from certainty import certain
 from eval_runs import apart, record, spec
-from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.report import lives
 from hypernav.evaluation.report.report_page import write_report
 from hypernav.evaluation.report.run_data import load_runs

@@ -7,13 +7,12 @@ from certainty import certain
 from eval_runs import apart, record
 from hypernav.core.episode import Outcome
 from hypernav.core.errors import RunFolderError
-from hypernav.evaluation.failures.classification import RULES, Failure
+from hypernav.evaluation.failures import RULES, Failure
 from hypernav.evaluation.protocol import StopRule
 from hypernav.evaluation.report import report_text, tables
 from hypernav.evaluation.report.published_results import PUBLISHED
-from hypernav.evaluation.report.report_page import write_report
+from hypernav.evaluation.report.report_page import tex, write_report
 from hypernav.evaluation.report.run_data import load_runs
-from hypernav.evaluation.report.table_files import tex
 from hypernav.evaluation.run_plan import RunPlan
 from hypernav.evaluation.store.run_store import RunStore
 

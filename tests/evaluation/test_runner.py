@@ -4,7 +4,7 @@ import pytest
 
 from eval_runs import apart, record, spec
 from hypernav.core.errors import CrashError, ModelUnavailableError, RunFolderError
-from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.runner import (
     NothingScoredError,
     RunHaltedError,

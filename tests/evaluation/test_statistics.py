@@ -7,15 +7,16 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from eval_runs import apart, record
-from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.statistics import (
     compare,
     discordance,
+    failure_counts,
     holm,
     mean_with_interval,
     ratio_with_interval,
+    summarise,
 )
-from hypernav.evaluation.summary import failure_counts, summarise
 
 SCENES = ["a", "a", "b", "b", "c", "c"]
 

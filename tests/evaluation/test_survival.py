@@ -15,10 +15,9 @@ from certainty import certain
 from eval_runs import SMALL, timeless_lines, write_room
 from hypernav.build.data.datasets import load_episodes
 from hypernav.core.episode import Life
-from hypernav.evaluation.runner import run_episodes
+from hypernav.evaluation.runner import ATTEMPTS, run_episodes
 from hypernav.evaluation.store.run_store import RunStore, read_records
 from hypernav.evaluation.workers.process_pool import ProcessPool
-from hypernav.evaluation.workers.schedule import ATTEMPTS
 from hypernav.evaluation.workers.worker import Job
 from hypernav.evaluation.workers.worker_pool import Done, Lost, Ready
 from small_worlds import small_config

@@ -26,7 +26,7 @@ _SPARE_MB = 2000
 """Address space beyond the limit of memory: a child shall be seen to exceed that, not fail."""
 
 _POLL_S = 0.003
-_LEFT_OUT = ("hypernav.show.views.rerun_", "hypernav.worlds.drawing.warp_")
+_LEFT_OUT = ("hypernav.show.rerun_", "hypernav.worlds.drawing.warp_")
 """Modules that import rerun, which starts threads, and Warp, which need not be installed; no
 command here uses them."""
 
@@ -146,7 +146,6 @@ def _text(file: IO[bytes]) -> str:
 def _run(arguments: list[str]) -> NoReturn:
     """Run the program to its end, without the teardown of modules: it takes the longest."""
     from hypernav.cli.main import main
-    from hypernav.core.components.exits import end_at_once
 
     sys.argv = ["hypernav", *arguments]
     status = 0
@@ -161,7 +160,7 @@ def _run(arguments: list[str]) -> NoReturn:
     atexit._run_exitfuncs()
     sys.stdout.flush()
     sys.stderr.flush()
-    end_at_once(status)
+    os._exit(status)
 
 
 if __name__ == "__main__":

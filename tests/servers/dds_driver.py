@@ -9,7 +9,7 @@ from contextlib import closing
 
 from hypernav.io.layered_config import layered
 from hypernav.robot.ros2.config import Ros2Config
-from hypernav.robot.ros2.nav2.robot import Nav2Robot
+from hypernav.robot.ros2.nav2_robot import Nav2Robot
 from hypernav.robot.ros2.network import Ros2Network
 from hypernav.robot.ros2.sensors import Ros2Sensors
 

@@ -22,7 +22,7 @@ from hypernav.core.episode import Episode
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
-from hypernav.robot.motion.velocity import STANDSTILL, Velocity
+from hypernav.robot.driving.base import STANDSTILL, Velocity
 from hypernav.robot.ros2 import idl_types as ros
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.robot.simulation.base import SimulatedBase

@@ -19,10 +19,10 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, StepTrace
-from hypernav.robot.server.access import Access
-from hypernav.robot.server.agents import AgentPlan, PlanAgent
+from hypernav.robot.server.guard import Access
 from hypernav.robot.server.limits import ServerLimits
-from hypernav.robot.server.searches import Searches
+from hypernav.robot.server.searches.agents import AgentPlan, PlanAgent
+from hypernav.robot.server.searches.searches import Searches
 from hypernav.robot.server.serving import RobotServer, listening
 from hypernav.robot.wire.frames import pack_observation
 from hypernav.robot.wire.requests import ObservationFacts, OpenSearch

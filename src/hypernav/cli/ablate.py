@@ -1,30 +1,99 @@
-"""The command `hypernav ablate`: what each part of a method is worth."""
+"""The command `hypernav ablate`: what each part of a method is worth; and goal refinement."""
 
 import difflib
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from hypernav.cli.ablate_refinement import run_refinement
-from hypernav.cli.eval import evaluate, folder_name
-from hypernav.cli.guards.crashes import crash_report
+from hypernav.build.construction import asked_by
+from hypernav.build.registries import DETECTORS, SEGMENTERS
+from hypernav.cli.eval import evaluate, folder_name, result_line
+from hypernav.cli.guards.crashes import ExitStatus, crash_report
 from hypernav.cli.guards.outputs import check_folder
-from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.options.ablate import Options
-from hypernav.cli.run_choice import check, config_of, planned
-from hypernav.cli.screen.eval_table import result_line
+from hypernav.cli.options.commands import AblateOptions
+from hypernav.cli.run_choice import check, config_of, plan_of, planned
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
+from hypernav.core.words import number_of
 from hypernav.evaluation.ablation.ablation_page import write_ablation
-from hypernav.evaluation.ablation.studies import STUDIES
+from hypernav.evaluation.ablation.model_quality import STUDIES
 from hypernav.evaluation.ablation.study import Method, Study, Variant, slug
-from hypernav.evaluation.ablation.study_name import StudyName
+from hypernav.evaluation.choices import StudyName
+from hypernav.evaluation.refinement.area_record import EpisodeAreas
+from hypernav.evaluation.refinement.page import result_lines, write_refinement
+from hypernav.evaluation.refinement.study import run_refinement_study
 from hypernav.evaluation.runner import check_scored, crash_of
-from hypernav.evaluation.store.study_folder import held_folder
+from hypernav.evaluation.store.record_file import RecordFile
+from hypernav.evaluation.store.run_store import EPISODES_FILE, held_folder
 
 
-def run(options: Options) -> int:
+def run_refinement(options: AblateOptions) -> ExitStatus:
+    """Study the goal areas of all episodes in this process, and write the page.
+
+    Raises:
+        ConfigError: An option has no meaning here.
+        HyPerNavError: The study can't be started, or stopped before its end.
+    """
+    _check(options)
+    who, config = options.who, config_of(options)
+    folder = options.out or Path("runs") / folder_name(f"{options.dataset}-{who.preset}-refinement")
+    check_folder(folder)
+    console = Terminal(quiet=options.quiet)
+    with crash_report(folder), console.status("loading the episodes …") as status:
+        plan = plan_of(options, config)
+        episodes = plan.episodes()
+        told = plan.configuration(episodes) | {"study": "refinement", "parts": asdict(who.specs)}
+        with held_folder(folder, told):
+            records = run_refinement_study(
+                episodes,
+                RecordFile(folder / EPISODES_FILE, EpisodeAreas),
+                config,
+                who.specs,
+                seed=options.seed,
+                watch=lambda done, total: status.update(f"{done} of {total} episodes …"),
+            )
+    seen = len({(record.scene_id, record.episode_id) for record in records})
+    lead = (
+        f"What the preset {who.preset} makes of boxes of the goal, raw and refined, in the "
+        f"{seen} of {number_of(len(episodes), 'episode')} of {options.dataset} that show it within "
+        f"the range of depth; refined by {who.segmenter or 'depth-cut'}."
+    )
+    page = write_refinement(folder, records, lead=lead)
+    for line in result_lines(records):
+        console.print(line, soft_wrap=True)
+    console.print(f"open {page}", soft_wrap=True)
+    return ExitStatus.SUCCESS
+
+
+def _check(options: AblateOptions) -> None:
+    """Refuse options of variants and workers, and components that need more than the image."""
+    given = {
+        "--only": options.only is not None,
+        "--list": options.list,
+        "--workers": options.workers not in (None, 1),
+        "--ray": options.ray is not None,
+        "--save": options.save != "none",
+    }
+    if wrong := [name for name, is_given in given.items() if is_given]:
+        raise ConfigError(
+            f"{wrong[0]} has no meaning for --study refinement, which has no variants and runs in "
+            "one process; leave it out"
+        )
+    specs = options.who.specs
+    for kind, spec, registry in (
+        ("detector", specs.detector, DETECTORS),
+        ("segmenter", specs.segmenter, SEGMENTERS),
+    ):
+        asked = {} if spec is None else asked_by(registry.find(spec))
+        if wanted := [name for name, is_needed in asked.items() if is_needed and name != "config"]:
+            raise ConfigError(
+                f"--{kind} {spec} doesn't work with --study refinement, which gives a {kind} only "
+                f"the image, and it needs more ({wanted[0]}); choose another or leave it out"
+            )
+
+
+def run(options: AblateOptions) -> int:
     """Run the command.
 
     Returns:
@@ -38,7 +107,7 @@ def run(options: Options) -> int:
     return _WORK[options.study](options)
 
 
-def _run_variants(options: Options) -> ExitStatus:
+def _run_variants(options: AblateOptions) -> ExitStatus:
     """Run every variant of a study as an evaluation of its own, and write the page."""
     who = options.who
     study = STUDIES[options.study](Method(who.preset, config_of(options), who.specs))
@@ -63,13 +132,15 @@ def _run_variants(options: Options) -> ExitStatus:
     return ExitStatus.SUCCESS
 
 
-def _configuration(options: Options, console: Terminal) -> dict[str, Any]:
+def _configuration(options: AblateOptions, console: Terminal) -> dict[str, Any]:
     """What a folder is for: the configuration of the unchanged method, and the study."""
     plan, episodes = planned(options, console)
     return plan.configuration(episodes) | {"study": options.study}
 
 
-def _run(variant: Variant, options: Options, folder: Path, console: Terminal, heading: str) -> None:
+def _run(
+    variant: Variant, options: AblateOptions, folder: Path, console: Terminal, heading: str
+) -> None:
     who = replace(
         options.who, set=(*options.who.set, *variant.assignments), **dict(variant.components)
     )
@@ -109,7 +180,7 @@ def _show(study: Study, *, with_left_out: bool) -> None:
         console.print(f"left out: {one.variant.slug} ({one.why})", markup=False)
 
 
-_WORK: dict[StudyName, Callable[[Options], ExitStatus]] = {
+_WORK: dict[StudyName, Callable[[AblateOptions], ExitStatus]] = {
     "switches": _run_variants,
     "model": _run_variants,
     "refinement": run_refinement,

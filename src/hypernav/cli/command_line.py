@@ -1,8 +1,8 @@
 """Reads a command line: the command and its options.
 
-The start is fast because help and errors need only the options. For a command NAME, the module
-``options.NAME`` holds the class ``Options`` and imports very little; the module ``NAME`` holds the
-function ``run``, imports all that it needs, and is loaded only to be called.
+The start is fast because help and errors need only the options: ``options.commands`` imports very
+little. The module ``NAME`` of a command holds the function ``run``, imports all that it needs, and
+is loaded only to be called.
 """
 
 import contextlib
@@ -22,7 +22,7 @@ from typing import Any, NoReturn
 
 import tyro
 
-from hypernav.cli.guards.address_space import check_address_space
+from hypernav.cli.options.commands import OPTIONS
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ComponentError, ConfigError
 
@@ -40,6 +40,8 @@ COMMANDS = {
     "robot": "Simulate a robot on the network, replay recordings of a camera, report on trials.",
     "houses": "Generated buildings: pages about them, files for other programs, splits, episodes.",
 }
+_LEAST_MB = 1500
+"""Least size of the address space in which libraries load."""
 _SHELLS = ("bash", "zsh", "tcsh")
 _MOST_CHARACTERS = 500
 _LEAST_COLUMNS = 20
@@ -80,7 +82,7 @@ def run_command(arguments: Sequence[str]) -> int:
     if name == "--completion":
         _completion(rest)
     options = read_options(arguments)
-    check_address_space()
+    _check_address_space()
     run = _imported(f"hypernav.cli.{name}")
     try:
         return run(options)
@@ -108,6 +110,27 @@ def read_options(arguments: Sequence[str]) -> Any:
     return _parse(name, _with_one_set(rest))
 
 
+def _check_address_space() -> None:
+    """Refuse to begin under a small ``ulimit -v``.
+
+    Some libraries end the process by a signal where memory is refused while they load, and OpenBLAS
+    tries again for ever, in a loop that no signal interrupts.
+
+    Raises:
+        ConfigError: The limit is too small.
+    """
+    if sys.platform == "win32":
+        return
+    import resource
+
+    most, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if most != resource.RLIM_INFINITY and most < _LEAST_MB * 2**20:
+        raise ConfigError(
+            f"this process may take {most / 2**20:.0f} MB of addresses (ulimit -v), and libraries "
+            f"need {_LEAST_MB} to load, a search twice that; raise the limit"
+        )
+
+
 def _imported(module: str) -> Callable[[Any], int]:
     """The function of a command's module.
 
@@ -132,7 +155,7 @@ def _parse(name: str, arguments: list[str]) -> Any:
     try:
         with _help_on_terminal(), contextlib.redirect_stderr(said):
             return tyro.cli(
-                importlib.import_module(f"hypernav.cli.options.{name}").Options,
+                OPTIONS[name],
                 prog=f"hypernav {name}",
                 description=COMMANDS[name],
                 args=arguments,
@@ -193,12 +216,9 @@ def _completion(arguments: Sequence[str]) -> NoReturn:
     """
     if len(arguments) != 1 or arguments[0] not in _SHELLS:
         raise ConfigError(f"--completion takes one shell: {', '.join(_SHELLS)}")
-    options = {
-        name: importlib.import_module(f"hypernav.cli.options.{name}").Options for name in COMMANDS
-    }
     with _help_on_terminal():
         tyro.extras.subcommand_cli_from_dict(
-            options, prog="hypernav", args=["--tyro-print-completion", arguments[0]]
+            OPTIONS, prog="hypernav", args=["--tyro-print-completion", arguments[0]]
         )
     raise AssertionError("completion ends the program")
 

@@ -11,7 +11,7 @@ from hypernav.build.data.scenes import load_scene
 from hypernav.build.presets import preset
 from hypernav.build.worlds import in_habitat, in_our_own
 from hypernav.cli.options.agent import check_steps_and_seed
-from hypernav.cli.options.compare import Options
+from hypernav.cli.options.commands import CompareOptions
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.config import check_option
 from hypernav.core.embodiment import BodyConfig
@@ -24,7 +24,7 @@ from hypernav.worlds.navmesh.robot_navmesh import is_computed
 _MOST_POSES = 10_000
 
 
-def run(options: Options) -> int:
+def run(options: CompareOptions) -> int:
     """Run the command.
 
     Returns:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from rich.markup import escape
 
 from hypernav.build.presets import preset
-from hypernav.cli.options.doctor import Options
+from hypernav.cli.options.commands import DoctorOptions
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.checks.data_folder import check_data
@@ -21,7 +21,7 @@ _MARKS = {
 }
 
 
-def run(options: Options) -> int:
+def run(options: DoctorOptions) -> int:
     """Run the command.
 
     Returns:
@@ -63,7 +63,7 @@ def run(options: Options) -> int:
     return 1
 
 
-def _check_model(vlm: str, options: Options) -> Iterator[Finding]:
+def _check_model(vlm: str, options: DoctorOptions) -> Iterator[Finding]:
     spec = parse_vlm_spec(vlm)
     if spec.kind == "replay":
         raise ConfigError(f"--vlm {vlm}: a recording cannot be examined, only a model")

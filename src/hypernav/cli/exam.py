@@ -15,9 +15,9 @@ from hypernav.build.presets import HyPerNavConfig, preset
 from hypernav.build.prompts import prompt_hashes
 from hypernav.cli.eval import folder_name
 from hypernav.cli.guards.outputs import check_folder
-from hypernav.cli.options.exam import Options
+from hypernav.cli.options.commands import ExamOptions
+from hypernav.cli.screen.search_lines import warnings_on
 from hypernav.cli.screen.terminal import Terminal
-from hypernav.cli.screen.warnings_shown import warnings_on
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import MOST_THREADS, check_option
 from hypernav.core.errors import ConfigError
@@ -53,7 +53,7 @@ _DRAWN = ("embodiment", "mapping", "overview", "arrows")
 EXCHANGES = "exchanges.jsonl"
 
 
-def run(options: Options) -> int:
+def run(options: ExamOptions) -> int:
     """Run the command.
 
     Returns:
@@ -97,7 +97,7 @@ def run(options: Options) -> int:
 
 
 def _examined(
-    options: Options, file: Path | None, folder: Path, console: Terminal
+    options: ExamOptions, file: Path | None, folder: Path, console: Terminal
 ) -> tuple[list[Answered], Path]:
     """Sit one exam and write its page."""
     config = layered(preset(options.preset), file=file, assignments=options.set)
@@ -130,7 +130,7 @@ def _examined(
 
 
 def _predicted(
-    options: Options,
+    options: ExamOptions,
     config: HyPerNavConfig,
     folder: Path,
     answers: Sequence[Answered],
@@ -155,7 +155,7 @@ def _predicted(
 
 
 def _watched(
-    options: Options,
+    options: ExamOptions,
     config: HyPerNavConfig,
     folder: Path,
     bank: Bank,
@@ -191,7 +191,7 @@ def _watched(
 
 
 def _described(
-    options: Options,
+    options: ExamOptions,
     config: HyPerNavConfig,
     bank: Bank,
     examinee: Examinee,
@@ -230,7 +230,7 @@ def _line(progress: Progress, config: HyPerNavConfig) -> str:
     return line if cost is None else f"{line}, about {cost:.3g} in money for the whole exam"
 
 
-def _name(options: Options) -> str:
+def _name(options: ExamOptions) -> str:
     if options.vlm is not None:
         spec = parse_vlm_spec(options.vlm)
         return spec.model or spec.target
@@ -238,5 +238,5 @@ def _name(options: Options) -> str:
     return " ".join(one for one in named if one) or "nothing"
 
 
-def _is_served(options: Options) -> bool:
+def _is_served(options: ExamOptions) -> bool:
     return options.vlm is not None and parse_vlm_spec(options.vlm).kind == "openai"

@@ -16,13 +16,19 @@ from rich.status import Status
 from hypernav.build.memories import check_memory_size, open_memory
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.worlds import open_world
-from hypernav.cli.guards.crashes import crash_report
+from hypernav.cli.guards.crashes import ExitStatus, crash_report
 from hypernav.cli.guards.interruptions import Terminated, interruptions_put_off
 from hypernav.cli.guards.outputs import check_apart, check_file, check_folder
-from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
-from hypernav.cli.options.find import Options
-from hypernav.cli.screen.search_lines import found_start_line, live_line, print_result
+from hypernav.cli.options.commands import FindOptions
+from hypernav.cli.screen.search_lines import (
+    found_start_line,
+    live_line,
+    no_such_object_line,
+    print_result,
+    unusable_answers_line,
+    warnings_on,
+)
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.views import (
     Views,
@@ -30,13 +36,7 @@ from hypernav.cli.screen.views import (
     check_views,
     opened_views,
 )
-from hypernav.cli.screen.warnings_shown import (
-    no_such_object_line,
-    unusable_answers_line,
-    warnings_on,
-)
 from hypernav.core.components.abilities import check_remembers
-from hypernav.core.components.exits import interruptions_of_kernels
 from hypernav.core.config import check_option
 from hypernav.core.episode import MAX_STEPS, Episode, Outcome
 from hypernav.core.errors import (
@@ -48,6 +48,7 @@ from hypernav.core.errors import (
 )
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.core.world import Simulator
 from hypernav.datasets.benchmarks import robot_in
 from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
@@ -61,7 +62,7 @@ from hypernav.worlds.simulated_robot import check_standable
 _FARTHEST = 10_000.0
 
 
-def run(options: Options) -> int:
+def run(options: FindOptions) -> int:
     """Run the command.
 
     Returns:
@@ -96,7 +97,7 @@ def run(options: Options) -> int:
         return _find(options, goal, folder)
 
 
-def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
+def _find(options: FindOptions, goal: Goal, folder: Path) -> ExitStatus:
     """Load the building, search, and write the page, even if the search fails."""
     steps = options.max_steps or options.who.step_limit(MAX_STEPS)
     config = options.who.resolve(robot_in(options.scene)).for_steps(steps)
@@ -189,7 +190,7 @@ def _find(options: Options, goal: Goal, folder: Path) -> ExitStatus:
     return ExitStatus.SUCCESS if outcome.metrics.success else ExitStatus.FAILURE
 
 
-def opened_memory(options: Options, config: HyPerNavConfig, console: Console) -> MemoryFolder:
+def opened_memory(options: FindOptions, config: HyPerNavConfig, console: Console) -> MemoryFolder:
     """The memory of ``--memory``; prints what is left out of a damaged one."""
     memory = open_memory(options.memory or "", config, most_megabytes=options.memory_mb)
     for line in memory.left_out:
@@ -286,7 +287,9 @@ def _found_start(search: EpisodeRun) -> dict[str, Any]:
     return {} if search.found_start is None else {"found_start": search.found_start.as_dict()}
 
 
-def _memory_entry(options: Options, search: EpisodeRun, earlier_searches: int) -> dict[str, Any]:
+def _memory_entry(
+    options: FindOptions, search: EpisodeRun, earlier_searches: int
+) -> dict[str, Any]:
     """The memory that the search began with; empty if it began with none."""
     is_lost = search.found_start is not None and bool(search.found_start.doubt)
     if options.memory is None or is_lost:

@@ -7,12 +7,12 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from hypernav.build.data.scenes import building_of
+from hypernav.cli.guards.crashes import ExitStatus
 from hypernav.cli.guards.outputs import check_file, check_folder
-from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.options.houses import Episodes, Export, Show, Splits
+from hypernav.cli.options.commands import Episodes, Export, Show, Splits
 from hypernav.cli.screen.terminal import Terminal
-from hypernav.core.components.exits import interruptions_of_kernels
 from hypernav.core.errors import ConfigError, EpisodeError
+from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.core.words import is_whole_number
 from hypernav.datasets.building_splits import SPLITS, numbers_of, split_named
 from hypernav.houses.building import NOUNS, Building

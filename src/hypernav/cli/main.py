@@ -4,22 +4,56 @@ Signal handlers are installed first and everything else is imported after that, 
 the first second ends the program as it does later.
 """
 
+import logging
 import os
 import re
 import sys
+import sysconfig
 import threading
 import time
+import warnings
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import NoReturn
+from pathlib import Path
+from typing import Any, NoReturn
 
-from hypernav.cli.guards.crashes import ReportedCrashError, crash_report
+from hypernav.cli.guards.crashes import ExitStatus, ReportedCrashError, crash_report
 from hypernav.cli.guards.interruptions import Terminated, sigterm_as_interruption
-from hypernav.cli.guards.library_words import silence_libraries
-from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.core.components.exits import answer_exits, end_at_once
 from hypernav.core.errors import HyPerNavError, ModelUnavailableError
 from hypernav.core.words import visible
+
+_LIBRARIES = tuple(
+    f"{folder}{os.sep}"
+    for folder in {
+        *(sysconfig.get_path(kind) for kind in ("stdlib", "purelib", "platlib")),
+        str(Path(__file__).parents[1]),
+    }
+)
+"""Folders of Python, of installed packages and of this one, where their warnings are placed."""
+
+
+def silence_libraries() -> None:
+    """Print nothing more that libraries log or warn of; code of a user's own is heard as before.
+
+    Python's options ``-W`` and ``PYTHONWARNINGS`` bring back the warnings.
+    """
+    if logging.lastResort is not None:
+        logging.lastResort.addFilter(lambda record: not _is_library(record.pathname))
+    os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")
+    if sys.warnoptions:
+        return
+    show = warnings.showwarning
+
+    def shown(message: Any, category: Any, filename: str, *more: Any, **named: Any) -> None:
+        if not _is_library(filename):
+            show(message, category, filename, *more, **named)
+
+    warnings.showwarning = shown
+
+
+def _is_library(file: str) -> bool:
+    return file.startswith(_LIBRARIES)
+
 
 _LINGER_S = 5.0
 """Time that threads of components have to end after the command has."""
@@ -33,10 +67,8 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115
     if arguments is None:  # this is the program
         silence_libraries()
-        answer_exits(_end_of_component)
     status = _flushed(_status(sys.argv[1:] if arguments is None else arguments))
     if arguments is None:  # this is the program
-        answer_exits(lambda _: end_at_once(status))  # a library may end so what has ended
         _end_without_threads(status)
     sys.exit(status)
 
@@ -59,11 +91,6 @@ def _status(arguments: Sequence[str]) -> int:
         return _say(str(error), ExitStatus.USAGE)
 
 
-def _end_of_component(called: str) -> NoReturn:
-    said = f"a component ended the program by {called}, outside a call of this program"
-    end_at_once(_say(said, ExitStatus.CRASH))
-
-
 def _end_without_threads(status: int) -> None:
     """Let the process end although a component has left a thread running."""
 
@@ -72,7 +99,7 @@ def _end_without_threads(status: int) -> None:
         names = ", ".join(thread.name for thread in left if thread.is_alive())
         if names:
             _say(f"ended although a component has left a thread running: {names}", status)
-            end_at_once(status)
+            os._exit(status)
 
     left = [one for one in threading.enumerate() if not one.daemon]
     left.remove(threading.main_thread())

@@ -9,7 +9,7 @@ from rich.markup import escape
 
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.cli.options.agent import check_steps_and_seed
-from hypernav.cli.options.eval import Options
+from hypernav.cli.options.commands import EvalOptions
 from hypernav.core.components.abilities import remembers
 from hypernav.core.config import MOST_THREADS, check_option
 from hypernav.core.episode import MAX_STEPS, SUCCESS_DISTANCE_M, Episode
@@ -17,19 +17,19 @@ from hypernav.core.errors import ConfigError, GoalError
 from hypernav.datasets.benchmarks import benchmark_of
 from hypernav.datasets.goat import goal_type_words, goal_types_in
 from hypernav.evaluation.run_plan import RunPlan, Selection
-from hypernav.evaluation.run_session import available_cores
+from hypernav.evaluation.runner import available_cores
 from hypernav.models.chat.vlm_spec import parse_vlm_spec
 from hypernav.worlds.habitat import require_habitat
 
 
-def worker_count(options: Options) -> int:
+def worker_count(options: EvalOptions) -> int:
     """Number of workers; by default one if each would load a model, else one per core."""
     vlm = options.who.vlm
     loads_model = vlm is not None and parse_vlm_spec(vlm).kind == "local"
     return options.workers or (1 if loads_model else available_cores())
 
 
-def check(options: Options) -> None:
+def check(options: EvalOptions) -> None:
     """Refuse options that are impossible in any run.
 
     Raises:
@@ -53,7 +53,7 @@ def check(options: Options) -> None:
         )
 
 
-def _check_published_networks(options: Options) -> None:
+def _check_published_networks(options: EvalOptions) -> None:
     """Refuse a benchmark with published networks where the run doesn't name what it uses.
 
     Raises:
@@ -76,7 +76,7 @@ def _check_published_networks(options: Options) -> None:
         )
 
 
-def planned(options: Options, console: Console) -> tuple[RunPlan, list[Episode]]:
+def planned(options: EvalOptions, console: Console) -> tuple[RunPlan, list[Episode]]:
     """The run and its episodes, after checking that the agent can be built and can see the goals.
 
     Raises:
@@ -116,7 +116,7 @@ def _say_lives(plan: RunPlan, episodes: Sequence[Episode], console: Console) -> 
         )
 
 
-def config_of(options: Options) -> HyPerNavConfig:
+def config_of(options: EvalOptions) -> HyPerNavConfig:
     """The whole configuration, with the robot of the benchmark that the run follows."""
     benchmark = benchmark_of(options.dataset, options.benchmark)
     if benchmark is None:
@@ -132,7 +132,7 @@ def config_of(options: Options) -> HyPerNavConfig:
     return config.model_copy(update={"local": local, "chat": chat})
 
 
-def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:
+def plan_of(options: EvalOptions, config: HyPerNavConfig) -> RunPlan:
     """The run that the options ask for, without the description of its agent."""
     benchmark = benchmark_of(options.dataset, options.benchmark)
     distance_m = SUCCESS_DISTANCE_M if benchmark is None else benchmark.success_distance_m
@@ -154,14 +154,14 @@ def plan_of(options: Options, config: HyPerNavConfig) -> RunPlan:
     )
 
 
-def _steps_of(options: Options) -> int:
+def _steps_of(options: EvalOptions) -> int:
     """Number of steps after which a search ends."""
     benchmark = benchmark_of(options.dataset, options.benchmark)
     own = MAX_STEPS if benchmark is None else benchmark.max_steps
     return options.max_steps or options.who.step_limit(own)
 
 
-def _goal_types(options: Options) -> tuple[str, ...]:
+def _goal_types(options: EvalOptions) -> tuple[str, ...]:
     """The goal types that were asked for; empty for the default."""
     if options.goal_types is None:
         return ()
@@ -172,7 +172,7 @@ def _goal_types(options: Options) -> tuple[str, ...]:
 
 
 def _who(
-    options: Options, config: HyPerNavConfig, episodes: Sequence[Episode], console: Console
+    options: EvalOptions, config: HyPerNavConfig, episodes: Sequence[Episode], console: Console
 ) -> dict[str, Any]:
     """Description of the agent, after checking that it can be built and can see the goals."""
     parts = options.who.build(config)

@@ -1,9 +1,9 @@
 """The command `hypernav scene`: the navigation mesh of a scene."""
 
 from hypernav.build.data.scenes import load_scene
+from hypernav.cli.guards.crashes import ExitStatus
 from hypernav.cli.guards.outputs import check_file
-from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.options.scene import Options
+from hypernav.cli.options.commands import SceneOptions
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.config import check_option
 from hypernav.core.embodiment import BodyConfig
@@ -14,7 +14,7 @@ from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
 from hypernav.worlds.navmesh.robot_navmesh import computed_for
 
 
-def run(options: Options) -> int:
+def run(options: SceneOptions) -> int:
     """Run the command.
 
     Returns:

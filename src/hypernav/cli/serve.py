@@ -7,9 +7,9 @@ from pathlib import Path
 
 from rich.markup import escape
 
+from hypernav.cli.guards.crashes import ExitStatus
 from hypernav.cli.guards.outputs import check_folder
-from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.options.serve import Options
+from hypernav.cli.options.commands import ServeOptions
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.components.registry import require
 from hypernav.core.config import check_option
@@ -21,7 +21,7 @@ _PATIENCE_S = 2.0
 """Longest wait for a last search or server that still saves to the memory, seconds."""
 
 
-def run(options: Options) -> int:
+def run(options: ServeOptions) -> int:
     """Run the command until it is interrupted.
 
     Raises:
@@ -37,9 +37,9 @@ def run(options: Options) -> int:
         require(module, extra="robot")
     from hypernav.build.memories import check_memory_size
     from hypernav.build.presets import HyPerNavConfig
-    from hypernav.robot.server.access import Access
-    from hypernav.robot.server.agents import AgentPlan
+    from hypernav.robot.server.guard import Access
     from hypernav.robot.server.limits import ServerLimits
+    from hypernav.robot.server.searches.agents import AgentPlan
     from hypernav.robot.server.serving import check_access, read_token, serve
     from hypernav.robot.wire.requests import OpenSearch
 

@@ -7,9 +7,9 @@ from pathlib import Path
 from hypernav.core.components.protocols import Agent
 from hypernav.core.config import MOST_SEED, MOST_STEPS, MOST_THREADS, check_option
 from hypernav.core.errors import ContractError
+from hypernav.evaluation.choices import SaveChoice
 from hypernav.evaluation.run_plan import RunPlan
 from hypernav.evaluation.runner import RunProgress, begin_again, run_episodes
-from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.evaluation.store.scene_files import keep_scenes
 from hypernav.evaluation.workers.process_pool import ProcessPool

@@ -16,7 +16,7 @@ from pydantic import (
 )
 
 from hypernav.core.episode import Episode, Outcome, measure
-from hypernav.evaluation.failures.classification import Facts, Failure, classify
+from hypernav.evaluation.failures import Facts, Failure, classify
 
 Length = Annotated[
     float,

@@ -1,15 +1,29 @@
-"""Runs all episodes: gives their lives to workers, and is the only writer of their records."""
+"""Runs all episodes: gives their lives to workers, and is the only writer of their records.
+
+Lives are assigned to workers with as few loads of scenes as possible. One start of a run is a
+session, which is recorded from its start to its end.
+"""
 
 import logging
-from collections.abc import Callable, Sequence
+import os
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from types import TracebackType
 
 from hypernav.core.episode import Episode, Life, Outcome, lives_of
-from hypernav.core.errors import ComponentError, CrashError, HyPerNavError, ModelUnavailableError
-from hypernav.evaluation.failures.classification import Failure
+from hypernav.core.errors import (
+    ComponentError,
+    CrashError,
+    HyPerNavError,
+    ModelUnavailableError,
+    RunFolderError,
+)
+from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.record import EpisodeRecord, unmeasured_record
-from hypernav.evaluation.store.run_store import RunStore
-from hypernav.evaluation.workers.schedule import ATTEMPTS, Schedule
+from hypernav.evaluation.store.run_store import UNENDED, RunStore, Session
 from hypernav.evaluation.workers.worker_pool import (
     Crashed,
     Done,
@@ -18,7 +32,88 @@ from hypernav.evaluation.workers.worker_pool import (
     Refused,
     Report,
     WorkerPool,
+    cpu_seconds_of_ended_workers,
 )
+
+ATTEMPTS = 3
+"""Number of lost workers after which a life is not tried again."""
+
+
+class Schedule:
+    """Assigns every life once, and the life of a lost worker again.
+
+    A worker keeps to its scene as long as that has lives left. Then it takes the scene with most
+    lives among those without a worker, or, if there is none, among all.
+    """
+
+    def __init__(self, lives: Iterable[Life]) -> None:
+        """Take the lives to run."""
+        self._waiting: dict[str, deque[Life]] = {}
+        for life in lives:
+            self._waiting.setdefault(life.scene_id, deque()).append(life)
+        self._scene_of: dict[int, str] = {}
+        self._running: dict[int, Life] = {}
+        self._losses: Counter[tuple[str, str]] = Counter()
+
+    @property
+    def left(self) -> int:
+        """Number of unfinished lives, those in flight included."""
+        return sum(len(queue) for queue in self._waiting.values()) + len(self._running)
+
+    @property
+    def is_finished(self) -> bool:
+        """Whether all lives are done."""
+        return self.left == 0
+
+    @property
+    def has_waiting(self) -> bool:
+        """Whether some lives wait for a worker."""
+        return any(self._waiting.values())
+
+    def next_for(self, worker: int) -> Life | None:
+        """The next life for an idle worker; None if none waits (others may be in flight)."""
+        scene = self._scene_for(worker)
+        if scene is None:
+            return None
+        self._scene_of[worker] = scene
+        self._running[worker] = self._waiting[scene].popleft()
+        return self._running[worker]
+
+    def is_running(self, worker: int) -> bool:
+        """Whether a worker has a life in flight."""
+        return worker in self._running
+
+    def done(self, worker: int) -> Life:
+        """Mark the life of a worker as done, and return it."""
+        return self._running.pop(worker)
+
+    def lost(self, worker: int) -> Life | None:
+        """Mark a worker as lost.
+
+        Returns:
+            Its life if that is not tried again; None if it is, or if the worker was idle.
+        """
+        self._scene_of.pop(worker, None)
+        life = self._running.pop(worker, None)
+        if life is None:
+            return None
+        self._losses[life.key] += 1
+        if self._losses[life.key] >= ATTEMPTS:
+            return life
+        self._waiting[life.scene_id].appendleft(life)
+        return None
+
+    def _scene_for(self, worker: int) -> str | None:
+        own = self._scene_of.get(worker)
+        if own is not None and self._waiting[own]:
+            return own
+        taken = {scene for other, scene in self._scene_of.items() if other != worker}
+        waiting = {scene: len(queue) for scene, queue in self._waiting.items() if queue}
+        free = {scene: count for scene, count in waiting.items() if scene not in taken}
+        candidates = free or waiting
+        # Ties go to the first in the data set, so that the result is deterministic.
+        return max(candidates, key=lambda scene: candidates[scene]) if candidates else None
+
 
 POLL_S = 0.5
 """Period of the calls to ``watch`` while nothing happens, so that clocks on screens advance."""
@@ -259,3 +354,77 @@ def check_scored(progress: RunProgress) -> None:
 
 def _last_line(error: str) -> str:
     return error.rstrip().rpartition("\n")[2] or "no message"
+
+
+class RunSession:
+    """Writes the line of a session when the ``with`` block begins, and completes it at its end.
+
+    Attributes:
+        workers: Maximum number of workers.
+        progress: Latest state of the run; None before the first.
+    """
+
+    def __init__(self, store: RunStore, workers: int) -> None:
+        """Create it; the store of the run must be open in the block."""
+        self.workers = workers
+        self.progress: RunProgress | None = None
+        self._store = store
+        self._began = time.monotonic()
+        self._began_at = datetime.now(UTC).isoformat(timespec="seconds")
+
+    def __enter__(self) -> "RunSession":
+        """Write the line."""
+        self._write(UNENDED)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Complete the line; after an error, a full disk for example, only if that is possible."""
+        try:
+            self._write(_ending(error))
+        except RunFolderError as unwritable:
+            if error is None:
+                raise
+            _LOGGER.warning("%s", unwritable)
+
+    @property
+    def seconds(self) -> float:
+        """Time since the start."""
+        return time.monotonic() - self._began
+
+    def _write(self, ended: str) -> None:
+        progress = self.progress or RunProgress([], 0)
+        self._store.write_session(
+            Session(
+                began=self._began_at,
+                ended=ended,
+                seconds=round(self.seconds, 1),
+                cpu_seconds=cpu_seconds_of_ended_workers(),
+                workers=self.workers,
+                cores=available_cores(),
+                episodes=progress.done_now,
+                peak_memory_mb={str(worker): mb for worker, mb in progress.peak_mb.items()},
+                workers_lost=progress.losses,
+                crashes={"/".join(life.key): error for life, error in progress.crashes.items()},
+            )
+        )
+
+
+def available_cores() -> int:
+    """Number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _ending(error: BaseException | None) -> str:
+    if error is None:
+        return "finished"
+    if isinstance(error, KeyboardInterrupt):
+        return "interrupted"
+    first_line = str(error).partition("\n")[0]
+    return f"stopped: {first_line or type(error).__name__}"

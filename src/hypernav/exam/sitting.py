@@ -14,7 +14,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from hypernav.core.errors import OutputError, RunFolderError
-from hypernav.evaluation.store.run_files import append_line
+from hypernav.evaluation.store.record_file import append_line
 from hypernav.evaluation.store.run_store import keep_configuration
 from hypernav.exam.bank import Bank, Gather
 from hypernav.exam.examinee import Examinee

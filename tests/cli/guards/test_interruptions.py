@@ -9,14 +9,13 @@ from contextlib import contextmanager, nullcontext
 
 import pytest
 
-from hypernav.cli.guards.crashes import crash_report
+from hypernav.cli.guards.crashes import ExitStatus, crash_report
 from hypernav.cli.guards.interruptions import (
     Terminated,
     UninterruptedEnd,
     interruptions_put_off,
     sigterm_as_interruption,
 )
-from hypernav.cli.guards.statuses import ExitStatus
 
 
 @pytest.fixture(autouse=True)

@@ -11,7 +11,7 @@ from box_scenes import room_glb
 from hypernav.build.data.scenes import load_scene
 from hypernav.cli.main import main
 from hypernav.mapping.storage.memory_reader import read_index
-from hypernav.robot.server.agents import AgentPlan, PlanAgent
+from hypernav.robot.server.searches.agents import AgentPlan, PlanAgent
 from hypernav.robot.wire.requests import OpenSearch
 from servers.robots import real_plan, robot_server
 

@@ -9,7 +9,7 @@ from hypernav.cli.main import main
 from hypernav.cli.robots import wait
 from hypernav.mapping.storage.memory_reader import read_index
 from hypernav.robot.client.links import HttpServer
-from hypernav.robot.wire.waiting import GivenGoal
+from hypernav.robot.wire.requests import GivenGoal
 from servers.robots import real_plan, robot_server
 
 

@@ -9,8 +9,8 @@ import pytest
 from rich.table import Table
 
 from hypernav.cli.main import main
+from hypernav.cli.screen.search_lines import warnings_on
 from hypernav.cli.screen.terminal import Terminal
-from hypernav.cli.screen.warnings_shown import warnings_on
 from hypernav.core.errors import ModelUnavailableError
 
 EVIL = "\x1b]0;owned\x07 \x9b31m \u202e red"

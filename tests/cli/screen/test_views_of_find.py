@@ -15,7 +15,7 @@ from websockets.typing import Subprotocol
 
 from box_scenes import room_glb
 from hypernav.cli.main import main
-from hypernav.cli.options.views import ViewOptions
+from hypernav.cli.options.agent import ViewOptions
 from hypernav.cli.screen import views as opening
 from hypernav.core.errors import ConfigError
 from mcap_files import counts_of

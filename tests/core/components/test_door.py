@@ -3,7 +3,6 @@
 import copy
 import math
 import os
-import pickle
 import sys
 from collections.abc import Callable
 from dataclasses import fields, replace
@@ -287,28 +286,6 @@ def test_interruptions_and_outages_pass_unchanged(error):
         through_door(own(detect=raising(error)), Detector).detect(SEEN, GOAL)
     assert caught.value is error
     assert str(error) == words
-
-
-@pytest.mark.parametrize(
-    ("end", "said"),
-    [
-        (lambda: os._exit(0), r"os\._exit\(0\)"),
-        (lambda: os.execv("/bin/true", ["true"]), r"os\.execv\('/bin/true', …\)"),
-        (lambda: os.execle("/bin/true", "true", {}), r"os\.execve\('/bin/true', …\)"),
-        (lambda: os.execlp("true", "true"), r"os\.execv\(b'.*true', …\)"),
-    ],
-)
-def test_it_cannot_end_or_replace_the_process(end, said):
-    mine = through_door(own(detect=lambda self, *_: end()), Detector)
-    with pytest.raises(ComponentError, match=rf"^Mine: detect ended the program \(.*{said}"):
-        mine.detect(SEEN, GOAL)
-
-
-def test_the_functions_that_end_a_process_keep_names_and_can_be_pickled():
-    through_door(own(detect=lambda self, *_: []), Detector).detect(SEEN, GOAL)
-    for one in (os._exit, os.execv, os.execve):
-        assert getattr(os, one.__name__) is one
-        assert pickle.loads(pickle.dumps(one)) is one
 
 
 def test_a_process_of_its_own_may_become_another():

@@ -8,9 +8,8 @@ import pytest
 from certainty import certain
 from eval_runs import apart, record
 from hypernav.evaluation.ablation.ablation_page import write_ablation
-from hypernav.evaluation.ablation.results import read_results
-from hypernav.evaluation.ablation.study import Axis, LeftOut, Study, Variant
-from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.ablation.study import Axis, LeftOut, Study, Variant, read_results
+from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.run_plan import RunPlan
 from hypernav.evaluation.store.run_store import RunStore
 

@@ -15,9 +15,14 @@ from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import without_timings
 from hypernav.episodes.episode_run import EpisodeRun
-from hypernav.evaluation.ablation.config_fields import differing_fields, values_by_field, words_of
 from hypernav.evaluation.ablation.study import Method, Study, Variant
-from hypernav.evaluation.ablation.switches import ABLATIONS, switches
+from hypernav.evaluation.ablation.switches import (
+    ABLATIONS,
+    differing_fields,
+    switches,
+    values_by_field,
+    words_of,
+)
 from hypernav.io.layered_config import layered
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms

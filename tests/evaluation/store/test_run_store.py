@@ -13,13 +13,14 @@ from eval_runs import apart, record
 from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.store.run_store import (
     EPISODES_FILE,
+    UNENDED,
     RunStore,
+    Session,
     differences,
     read_configuration,
     read_records,
     read_sessions,
 )
-from hypernav.evaluation.store.session import UNENDED, Session
 
 CONFIGURATION = {"agent": "hypernav", "config": {"search": {"endurance_steps": 40}}}
 

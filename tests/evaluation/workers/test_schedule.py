@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 from certainty import certain
 from eval_runs import spec
 from hypernav.core.episode import lives_of
-from hypernav.evaluation.workers.schedule import ATTEMPTS, Schedule
+from hypernav.evaluation.runner import ATTEMPTS, Schedule
 
 
 def of(*scenes):

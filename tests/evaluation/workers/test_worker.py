@@ -17,7 +17,7 @@ from hypernav.core.errors import (
     WorldError,
 )
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from small_episodes import episode_from
 from small_worlds import InScenes, small_config, two_rooms

@@ -12,11 +12,8 @@ import pytest
 from box_scenes import room_glb
 from hypernav.cli.main import main
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.robot.client.links import HttpLink, HttpServer
-from hypernav.robot.client.robot_client import Patience, RobotClient
-from hypernav.robot.client.server_address import ServerAddress
-from hypernav.robot.client.stop_listener import StopListener
-from hypernav.robot.client.websocket_link import WebSocketLink
+from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress, WebSocketLink
+from hypernav.robot.client.robot_client import Patience, RobotClient, StopListener
 from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.simulation.base import SimulatedBase
 from hypernav.robot.simulation.faulty_link import FaultyLink, NetworkFaults

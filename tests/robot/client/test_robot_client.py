@@ -17,10 +17,8 @@ from hypernav.core.errors import (
     ServerUnreachableError,
 )
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.robot.client.links import HttpServer
-from hypernav.robot.client.robot_client import Patience, RobotClient
-from hypernav.robot.client.server_address import ServerAddress
-from hypernav.robot.client.watchdog import Watchdog
+from hypernav.robot.client.links import HttpServer, ServerAddress
+from hypernav.robot.client.robot_client import Patience, RobotClient, Watchdog
 from hypernav.robot.wire.frames import unpack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding
 from robot_links import StandIn

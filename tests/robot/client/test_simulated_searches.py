@@ -14,8 +14,8 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.robot.client.links import Link
 from hypernav.robot.client.robot_client import ClientStep, RobotClient
+from hypernav.robot.driving.base import Velocity
 from hypernav.robot.driving.driven_robot import DrivenRobot
-from hypernav.robot.motion.velocity import Velocity
 from hypernav.robot.simulation.base import MishapConfig, SimulatedBase
 from hypernav.robot.simulation.faulty_link import FaultyLink, NetworkFaults
 from hypernav.robot.simulation.person import PersonConfig

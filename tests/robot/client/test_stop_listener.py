@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from hypernav.robot.client import links
-from hypernav.robot.client.server_address import ServerAddress
-from hypernav.robot.client.stop_listener import StopListener
+from hypernav.robot.client.links import ServerAddress
+from hypernav.robot.client.robot_client import StopListener
 from servers.robots import Script, body_of, robot_server
 
 

@@ -11,10 +11,9 @@ from hypernav.core.embodiment import STAIR_CLIMB_M, Action, BodyConfig, Embodime
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.robot.client.robot import Executed, Sensed
-from hypernav.robot.driving.base import DepthView
-from hypernav.robot.driving.depth_safety import Ahead, DepthSafety
+from hypernav.robot.driving.base import STANDSTILL, DepthView, Velocity
 from hypernav.robot.driving.driven_robot import DrivenRobot
-from hypernav.robot.motion.velocity import STANDSTILL, Velocity
+from hypernav.robot.driving.obstacles import Ahead, DepthSafety
 
 ROBOT = Embodiment.model_validate({"camera": {"width": 80, "height": 60}})
 CAMERA = ROBOT.camera.intrinsics

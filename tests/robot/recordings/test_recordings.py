@@ -12,7 +12,7 @@ from frame_writers import POSES, views, write_matched_frames, write_scannet, wri
 from hypernav.cli.main import main
 from hypernav.core.errors import RecordingError
 from hypernav.robot.recordings.opening import open_recording
-from hypernav.robot.recordings.upright import world_to_map
+from hypernav.robot.recordings.replay import world_to_map
 from mcap_files import counts_of
 from rrd_files import images_in
 from small_worlds import two_rooms

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hypernav.core.errors import RosMessageError
-from hypernav.robot.ros.calibration import calibration_of
+from hypernav.robot.ros.messages import calibration_of
 
 K = [300.0, 0.0, 160.0, 0.0, 300.0, 120.0, 0.0, 0.0, 1.0]
 P = [280.0, 0.0, 158.0, 0.0, 0.0, 280.0, 118.0, 0.0, 0.0, 0.0, 1.0, 0.0]

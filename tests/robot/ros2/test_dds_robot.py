@@ -12,12 +12,12 @@ from hypernav.cli.main import main
 from hypernav.core.episode import SUCCESS_DISTANCE_M
 from hypernav.core.errors import TopicChoiceError
 from hypernav.io.layered_config import layered
-from hypernav.robot.motion.velocity import Velocity
-from hypernav.robot.ros2.base import Ros2Base
+from hypernav.robot.driving.base import Velocity
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.idl_types import OccupancyGrid
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.robot.ros2.sensors import Ros2Sensors
+from hypernav.robot.ros2.velocity_base import Ros2Base
 from loopback import DOMAIN, LOOPBACK
 from mcap_files import counts_of
 from rrd_files import images_in

@@ -16,7 +16,7 @@ from hypernav.core.errors import Nav2Error
 from hypernav.io.layered_config import layered
 from hypernav.robot.client.robot import Executed
 from hypernav.robot.ros2.config import Ros2Config
-from hypernav.robot.ros2.nav2.robot import Nav2Robot
+from hypernav.robot.ros2.nav2_robot import Nav2Robot
 from hypernav.robot.ros2.network import Ros2Network
 from hypernav.robot.ros2.sensors import Ros2Sensors
 from loopback import DOMAIN, LOOPBACK

@@ -1,7 +1,9 @@
 """Goals for Nav2: their frame, how many there are, and when odometry shows that one is reached."""
 
 import math
+import time
 from collections import defaultdict
+from collections.abc import Callable
 from contextlib import closing
 from functools import partial
 from typing import Any, cast
@@ -17,10 +19,8 @@ from hypernav.io.layered_config import layered
 from hypernav.robot.ros2.config import Nav2Config, Ros2Config
 from hypernav.robot.ros2.drives import check_drive
 from hypernav.robot.ros2.idl_types import Bool, Twist, TwistStamped
-from hypernav.robot.ros2.nav2.aims import Aims, Motion, ToPose
-from hypernav.robot.ros2.nav2.goals import Nav2Goals
-from hypernav.robot.ros2.nav2.progress import Arrival, Progress, ShortOfGoals
-from hypernav.robot.ros2.nav2.wheel_hold import WheelHold
+from hypernav.robot.ros2.nav2_goals import Nav2Goals, WheelHold, wait_for
+from hypernav.robot.ros2.nav2_progress import Aims, Arrival, Motion, Progress, ShortOfGoals, ToPose
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from loopback import DOMAIN, LOOPBACK
 
@@ -454,3 +454,28 @@ def test_a_mistake_ends_the_command_before_it_looks_for_the_robot(options, words
         main(["robot", "ros2", "bed", *options])
     assert left.value.code == 2
     assert words in capsys.readouterr().err
+
+
+def answers(*words: str | None) -> Callable[[], str | None]:
+    """Gives these answers, one for each question, and fails if asked once more."""
+    remaining = iter(words)
+    return lambda: next(remaining)
+
+
+def test_what_is_there_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(time, "sleep", pytest.fail)
+    wait_for(answers(None), timeout_s=60.0)
+
+
+def test_what_comes_late_is_waited_for() -> None:
+    wait_for(answers("nobody reads", "nobody reads", None), timeout_s=60.0)
+
+
+def test_the_last_words_say_what_is_missing() -> None:
+    words = answers("nobody publishes tf", *["nobody reads the goal"] * 100)
+    with pytest.raises(Nav2Error, match=r"^nobody reads the goal$"):
+        wait_for(words, timeout_s=0.15)
+
+
+def test_it_looks_once_even_without_time_to_wait() -> None:
+    wait_for(answers(None), timeout_s=0.0)

@@ -6,10 +6,13 @@ import threading
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from cyclonedds.sub import DataReader
+from hypothesis import given
+from hypothesis import strategies as st
 
 from hypernav.core.errors import (
     ConfigError,
@@ -17,13 +20,14 @@ from hypernav.core.errors import (
     TopicChoiceError,
     TransformMissingError,
 )
+from hypernav.core.geometry.transforms import Pose2
 from hypernav.io.layered_config import layered
 from hypernav.robot.ros2 import idl_types as ros
-from hypernav.robot.ros2.base import Ros2Base
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.network import Quality, Ros2Network
-from hypernav.robot.ros2.poses import ros_time
-from hypernav.robot.ros2.sensors import Ros2Sensors
+from hypernav.robot.ros2.outputs import ros_time
+from hypernav.robot.ros2.sensors import RgbdStream, RivalOdometry, Ros2Sensors
+from hypernav.robot.ros2.velocity_base import Ros2Base
 from loopback import DOMAIN, LOOPBACK
 
 PITCH = math.radians(10.0)
@@ -322,3 +326,102 @@ def test_a_robot_stands_that_moves_less_than_the_file_says(networks, settings, s
 def test_no_robot_is_an_error_that_names_the_domain(networks):
     with pytest.raises(TopicChoiceError, match="none; is the domain"):
         Ros2Sensors(networks[1], configured("timing.find_s=0.5"))
+
+
+def words_of(*poses: Pose2) -> str | None:
+    rivals = RivalOdometry()
+    for pose in poses:
+        rivals.note(pose)
+    return rivals.words
+
+
+@pytest.mark.parametrize("other", [Pose2(1.2, 0.0, 0.0), Pose2(0.0, 0.0, 0.5)])
+def test_poses_that_jump_forth_and_back_have_two_publishers(other):
+    words = words_of(*[Pose2(0.0, 0.0, 0.0), other] * 10)
+    assert words is not None
+    assert f"by {other.x:.2f} m" in words
+    assert "two robots in one domain" in words
+
+
+def test_a_driving_turning_swaying_and_once_relocalised_robot_has_one():
+    driven = [Pose2(0.2 * i, 0.0, 0.1 * i) for i in range(40)]
+    swaying = [Pose2(0.04 * math.sin(i), 0.0, 0.05 * math.cos(2 * i)) for i in range(40)]
+    assert words_of(*driven, Pose2(0.0, 5.0, 1.0), *swaying) is None
+
+
+def test_a_rival_that_has_ended_is_forgotten():
+    jumping = [Pose2(0.0, 0.0, 0.0), Pose2(1.0, 0.0, 0.0)] * 20
+    assert words_of(*jumping, *[Pose2(0.0, 0.0, 0.0)] * 40) is None
+
+
+class Clock:
+    """A clock that is set by hand."""
+
+    now_s = 0.0
+
+    def __call__(self) -> float:
+        return self.now_s
+
+
+def image(at_ms: int) -> SimpleNamespace:
+    stamp = SimpleNamespace(sec=at_ms // 1000, nanosec=at_ms % 1000 * 1_000_000)
+    return SimpleNamespace(header=SimpleNamespace(stamp=stamp))
+
+
+@given(st.permutations([("colour", 100), ("depth", 110), ("colour", 133), ("depth", 140)]))
+def test_the_newest_pair_wins_in_whatever_order_images_come(arrivals):
+    stream = RgbdStream(0.015)
+    for name, at_ms in arrivals:
+        (stream.add_colour if name == "colour" else stream.add_depth)(image(at_ms))
+    assert stream.latest is not None
+    assert stream.latest.stamp_s == 0.133
+    assert stream.latest.depth.header.stamp.nanosec == 140_000_000
+
+
+def test_images_too_far_apart_are_no_pair():
+    stream = RgbdStream(0.015)
+    stream.add_colour(image(100))
+    stream.add_depth(image(116))
+    assert stream.latest is None
+    assert "no pair" in stream.described()
+
+
+def test_a_camera_that_repeats_itself_sends_nothing_new():
+    clock = Clock()
+    stream = RgbdStream(0.015, clock=clock)
+    for clock.now_s in (1.0, 2.0, 3.0):
+        stream.add_colour(image(100))
+        stream.add_depth(image(100))
+    assert stream.latest is not None
+    assert stream.latest.received_s == 1.0
+
+
+def test_it_remembers_few_images():
+    stream = RgbdStream(0.0)
+    for at_ms in range(0, 10_000, 10):
+        stream.add_colour(image(at_ms))
+    stream.add_depth(image(0))
+    assert stream.latest is None
+    stream.add_depth(image(9_990))
+    assert stream.latest is not None
+
+
+def test_a_pair_of_before_is_there_for_an_odometry_that_lags_behind():
+    stream = RgbdStream(0.0)
+    for at_ms in (100, 200, 300):
+        stream.add_colour(image(at_ms))
+        stream.add_depth(image(at_ms))
+    pair = stream.newest_until(0.25)
+    assert pair is not None
+    assert pair.stamp_s == 0.2
+    assert stream.newest_until(0.05) is None
+
+
+@pytest.mark.parametrize("period_ms", [10, 50, 200, 500])
+def test_pairs_are_kept_for_as_long_at_any_rate(period_ms):
+    stream = RgbdStream(0.0)
+    for at_ms in range(0, 3001, period_ms):
+        stream.add_colour(image(at_ms))
+        stream.add_depth(image(at_ms))
+    assert stream.newest_until(2.6) is not None
+    assert stream.newest_until(2.35) is None

@@ -7,12 +7,12 @@ from typing import Any, cast
 import pytest
 
 from hypernav.core.errors import RosNetworkError
-from hypernav.robot.motion.velocity import Velocity
+from hypernav.robot.driving.base import Velocity
 from hypernav.robot.ros2 import idl_types as ros
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.robot.ros2.sensors import Ros2Sensors
-from hypernav.robot.ros2.velocity_publisher import VelocityPublisher
+from hypernav.robot.ros2.velocity_base import VelocityPublisher
 from loopback import DOMAIN, LOOPBACK
 
 SENSORS = cast(Ros2Sensors, SimpleNamespace(robot_now_s=1.0))

@@ -8,7 +8,7 @@ import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.server import ServerState
 
-from hypernav.robot.server.request_heads import TimedHeads
+from hypernav.robot.server.serving import TimedHeads
 
 WHY = "uvicorn {version} has changed H11Protocol.{name}, on which hypernav's TimedHeads builds"
 

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from hypernav.robot.wire import ObservationHeader, SearchEnding
+from hypernav.robot.wire.replies import SearchEnding
+from hypernav.robot.wire.requests import ObservationHeader
 from servers.robots import robot_server
 
 PAGE = Path(__file__).parents[3] / "docs" / "robot.md"

@@ -16,13 +16,13 @@ from hypernav.build.component_specs import ComponentSpecs
 from hypernav.build.registries import DETECTORS
 from hypernav.core.errors import ConfigError, RunFolderError
 from hypernav.core.goal import Goal
-from hypernav.robot.server import guard, request_heads, serving
-from hypernav.robot.server.access import Access
-from hypernav.robot.server.agents import READ_LABELS, AgentPlan
+from hypernav.robot.server import guard, serving
+from hypernav.robot.server.guard import Access
 from hypernav.robot.server.limits import Pace, ServerLimits
-from hypernav.robot.server.search import Search
+from hypernav.robot.server.searches.agents import READ_LABELS, AgentPlan
+from hypernav.robot.server.searches.journal import Journal
+from hypernav.robot.server.searches.search import Search
 from hypernav.robot.server.serving import check_access, listening, read_token
-from hypernav.robot.server.state.journal import Journal
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.robot.wire.values import repeated_key
@@ -159,7 +159,7 @@ HEALTH = b"GET /v1/health HTTP/1.1\r\nhost: localhost\r\n"
 
 
 def test_half_a_request_head_ends_the_connection(link, monkeypatch):
-    monkeypatch.setattr(request_heads, "_HEAD_S", 0.2)
+    monkeypatch.setattr(serving, "_HEAD_S", 0.2)
     assert exchanged(link.port, HEALTH) == b""
     received = exchanged(link.port, HEALTH + b"\r\n" + HEALTH)
     assert received.startswith(b"HTTP/1.1 200")
@@ -194,8 +194,8 @@ def test_a_stop_whose_body_never_comes_stops_and_ends_the_connection(link):
 
 
 def test_connections_that_wait_do_not_keep_stop_out(link, monkeypatch):
-    monkeypatch.setattr(request_heads, "_MOST_CONNECTIONS", 4)
-    monkeypatch.setattr(request_heads, "_HEAD_S", 60.0)
+    monkeypatch.setattr(serving, "_MOST_CONNECTIONS", 4)
+    monkeypatch.setattr(serving, "_HEAD_S", 60.0)
     with ExitStack() as opened:
         address = ("127.0.0.1", link.port)
         waiting = [
@@ -264,7 +264,7 @@ def test_searches_are_limited(tmp_path):
 def clock(monkeypatch) -> list[float]:
     """The time of `Search`, which only passes if a test says so."""
     now_s = [100.0]
-    monkeypatch.setattr("hypernav.robot.server.search.monotonic", lambda: now_s[0])
+    monkeypatch.setattr("hypernav.robot.server.searches.search.monotonic", lambda: now_s[0])
     return now_s
 
 

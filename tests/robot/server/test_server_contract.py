@@ -10,7 +10,7 @@ import pytest
 from hypernav.core.embodiment import Action
 from hypernav.core.errors import ModelUnavailableError, RunFolderError
 from hypernav.io.writing import AppendOnlyFile
-from hypernav.robot.server.state.journal import Journal
+from hypernav.robot.server.searches.journal import Journal
 from hypernav.worlds.box_room import BoxRoom
 from servers.robots import body_of, drive, real_plan, robot_server
 

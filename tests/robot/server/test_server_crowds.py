@@ -8,7 +8,7 @@ from contextlib import ExitStack, closing
 
 import pytest
 
-from hypernav.robot.server import request_heads
+from hypernav.robot.server import serving
 from servers.robots import RobotLink
 
 _STOP = (
@@ -20,7 +20,7 @@ _STOP = (
 @pytest.fixture(autouse=True)
 def patience(monkeypatch) -> None:
     """No connection of a test is closed for want of a request."""
-    monkeypatch.setattr(request_heads, "_HEAD_S", 60.0)
+    monkeypatch.setattr(serving, "_HEAD_S", 60.0)
 
 
 def connected(link: RobotLink, opened: ExitStack, source: str = "127.0.0.1") -> socket.socket:
@@ -52,7 +52,7 @@ def test_stop_is_heard_among_hundreds_that_come_at_once(link, monkeypatch):
 
 
 def test_the_address_with_most_connections_gives_way(link, monkeypatch):
-    monkeypatch.setattr(request_heads, "_MOST_CONNECTIONS", 4)
+    monkeypatch.setattr(serving, "_MOST_CONNECTIONS", 4)
     with ExitStack() as opened:
         first = connected(link, opened)
         crowd = [connected(link, opened, source="127.0.0.2") for _ in range(10)]
@@ -62,7 +62,7 @@ def test_the_address_with_most_connections_gives_way(link, monkeypatch):
 
 
 def test_requests_whose_bodies_never_come_give_way(link, monkeypatch):
-    monkeypatch.setattr(request_heads, "_MOST_CONNECTIONS", 4)
+    monkeypatch.setattr(serving, "_MOST_CONNECTIONS", 4)
     with ExitStack() as opened:
         crowd = [connected(link, opened) for _ in range(4)]
         for connection in crowd:

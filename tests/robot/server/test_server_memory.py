@@ -23,8 +23,8 @@ from hypernav.core.goal import Goal
 from hypernav.mapping.storage.memory_folder import MemoryFolder
 from hypernav.mapping.storage.memory_index import GoalRecord, Index
 from hypernav.mapping.storage.memory_reader import read_index
-from hypernav.robot.server.agents import AgentPlan, PlanAgent
-from hypernav.robot.server.state.journal import Journal
+from hypernav.robot.server.searches.agents import AgentPlan, PlanAgent
+from hypernav.robot.server.searches.journal import Journal
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.worlds.box_room import BoxRoom
 from memory_folders import files_of
@@ -314,7 +314,7 @@ def test_the_memory_is_read_for_the_operator_only_when_it_has_changed(tmp_path, 
         read.append(folder)
         return read_index(folder)
 
-    monkeypatch.setattr("hypernav.robot.server.operator.known_things.read_index", counted)
+    monkeypatch.setattr("hypernav.robot.server.operator_page.read_index", counted)
     with robot_server(tmp_path / "state", plan, memory=home) as link:
         drive(link, link.open(), BoxRoom())
         things_of(link)  # may have looked just before the index was saved, and read it just after
@@ -366,7 +366,7 @@ def test_a_memory_that_takes_long_to_read_keeps_no_robot_waiting(tmp_path, plan,
         drive(link, link.open(), BoxRoom())
         thing = things_of(link)[0]["thing"]
         link.call("POST", "/v1/robots/anna/wait")
-        monkeypatch.setattr("hypernav.robot.server.operator.known_things.read_index", slow)
+        monkeypatch.setattr("hypernav.robot.server.operator_page.read_index", slow)
         (home / "memory.json").write_bytes((home / "memory.json").read_bytes() + b" ")
         with ThreadPoolExecutor(1) as pool:
             asked = {"goal": "door", "thing": thing}

@@ -11,8 +11,6 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from types import FrameType, TracebackType
 from typing import TypeVar
 
-from hypernav.core.components.exits import end_at_once
-
 _EnteredT = TypeVar("_EnteredT")
 _ENDINGS = tuple(one for one in signal.Signals if one.name in ("SIGTERM", "SIGHUP"))
 """Signals that end a command. SIGHUP, which Windows doesn't have, comes when the terminal is lost,
@@ -156,5 +154,5 @@ def _raise_or_end(number: int, _frame: FrameType | None) -> None:
     if now_s - before_s < _INSISTING_S:
         with suppress(OSError):
             os.write(2, b"\nhypernav: interrupted twice, so ended at once\n")
-        end_at_once(128 + number if number == signal.SIGINT else 128 + signal.SIGTERM)
+        os._exit(128 + number if number == signal.SIGINT else 128 + signal.SIGTERM)
     raise KeyboardInterrupt if number == signal.SIGINT else Terminated

@@ -1,11 +1,8 @@
-"""The options that configure an agent, shared by all commands.
-
-The modules that build agents are imported only to build one: help and mistakes need none of them.
-"""
+"""The options that configure an agent or choose views, shared by several commands."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
@@ -193,3 +190,43 @@ def check_steps_and_seed(max_steps: int | None, seed: int) -> None:
 
 FlatAgentOptions = Annotated[AgentOptions, tyro.conf.arg(name="")]
 """Agent options as a field of a command's options: without a prefix on the command line."""
+
+
+@dataclass(frozen=True)
+class ViewOptions:
+    """Where to show the search besides its own page and video."""
+
+    view: Literal["page", "rerun", "foxglove"] | None = None
+    """Watch the search live: page, in a browser, with a STOP; rerun, in its viewer; foxglove,
+    at a WebSocket."""
+    rrd: Path | None = None
+    """File to record the search for rerun."""
+    mcap: Path | None = None
+    """File to record the search for Foxglove and other readers of MCAP."""
+    pace: float | None = None
+    """Largest number of steps a second, to watch them; 5 with --view page or foxglove, else no
+    limit."""
+
+
+@dataclass(frozen=True)
+class RobotViewOptions:
+    """Where to show what a robot does besides its page and video, and the server's page.
+
+    The options of `ViewOptions` except those for the pace, which is the robot's own.
+    """
+
+    view: Literal["rerun", "foxglove"] | None = None
+    """Watch it live: rerun, in its viewer; foxglove, at a WebSocket."""
+    rrd: Path | None = None
+    """File to record it for rerun."""
+    mcap: Path | None = None
+    """File to record it for Foxglove and other readers of MCAP."""
+
+    @property
+    def chosen(self) -> ViewOptions:
+        """The same as options of all views."""
+        return ViewOptions(view=self.view, rrd=self.rrd, mcap=self.mcap)
+
+
+FlatRobotViewOptions = Annotated[RobotViewOptions, tyro.conf.arg(name="")]
+FlatViewOptions = Annotated[ViewOptions, tyro.conf.arg(name="")]

@@ -6,7 +6,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
 from typing import Any
 
-from hypernav.cli.options.robot import Ros2, Simulate
+from hypernav.cli.robot import Ros2, Simulate
 from hypernav.cli.screen.views import Views, opened_views
 from hypernav.core.errors import RequestRefusedError, RobotLinkError
 from hypernav.episodes.recorder import EpisodeRecorder

@@ -11,10 +11,9 @@ from typing import Any, Protocol, runtime_checkable
 from rich.markup import escape
 
 from hypernav.agents.step import SearchComponents
-from hypernav.cli.guards.crashes import crash_report
+from hypernav.cli.guards.crashes import ExitStatus, crash_report
 from hypernav.cli.guards.outputs import check_folder
-from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.options.robot import Replay
+from hypernav.cli.robot import Replay
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.views import check_views, opened_views
 from hypernav.core.config import check_option

@@ -7,13 +7,13 @@ from pathlib import Path
 from rich.box import SIMPLE
 from rich.table import Table
 
+from hypernav.cli.guards.crashes import ExitStatus
 from hypernav.cli.guards.outputs import check_file
-from hypernav.cli.guards.statuses import ExitStatus
-from hypernav.cli.options.robot import Report
+from hypernav.cli.robot import Report
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, OutputError, RunFolderError
 from hypernav.evaluation.field_study import StudyRow, TrialResult, study_rows
-from hypernav.robot.trials.field_trial import FieldTrial, read_trial
+from hypernav.robot.field_trial import FieldTrial, read_trial
 
 _COLUMNS = (
     *("goal", "method", "trials", "found", "success", "spl", "spl_low", "spl_high"),

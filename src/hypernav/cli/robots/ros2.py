@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 from rich.markup import escape
 from rich.status import Status
 
+from hypernav.cli.guards.crashes import ExitStatus
 from hypernav.cli.guards.interruptions import UninterruptedEnd
 from hypernav.cli.guards.outputs import check_folder
-from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
-from hypernav.cli.options.robot import Ros2
+from hypernav.cli.robot import Ros2
 from hypernav.cli.robots.own_server import server_at
 from hypernav.cli.robots.recording import (
     found_start_values,
@@ -22,9 +22,9 @@ from hypernav.cli.robots.recording import (
     status_of,
     steps_of,
 )
+from hypernav.cli.screen.search_lines import warnings_on
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.cli.screen.views import Views, check_views
-from hypernav.cli.screen.warnings_shown import warnings_on
 from hypernav.core.components.registry import require
 from hypernav.core.episode import Outcome
 from hypernav.core.errors import (
@@ -37,10 +37,8 @@ from hypernav.core.errors import (
 from hypernav.core.goal import Goal
 from hypernav.episodes.recorder import OUTPUT_FILES
 from hypernav.io.layered_config import layered
-from hypernav.robot.client.links import HttpLink, HttpServer
-from hypernav.robot.client.robot_client import RobotClient
-from hypernav.robot.client.server_address import ServerAddress
-from hypernav.robot.client.stop_listener import StopListener
+from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
+from hypernav.robot.client.robot_client import RobotClient, StopListener
 from hypernav.robot.wire.replies import SearchEnding, SearchOpened
 from hypernav.robot.wire.requests import Intrinsics, OpenSearch
 

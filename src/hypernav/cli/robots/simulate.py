@@ -17,10 +17,10 @@ from rich.status import Status
 from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.worlds import open_world
 from hypernav.cli.find import check_start, start_pose, start_values
+from hypernav.cli.guards.crashes import ExitStatus
 from hypernav.cli.guards.outputs import check_folder
-from hypernav.cli.guards.statuses import ExitStatus
 from hypernav.cli.options.agent import check_steps_and_seed
-from hypernav.cli.options.robot import Simulate
+from hypernav.cli.robot import Simulate
 from hypernav.cli.robots.own_server import server_at
 from hypernav.cli.robots.recording import (
     found_start_values,
@@ -39,11 +39,8 @@ from hypernav.core.errors import RequestRefusedError, RobotLinkError
 from hypernav.core.goal import Goal
 from hypernav.episodes.recorder import OUTPUT_FILES
 from hypernav.io.layered_config import layered
-from hypernav.robot.client.links import HttpLink, HttpServer, Link
-from hypernav.robot.client.robot_client import RobotClient
-from hypernav.robot.client.server_address import ServerAddress
-from hypernav.robot.client.stop_listener import StopListener
-from hypernav.robot.client.websocket_link import WebSocketLink
+from hypernav.robot.client.links import HttpLink, HttpServer, Link, ServerAddress, WebSocketLink
+from hypernav.robot.client.robot_client import RobotClient, StopListener
 from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.simulation.base import MishapConfig, SimulatedBase
 from hypernav.robot.simulation.faulty_link import FaultyLink, NetworkFaults

@@ -11,21 +11,18 @@ from hypernav.build.presets import HyPerNavConfig
 from hypernav.build.worlds import open_world
 from hypernav.cli.find import check_start, given_start
 from hypernav.cli.options.agent import check_steps_and_seed
-from hypernav.cli.options.robot import Wait
+from hypernav.cli.robot import Wait
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.episode import MAX_STEPS, Episode
 from hypernav.core.errors import ConfigError, LinkLostError, RequestRefusedError
 from hypernav.core.goal import Goal
 from hypernav.io.layered_config import layered
-from hypernav.robot.client.links import HttpLink, HttpServer
-from hypernav.robot.client.robot_client import RobotClient
-from hypernav.robot.client.server_address import ServerAddress
-from hypernav.robot.client.stop_listener import StopListener
+from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
+from hypernav.robot.client.robot_client import RobotClient, StopListener
 from hypernav.robot.driving.driven_robot import DrivenRobot
 from hypernav.robot.simulation.base import SimulatedBase
 from hypernav.robot.wire.replies import SearchEnding
-from hypernav.robot.wire.requests import OpenSearch
-from hypernav.robot.wire.waiting import GivenGoal, is_robot_name
+from hypernav.robot.wire.requests import GivenGoal, OpenSearch, is_robot_name
 
 _PACE = 2.0
 """Simulated seconds per real second, slow enough for people to follow and to stop it."""
@@ -75,7 +72,7 @@ def run(options: Wait) -> int:
                     continue
                 if given.goal is None or given.key is None:
                     continue
-                goal = Goal(given.goal).in_sentence
+                goal = Goal(given.goal).told
                 try:
                     ending = _search(options, server, address, base, given, status)
                 except RequestRefusedError as refused:

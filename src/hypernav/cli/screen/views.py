@@ -14,7 +14,7 @@ from rich.status import Status
 
 from hypernav.cli.guards.interruptions import Terminated, interrupt
 from hypernav.cli.guards.outputs import check_file
-from hypernav.cli.options.views import ViewOptions
+from hypernav.cli.options.agent import ViewOptions
 from hypernav.cli.screen.terminal import Terminal
 from hypernav.core.components.registry import require
 from hypernav.core.config import check_option
@@ -166,7 +166,7 @@ def opened_views(options: ViewOptions, info: EpisodeInfo, recorder: View | None)
 
             open_view(McapView(options.mcap, info))
         if options.view == "page":
-            from hypernav.robot.server.watching.page_view import PageView
+            from hypernav.robot.server.page_view import PageView
 
             open_view(PageView(info, interrupt))
         if options.view == "rerun":

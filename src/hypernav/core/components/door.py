@@ -22,7 +22,6 @@ from typing import Any, TypeVar, Union, cast, get_args, get_origin, get_type_hin
 
 import numpy as np
 
-from hypernav.core.components.exits import exits_raised, interruptions_of_kernels
 from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import (
     CameraError,
@@ -45,6 +44,7 @@ from hypernav.core.exploring.guidance import (
 from hypernav.core.exploring.overview import BlockChoice, FloorBlocks, Overview
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
 
@@ -415,7 +415,7 @@ def calling(name: str, what: str) -> Iterator[None]:
         KeyboardInterrupt: Ctrl-C or SIGTERM came.
     """
     try:
-        with interruptions_of_kernels(), exits_raised():
+        with interruptions_of_kernels():
             yield
     except KeyboardInterrupt:
         raise

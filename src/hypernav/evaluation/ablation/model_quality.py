@@ -1,10 +1,12 @@
 """The study of models: what a search is worth with reasoners and detectors of known quality."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from hypernav.core.errors import ConfigError
 from hypernav.evaluation.ablation.study import Axis, LeftOut, Method, Study, Variant
+from hypernav.evaluation.ablation.switches import switches
+from hypernav.evaluation.choices import StudyName
 from hypernav.perception.local import noisy_detector
 
 RATES = (0.0, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0)
@@ -101,3 +103,9 @@ def _distinct(
         elif same is not variant:
             left_out.append(LeftOut(variant, f"it is the same as {same.name}"))
     return tuple(kept.values()), tuple(left_out)
+
+
+STUDIES: dict[StudyName, Callable[[Method], Study]] = {
+    "switches": switches,
+    "model": model_quality,
+}

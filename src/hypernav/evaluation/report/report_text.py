@@ -6,11 +6,10 @@ from hypernav.core.words import number_of
 from hypernav.datasets.goat import goal_type_words
 from hypernav.episodes.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.evaluation import statistics
-from hypernav.evaluation.failures.classification import MISPLACED_M, Failure
+from hypernav.evaluation.failures import MISPLACED_M, Failure
 from hypernav.evaluation.report.run_data import RunData
 from hypernav.evaluation.report.tables import Pair
-from hypernav.evaluation.statistics import Estimate
-from hypernav.evaluation.summary import Summary
+from hypernav.evaluation.statistics import Estimate, Summary
 from hypernav.houses.building import NOUNS
 from hypernav.show import captions
 from hypernav.worlds.config import NoiseConfig
@@ -51,7 +50,7 @@ RULES_IN_WORDS: dict[Failure, str] = {
     ),
     Failure.NEVER_SEEN: "The goal was never in the image.",
 }
-"""The rules of `hypernav.evaluation.failures.classification`, for people."""
+"""The rules of `hypernav.evaluation.failures`, for people."""
 
 
 def title(runs: Sequence[RunData]) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from hypernav.evaluation.failures.classification import Failure
+from hypernav.evaluation.failures import Failure
 from hypernav.evaluation.protocol import PROTOCOLS, EvaluationProtocol, StopRule
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.report.run_data import RunData
@@ -14,13 +14,15 @@ from hypernav.evaluation.statistics import (
     Comparison,
     Discordance,
     Estimate,
+    Summary,
     compare,
     discordance,
     drawn,
+    failure_counts,
     mean_with_interval,
     ratio_with_interval,
+    summarise,
 )
-from hypernav.evaluation.summary import Summary, failure_counts, summarise
 
 DISTANCE_BINS_M = (0.0, 3.0, 5.0, 8.0, 12.0, math.inf)
 """Edges of the classes of shortest distance, metres."""

@@ -12,22 +12,60 @@
 
 import json
 import logging
-from collections.abc import Callable, Mapping
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from hypernav.core.errors import RunFolderError
 from hypernav.evaluation.record import EpisodeKey, EpisodeRecord
-from hypernav.evaluation.store.record_file import RecordFile, file_content, read_record_file
-from hypernav.evaluation.store.run_files import append_line, write_whole
-from hypernav.evaluation.store.session import Session
+from hypernav.evaluation.store.record_file import (
+    RecordFile,
+    append_line,
+    file_content,
+    read_record_file,
+    write_whole,
+)
 from hypernav.io.folder_lock import folder_lock
 from hypernav.io.parsing import parse_json
 from hypernav.io.reading import read_file
+
+UNENDED = "killed, or still running"
+"""Value of ``ended`` until the session ends."""
+
+
+class Session(BaseModel):
+    """One start of the program.
+
+    Attributes:
+        began: Time of the start, ISO 8601.
+        ended: How it ended, in words; `UNENDED` from the start on.
+        seconds: Wall-clock time.
+        cpu_seconds: Processor time of its workers.
+        workers: Maximum number of workers.
+        cores: Number of cores that it could use.
+        episodes: Number of episodes that it finished.
+        peak_memory_mb: Peak memory by worker, megabytes.
+        workers_lost: Number of lost workers.
+        crashes: Tracebacks of episodes whose worker's program failed, by scene and episode.
+    """
+
+    model_config = ConfigDict(frozen=True, allow_inf_nan=False)
+
+    began: str
+    ended: str = UNENDED
+    seconds: float = 0.0
+    cpu_seconds: float = 0.0
+    workers: int = 0
+    cores: int = 0
+    episodes: int = 0
+    peak_memory_mb: dict[str, float] = Field(default_factory=dict)
+    workers_lost: int = 0
+    crashes: dict[str, str] = Field(default_factory=dict)
+
 
 RUN_FILE = "run.json"
 EPISODES_FILE = "episodes.jsonl"
@@ -221,3 +259,20 @@ def _whole_lines(path: Path) -> bytes:
     """The content of a file of lines, its last line terminated; empty if there is no file."""
     content = file_content(path) if path.exists() else b""
     return content if content.endswith(b"\n") or not content else content + b"\n"
+
+
+@contextmanager
+def held_folder(folder: Path, configuration: Mapping[str, Any]) -> Iterator[None]:
+    """Lock a folder while the ``with`` block runs, and store its configuration in it.
+
+    Args:
+        folder: Folder of the study; created if missing.
+        configuration: Everything that decides about its results, as JSON data. A folder with
+            another configuration is refused before anything in it changes.
+
+    Raises:
+        RunFolderError: The folder is in use, of another configuration, damaged, or read-only.
+    """
+    with folder_lock(folder):
+        keep_configuration(folder, configuration)
+        yield

@@ -15,7 +15,7 @@ from typing import Any
 from hypernav.build.data.sources import Progress
 from hypernav.core.episode import Episode
 from hypernav.core.errors import RunFolderError, SceneError
-from hypernav.evaluation.store.run_files import write_whole
+from hypernav.evaluation.store.record_file import write_whole
 from hypernav.evaluation.store.run_store import RunStore
 from hypernav.io.parsing import parse_json
 from hypernav.io.reading import read_file

@@ -18,13 +18,30 @@ from pathlib import Path
 from types import FrameType
 from typing import NoReturn
 
-from hypernav.core.components.exits import end_at_once, interruptions_of_kernels
+from hypernav.build.choosing import choose_components
 from hypernav.core.episode import Life
 from hypernav.core.errors import ComponentError, HyPerNavError
-from hypernav.evaluation.workers.own_components import own_components
-from hypernav.evaluation.workers.resource_usage import peak_memory_mb
+from hypernav.core.interruptions import interruptions_of_kernels
+from hypernav.evaluation.workers.searcher import factory_name
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
-from hypernav.evaluation.workers.worker_pool import Crashed, Done, Lost, Ready, Refused, Report
+from hypernav.evaluation.workers.worker_pool import (
+    Crashed,
+    Done,
+    Lost,
+    Ready,
+    Refused,
+    Report,
+    peak_memory_mb,
+)
+
+
+def own_components(job: Job) -> list[str]:
+    """Names of the components of a user's own in a job; none if all are of this package."""
+    if job.make_agent is not None:
+        return [factory_name(job.make_agent)]
+    chosen = choose_components(job.specs, presence=job.config.presence.enabled).by_kind
+    return [f"--{kind} {one.spec}" for kind, one in chosen.items() if one.entry.is_foreign]
+
 
 ONE_THREAD = {
     name: "1"
@@ -211,7 +228,7 @@ def _die_with_owner() -> None:
 
     def watch() -> None:
         wait([owner.sentinel])
-        end_at_once(0)
+        os._exit(0)
 
     threading.Thread(target=watch, daemon=True, name="watch-owner").start()
 

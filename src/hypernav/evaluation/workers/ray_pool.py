@@ -14,9 +14,16 @@ from hypernav.core.episode import Life
 from hypernav.core.errors import ComponentError, HyPerNavError, RunFolderError
 from hypernav.evaluation.record import EpisodeRecord
 from hypernav.evaluation.workers.process_pool import ONE_THREAD
-from hypernav.evaluation.workers.resource_usage import peak_memory_mb
 from hypernav.evaluation.workers.worker import EpisodeWorker, Job
-from hypernav.evaluation.workers.worker_pool import Crashed, Done, Lost, Ready, Refused, Report
+from hypernav.evaluation.workers.worker_pool import (
+    Crashed,
+    Done,
+    Lost,
+    Ready,
+    Refused,
+    Report,
+    peak_memory_mb,
+)
 
 _CONNECT_TIMEOUT_S = 5.0
 

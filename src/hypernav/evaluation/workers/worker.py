@@ -25,11 +25,10 @@ from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.episodes.object_distance import object_distance
 from hypernav.episodes.recorder import EpisodeRecorder
 from hypernav.episodes.storyboard import Image, Storyboard
-from hypernav.evaluation.failures.classification import Verdict, classify
-from hypernav.evaluation.failures.decisive_step import decisive_step
-from hypernav.evaluation.failures.failure_evidence import FailureEvidence
+from hypernav.evaluation.choices import SaveChoice
+from hypernav.evaluation.failure_evidence import FailureEvidence, decisive_step
+from hypernav.evaluation.failures import Verdict, classify
 from hypernav.evaluation.record import EpisodeRecord, unmeasured_record
-from hypernav.evaluation.save_choice import SaveChoice
 from hypernav.evaluation.workers.searcher import searcher_of
 from hypernav.perception.exchanges import unusable_answers
 

@@ -1,10 +1,32 @@
-"""The protocol of worker pools, and the reports that they give."""
+"""The protocol of worker pools, the reports that they give, and what workers use."""
 
+import sys
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 from hypernav.core.episode import Life
 from hypernav.evaluation.record import EpisodeRecord
+
+
+def peak_memory_mb() -> float:
+    """Peak resident memory of this process, megabytes; 0 if the system doesn't provide it."""
+    if sys.platform == "win32":
+        return 0.0
+    import resource
+
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    unit = 1024 if sys.platform == "linux" else 1
+    return round(peak * unit / 1e6, 1)
+
+
+def cpu_seconds_of_ended_workers() -> float:
+    """Processor time of all ended child processes; 0 if the system doesn't provide it."""
+    if sys.platform == "win32":
+        return 0.0
+    import resource
+
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return round(used.ru_utime + used.ru_stime, 1)
 
 
 @dataclass(frozen=True)

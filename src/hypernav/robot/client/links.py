@@ -1,13 +1,18 @@
-"""Requests to a robot's server over HTTP."""
+"""Requests to a robot's server: its address, and links over HTTP and one WebSocket."""
 
 import json
+import time
 from collections.abc import Iterator
-from contextlib import closing, suppress
+from contextlib import ExitStack, closing, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Protocol, TypeVar, runtime_checkable
+from urllib.parse import urlsplit
 
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
+from hypernav.core.components.registry import require
 from hypernav.core.errors import (
     HyPerNavError,
     LinkLostError,
@@ -17,11 +22,65 @@ from hypernav.core.errors import (
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import StepTrace
 from hypernav.io.bounded_http import Deadline, Session
-from hypernav.robot.client.server_address import ServerAddress
-from hypernav.robot.wire.replies import ErrorBody, Reply, SearchOpened, Status
-from hypernav.robot.wire.requests import CloseRequest, OpenSearch, StopRequest
+from hypernav.robot.wire.replies import ErrorBody, Reply, SearchOpened, Status, StreamMessage
+from hypernav.robot.wire.requests import ROBOTS, CloseRequest, GivenGoal, OpenSearch, StopRequest
 from hypernav.robot.wire.values import SEARCHES
-from hypernav.robot.wire.waiting import ROBOTS, GivenGoal
+
+
+@dataclass(frozen=True)
+class ServerAddress:
+    """Where the server is, and the token for it.
+
+    Attributes:
+        host: Name or address of the machine.
+        port: Port of the server.
+        path: Prefix of all request paths; usually empty.
+        is_secure: Whether the connection is encrypted (``https``).
+        token: Token of the server; None sends none.
+    """
+
+    host: str
+    port: int
+    path: str = ""
+    is_secure: bool = False
+    token: str | None = field(default=None, repr=False)
+
+    @staticmethod
+    def of(url: str, token_file: Path | None = None) -> "ServerAddress":
+        """Read an address such as ``http://192.168.1.5:8765``.
+
+        Raises:
+            RobotLinkError: The text is no such address, or the token file cannot be read.
+        """
+        try:
+            parts = urlsplit(url)
+            port = parts.port
+        except ValueError as error:
+            raise RobotLinkError(f"address of the server '{url:.100}': {error}") from error
+        if parts.scheme not in ("http", "https") or not parts.hostname:
+            raise RobotLinkError(
+                f"address of the server '{url:.100}': expected one such as http://192.168.1.5:8765"
+            )
+        secure = parts.scheme == "https"
+        token = None
+        if token_file is not None:
+            try:
+                token = token_file.read_text(encoding="utf-8").strip()
+            except (OSError, UnicodeDecodeError) as error:
+                raise RobotLinkError(f"{token_file}: cannot read the token: {error}") from error
+        return ServerAddress(
+            parts.hostname, port or (443 if secure else 80), parts.path.rstrip("/"), secure, token
+        )
+
+    @property
+    def headers(self) -> dict[str, str]:
+        """The headers of every request."""
+        return {} if self.token is None else {"Authorization": f"Bearer {self.token}"}
+
+    def __str__(self) -> str:
+        """The address for people, without the token."""
+        return f"http{'s' * self.is_secure}://{self.host}:{self.port}{self.path}"
+
 
 MessageT = TypeVar("MessageT", bound=BaseModel)
 _CONNECT_S = 5.0
@@ -266,3 +325,78 @@ def refused(status: int, content: bytes) -> RequestRefusedError:
     return RequestRefusedError(
         body.message, error=body.error, status=status, expected=body.expected
     )
+
+
+class WebSocketLink:
+    """Sends observations as binary messages; replies come as text, some of them unrequested."""
+
+    def __init__(self, address: ServerAddress, search_id: str) -> None:
+        """Carry the observations of one search; the connection opens with the first.
+
+        Raises:
+            MissingExtraError: The package websockets is not installed.
+        """
+        self._client = require("websockets.sync.client", extra="robot")
+        self._exceptions = require("websockets.exceptions", extra="robot")
+        scheme = "wss" if address.is_secure else "ws"
+        self._url = (
+            f"{scheme}://{address.host}:{address.port}{address.path}{SEARCHES}/{search_id}/stream"
+        )
+        self._address, self._search_id = address, search_id
+        self._open = ExitStack()
+        self._connection = None
+
+    def ask(self, body: bytes, sequence: int, timeout_s: float) -> Reply:
+        """Send an observation and wait for its reply."""
+        try:
+            if self._connection is None:
+                opening = self._client.connect(
+                    self._url,
+                    additional_headers=self._address.headers,
+                    open_timeout=_CONNECT_S,
+                    max_size=None,
+                    compression=None,
+                    proxy=None,
+                )
+                self._connection = self._open.enter_context(opening)
+            self._connection.send(body)
+        except (OSError, self._exceptions.WebSocketException) as error:
+            raise self._lost(error) from error
+        return self._next(sequence, timeout_s)
+
+    def ask_again(self, sequence: int, timeout_s: float) -> Reply:
+        """Wait once more for a reply that was on hold; the server sends it without being asked."""
+        return self._next(sequence, timeout_s)
+
+    def give_up(self, reason: str) -> None:
+        """Tell the server that the robot ends by an error."""
+        give_up(self._address, self._search_id, reason)
+
+    def close(self) -> None:
+        """End the connection."""
+        self._connection = None
+        self._open.close()
+
+    def _next(self, sequence: int, timeout_s: float) -> Reply:
+        """The next message about an observation; messages about earlier ones are skipped."""
+        if self._connection is None:
+            raise LinkLostError(f"{self._url}: the connection was lost while the server decided")
+        end = time.monotonic() + timeout_s
+        while True:
+            try:
+                text = self._connection.recv(timeout=max(end - time.monotonic(), 0.001))
+                message = StreamMessage.model_validate_json(text)
+            except (OSError, self._exceptions.WebSocketException, ValidationError) as error:
+                raise self._lost(error) from error
+            if message.error is not None:
+                error = message.error
+                raise RequestRefusedError(
+                    error.message, error=error.error, status=message.status, expected=error.expected
+                )
+            reply = message.reply
+            if reply is not None and (reply.sequence == sequence or reply.done):
+                return reply
+
+    def _lost(self, error: Exception) -> LinkLostError:
+        self.close()
+        return LinkLostError(f"{self._url}: {error or type(error).__name__}")

@@ -1,9 +1,14 @@
-"""A robot's side of a search: observe, ask, execute once, go on."""
+"""A robot's side of a search: observe, ask, execute once, go on; and stand still in time.
+
+A watchdog halts a robot whose answer is late, and a stop listener lets the server's stop button
+take effect in the middle of a motion.
+"""
 
 import logging
 import math
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack
@@ -16,19 +21,138 @@ from hypernav.core.errors import (
     ContractError,
     LinkLostError,
     RequestRefusedError,
+    RobotLinkError,
     SensorError,
     ServerUnreachableError,
 )
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
-from hypernav.robot.client.links import Link, failure_words
+from hypernav.robot.client.links import HttpServer, Link, ServerAddress, failure_words, give_up
 from hypernav.robot.client.robot import Executed, FollowsPaths, Robot, Sensed
-from hypernav.robot.client.watchdog import Watchdog
 from hypernav.robot.wire.frames import pack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding
 from hypernav.robot.wire.requests import ObservationFacts
 from hypernav.robot.wire.values import PlanarPose, RigidMatrix
 
 _LOG = logging.getLogger(__name__)
+
+
+class SideThread(ABC):
+    """Does its work in a thread of its own while a ``with`` block runs, and ends with it.
+
+    The block may wait for the network, or hang; the thread goes on.
+    """
+
+    def __enter__(self) -> None:
+        """Start the thread."""
+        self._block_ended = threading.Event()
+        self._thread = threading.Thread(
+            target=self._work_until, args=(self._block_ended,), daemon=True
+        )
+        self._thread.start()
+
+    def __exit__(self, *error: object) -> None:
+        """Wait until the work has ended."""
+        self._block_ended.set()
+        self._thread.join()
+
+    @abstractmethod
+    def _work_until(self, block_ended: threading.Event) -> None:
+        """Do the work; return soon after the block has ended."""
+
+
+class Watchdog(SideThread):
+    """Calls a function if a ``with`` block takes too long, while the block goes on.
+
+    The function has returned before the block ends, so it cannot stop the motion that comes next.
+
+    Attributes:
+        times_late: Number of blocks that took too long.
+
+    Examples:
+        >>> with Watchdog(0.5, robot.stop):  # doctest: +SKIP
+        ...     reply = link.ask(body, sequence, timeout_s=5.0)
+    """
+
+    def __init__(
+        self,
+        deadline_s: float,
+        on_late: Callable[[], None],
+        *,
+        wait: Callable[[threading.Event, float], bool] = threading.Event.wait,
+    ) -> None:
+        """Create it.
+
+        Args:
+            deadline_s: Time after which it acts, seconds.
+            on_late: Function to call, for example `hypernav.robot.client.robot.Robot.stop`.
+            wait: Function that waits some seconds for an event, and says whether it came.
+        """
+        self._deadline_s = deadline_s
+        self._on_late = on_late
+        self._wait = wait
+        self.times_late: int = 0
+
+    def _work_until(self, block_ended: threading.Event) -> None:
+        if not self._wait(block_ended, self._deadline_s):
+            self.times_late += 1
+            self._on_late()
+
+
+_WAIT_S = 1.0
+_PAUSE_S = 0.2
+_OUTSIDE = frozenset({SearchEnding.STOPPED, SearchEnding.CLOSED, SearchEnding.ROBOT_FAILED})
+"""Endings that come while the robot may be in the middle of a motion."""
+
+
+class StopListener(SideThread):
+    """Waits beside a search until someone presses stop, over a connection of its own.
+
+    It ends at most a second after the ``with`` block. If the block ends by an error, the server is
+    told, so that its operator reads why.
+
+    Examples:
+        >>> with StopListener(address, opened.id, client.stop):  # doctest: +SKIP
+        ...     for step in client:
+        ...         print(step.reply.reason)
+    """
+
+    def __init__(self, address: ServerAddress, search_id: str, on_stop: Callable[[], None]) -> None:
+        """Create it; it listens within a ``with`` block.
+
+        Args:
+            address: The server.
+            search_id: The search.
+            on_stop: Function to call, once, for example `RobotClient.stop`.
+        """
+        self._address = address
+        self._server = HttpServer(address)
+        self._search_id = search_id
+        self._on_stop = on_stop
+
+    def __exit__(self, *raised: object) -> None:
+        """Wait until the work has ended, and tell the server of an error."""
+        super().__exit__(*raised)
+        error = next((one for one in raised if isinstance(one, BaseException)), None)
+        if error is not None and not isinstance(error, RobotLinkError):
+            give_up(self._address, self._search_id, failure_words(error))
+
+    def _work_until(self, block_ended: threading.Event) -> None:
+        version = -1
+        while not block_ended.is_set():
+            try:
+                status = self._server.status(self._search_id, after=version, wait_s=_WAIT_S)
+            except (RobotLinkError, RequestRefusedError):
+                block_ended.wait(_PAUSE_S)  # the search itself notices what is wrong
+                version = -1  # a restarted server counts its versions from the beginning
+                continue
+            version = status.version
+            if status.ending in _OUTSIDE:
+                self._on_stop()
+            if status.ending is not None:
+                break
+        self._server.close()
+
+
 MADE_SHARE = 0.6
 """Share of a motion below which it did not happen; agents detect a bump by the same share."""
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.05, 2.0

@@ -8,12 +8,9 @@ from collections.abc import Callable, Sequence
 from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.robot.client.robot import Executed, Sensed
-from hypernav.robot.driving.base import Base
-from hypernav.robot.driving.depth_safety import DepthSafety
-from hypernav.robot.motion.config import DriveConfig
-from hypernav.robot.motion.obstacles import Obstacles
-from hypernav.robot.motion.pure_pursuit import PurePursuit
-from hypernav.robot.motion.velocity import STANDSTILL, Velocity
+from hypernav.robot.driving.base import STANDSTILL, Base, Velocity
+from hypernav.robot.driving.obstacles import DepthSafety, Obstacles
+from hypernav.robot.driving.pure_pursuit import DriveConfig, PurePursuit
 
 TICK_S = 0.1
 """Time between two commands, seconds."""

@@ -14,9 +14,8 @@ from hypernav.core.errors import RecordingError, RosMessageError, TransformMissi
 from hypernav.core.geometry.transforms import Transform
 from hypernav.robot.recordings.bag_file import STORAGES, BagFile, MessageKey
 from hypernav.robot.recordings.recording import RecordedFrame, Recording, left_out
-from hypernav.robot.ros.calibration import Calibration, calibration_of
 from hypernav.robot.ros.images import colour_of, depth_of, depth_per_metre
-from hypernav.robot.ros.messages import frame_name, stamp_s
+from hypernav.robot.ros.messages import Calibration, calibration_of, frame_name, stamp_s
 from hypernav.robot.ros.topics import (
     CAMERA_TYPES,
     CameraTopics,

@@ -9,9 +9,8 @@ from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import ConfigError
 from hypernav.robot.driving.driven_robot import CAREFUL
-from hypernav.robot.motion.config import DriveConfig
-from hypernav.robot.ros2.guarded_output import VALID_S
-from hypernav.robot.ros2.robot_clock import NTP_DRIFT
+from hypernav.robot.driving.pure_pursuit import DriveConfig
+from hypernav.robot.ros2.guarded_output import NTP_DRIFT, VALID_S
 
 _MOST_DOMAINS = 232
 _STILL_M_S, _STILL_DEG_S = 0.1, 10.0

@@ -10,12 +10,12 @@ from hypernav.core.errors import ConfigError, RosNetworkError
 from hypernav.robot.client.robot import Robot
 from hypernav.robot.client.robot_client import MADE_SHARE
 from hypernav.robot.driving.driven_robot import DrivenRobot
-from hypernav.robot.ros2.base import Ros2Base
 from hypernav.robot.ros2.config import Ros2Config
-from hypernav.robot.ros2.nav2.robot import Nav2Robot
+from hypernav.robot.ros2.nav2_robot import Nav2Robot
 from hypernav.robot.ros2.network import Ros2Network
 from hypernav.robot.ros2.sensing_robot import SensingRobot
 from hypernav.robot.ros2.sensors import Ros2Sensors
+from hypernav.robot.ros2.velocity_base import Ros2Base
 
 _LOG = logging.getLogger(__name__)
 _LARGE_AHEAD_M = 3.0

@@ -2,7 +2,9 @@
 
 Names are those that ROS 2 gives its types on DDS: ``sensor_msgs/msg/Image`` is
 ``sensor_msgs::msg::dds_::Image_``. Fields, their order and their types are those of ROS 2 Humble
-and all later distributions. `ROS_TYPES` has each type by its ROS name.
+and all later distributions, and so are their meanings: metres, radians, seconds and unit
+quaternions (REP 103), colours from 0 to 1, cells -1 for unknown to 100 for occupied. `ROS_TYPES`
+has each type by its ROS name.
 
 Source: https://design.ros2.org/articles/mapping_dds_types.html; the packages common_interfaces,
 geometry2 and rcl_interfaces.
@@ -37,46 +39,34 @@ def _zeros(count: int) -> list[float]:
 
 @dataclass
 class Time(IdlStruct, typename="builtin_interfaces.msg.dds_.Time_"):
-    """A time; as a stamp since 1970."""
-
     sec: int32 = 0
     nanosec: uint32 = 0
 
 
 @dataclass
 class Duration(IdlStruct, typename="builtin_interfaces.msg.dds_.Duration_"):
-    """A span of time."""
-
     sec: int32 = 0
     nanosec: uint32 = 0
 
 
 @dataclass
 class Header(IdlStruct, typename="std_msgs.msg.dds_.Header_"):
-    """Time and frame of a message."""
-
     stamp: Time = field(default_factory=Time)
     frame_id: str = ""
 
 
 @dataclass
 class Bool(IdlStruct, typename="std_msgs.msg.dds_.Bool_"):
-    """Yes or no."""
-
     data: bool = False
 
 
 @dataclass
 class String(IdlStruct, typename="std_msgs.msg.dds_.String_"):
-    """A text."""
-
     data: str = ""
 
 
 @dataclass
 class ColorRGBA(IdlStruct, typename="std_msgs.msg.dds_.ColorRGBA_"):
-    """A colour, each value from 0 to 1."""
-
     r: float32 = 0.0
     g: float32 = 0.0
     b: float32 = 0.0
@@ -85,8 +75,6 @@ class ColorRGBA(IdlStruct, typename="std_msgs.msg.dds_.ColorRGBA_"):
 
 @dataclass
 class Point(IdlStruct, typename="geometry_msgs.msg.dds_.Point_"):
-    """A position, metres."""
-
     x: float64 = 0.0
     y: float64 = 0.0
     z: float64 = 0.0
@@ -94,8 +82,6 @@ class Point(IdlStruct, typename="geometry_msgs.msg.dds_.Point_"):
 
 @dataclass
 class Vector3(IdlStruct, typename="geometry_msgs.msg.dds_.Vector3_"):
-    """A vector."""
-
     x: float64 = 0.0
     y: float64 = 0.0
     z: float64 = 0.0
@@ -103,8 +89,6 @@ class Vector3(IdlStruct, typename="geometry_msgs.msg.dds_.Vector3_"):
 
 @dataclass
 class Quaternion(IdlStruct, typename="geometry_msgs.msg.dds_.Quaternion_"):
-    """A rotation."""
-
     x: float64 = 0.0
     y: float64 = 0.0
     z: float64 = 0.0
@@ -113,40 +97,30 @@ class Quaternion(IdlStruct, typename="geometry_msgs.msg.dds_.Quaternion_"):
 
 @dataclass
 class Pose(IdlStruct, typename="geometry_msgs.msg.dds_.Pose_"):
-    """Position and rotation."""
-
     position: Point = field(default_factory=Point)
     orientation: Quaternion = field(default_factory=Quaternion)
 
 
 @dataclass
 class PoseStamped(IdlStruct, typename="geometry_msgs.msg.dds_.PoseStamped_"):
-    """A pose in a frame."""
-
     header: Header = field(default_factory=Header)
     pose: Pose = field(default_factory=Pose)
 
 
 @dataclass
 class PoseWithCovariance(IdlStruct, typename="geometry_msgs.msg.dds_.PoseWithCovariance_"):
-    """A pose with its covariance."""
-
     pose: Pose = field(default_factory=Pose)
     covariance: ThirtySix = field(default_factory=partial(_zeros, 36))
 
 
 @dataclass
 class Transform(IdlStruct, typename="geometry_msgs.msg.dds_.Transform_"):
-    """A rigid transform."""
-
     translation: Vector3 = field(default_factory=Vector3)
     rotation: Quaternion = field(default_factory=Quaternion)
 
 
 @dataclass
 class TransformStamped(IdlStruct, typename="geometry_msgs.msg.dds_.TransformStamped_"):
-    """The pose of a frame in that of the header."""
-
     header: Header = field(default_factory=Header)
     child_frame_id: str = ""
     transform: Transform = field(default_factory=Transform)
@@ -154,39 +128,29 @@ class TransformStamped(IdlStruct, typename="geometry_msgs.msg.dds_.TransformStam
 
 @dataclass
 class TFMessage(IdlStruct, typename="tf2_msgs.msg.dds_.TFMessage_"):
-    """Poses of frames."""
-
     transforms: sequence[TransformStamped] = field(default_factory=list)
 
 
 @dataclass
 class Twist(IdlStruct, typename="geometry_msgs.msg.dds_.Twist_"):
-    """A velocity in the frame of the base."""
-
     linear: Vector3 = field(default_factory=Vector3)
     angular: Vector3 = field(default_factory=Vector3)
 
 
 @dataclass
 class TwistStamped(IdlStruct, typename="geometry_msgs.msg.dds_.TwistStamped_"):
-    """A velocity with its time."""
-
     header: Header = field(default_factory=Header)
     twist: Twist = field(default_factory=Twist)
 
 
 @dataclass
 class TwistWithCovariance(IdlStruct, typename="geometry_msgs.msg.dds_.TwistWithCovariance_"):
-    """A velocity with its covariance."""
-
     twist: Twist = field(default_factory=Twist)
     covariance: ThirtySix = field(default_factory=partial(_zeros, 36))
 
 
 @dataclass
 class Odometry(IdlStruct, typename="nav_msgs.msg.dds_.Odometry_"):
-    """Pose and velocity of the base."""
-
     header: Header = field(default_factory=Header)
     child_frame_id: str = ""
     pose: PoseWithCovariance = field(default_factory=PoseWithCovariance)
@@ -195,8 +159,6 @@ class Odometry(IdlStruct, typename="nav_msgs.msg.dds_.Odometry_"):
 
 @dataclass
 class MapMetaData(IdlStruct, typename="nav_msgs.msg.dds_.MapMetaData_"):
-    """Size and position of a map."""
-
     map_load_time: Time = field(default_factory=Time)
     resolution: float32 = 0.0
     width: uint32 = 0
@@ -206,8 +168,6 @@ class MapMetaData(IdlStruct, typename="nav_msgs.msg.dds_.MapMetaData_"):
 
 @dataclass
 class OccupancyGrid(IdlStruct, typename="nav_msgs.msg.dds_.OccupancyGrid_"):
-    """A map: -1 unknown, 0 free, 100 occupied."""
-
     header: Header = field(default_factory=Header)
     info: MapMetaData = field(default_factory=MapMetaData)
     data: SignedBytes = b""
@@ -215,16 +175,12 @@ class OccupancyGrid(IdlStruct, typename="nav_msgs.msg.dds_.OccupancyGrid_"):
 
 @dataclass
 class Path(IdlStruct, typename="nav_msgs.msg.dds_.Path_"):
-    """A path."""
-
     header: Header = field(default_factory=Header)
     poses: sequence[PoseStamped] = field(default_factory=list)
 
 
 @dataclass
 class RegionOfInterest(IdlStruct, typename="sensor_msgs.msg.dds_.RegionOfInterest_"):
-    """A part of an image."""
-
     x_offset: uint32 = 0
     y_offset: uint32 = 0
     height: uint32 = 0
@@ -234,8 +190,6 @@ class RegionOfInterest(IdlStruct, typename="sensor_msgs.msg.dds_.RegionOfInteres
 
 @dataclass
 class CameraInfo(IdlStruct, typename="sensor_msgs.msg.dds_.CameraInfo_"):
-    """The calibration of a camera."""
-
     header: Header = field(default_factory=Header)
     height: uint32 = 0
     width: uint32 = 0
@@ -251,8 +205,6 @@ class CameraInfo(IdlStruct, typename="sensor_msgs.msg.dds_.CameraInfo_"):
 
 @dataclass
 class Image(IdlStruct, typename="sensor_msgs.msg.dds_.Image_"):
-    """An uncompressed image."""
-
     header: Header = field(default_factory=Header)
     height: uint32 = 0
     width: uint32 = 0
@@ -264,8 +216,6 @@ class Image(IdlStruct, typename="sensor_msgs.msg.dds_.Image_"):
 
 @dataclass
 class CompressedImage(IdlStruct, typename="sensor_msgs.msg.dds_.CompressedImage_"):
-    """A compressed image, as the bytes of a file."""
-
     header: Header = field(default_factory=Header)
     format: str = ""
     data: Bytes = b""
@@ -273,24 +223,18 @@ class CompressedImage(IdlStruct, typename="sensor_msgs.msg.dds_.CompressedImage_
 
 @dataclass
 class UVCoordinate(IdlStruct, typename="visualization_msgs.msg.dds_.UVCoordinate_"):
-    """A position in a texture."""
-
     u: float32 = 0.0
     v: float32 = 0.0
 
 
 @dataclass
 class MeshFile(IdlStruct, typename="visualization_msgs.msg.dds_.MeshFile_"):
-    """A mesh within a message."""
-
     filename: str = ""
     data: Bytes = b""
 
 
 @dataclass
 class Marker(IdlStruct, typename="visualization_msgs.msg.dds_.Marker_"):
-    """Something that RViz draws."""
-
     header: Header = field(default_factory=Header)
     ns: str = ""
     id: int32 = 0
@@ -314,8 +258,6 @@ class Marker(IdlStruct, typename="visualization_msgs.msg.dds_.Marker_"):
 
 @dataclass
 class MarkerArray(IdlStruct, typename="visualization_msgs.msg.dds_.MarkerArray_"):
-    """Several markers."""
-
     markers: sequence[Marker] = field(default_factory=list)
 
 

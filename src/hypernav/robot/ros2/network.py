@@ -104,12 +104,12 @@ class Publisher(Generic[_MessageT]):
         Raises:
             RosNetworkError: The network doesn't take it.
         """
-        with _told_as("a message can't be sent"):
+        with _dds_errors_as("a message can't be sent"):
             self._writer.write(message)
 
     def has_reader(self) -> bool:
         """Whether somebody reads the messages."""
-        with _told_as("nobody knows who reads"):
+        with _dds_errors_as("nobody knows who reads"):
             return bool(self._writer.get_matched_subscriptions())
 
 
@@ -188,7 +188,7 @@ class Ros2Network:
         Raises:
             RosNetworkError: The topic can't be written.
         """
-        with _told_as(f"'{topic}' can't be written as {kind.__name__}"):
+        with _dds_errors_as(f"'{topic}' can't be written as {kind.__name__}"):
             described = Topic(self._participant, _dds_name(topic), kind)
             return Publisher(DataWriter(self._participant, described, qos=quality.value))
 
@@ -213,7 +213,7 @@ class Ros2Network:
         Raises:
             RosNetworkError: The topic can't be read.
         """
-        with _told_as(f"'{topic}' can't be read as {kind.__name__}"):
+        with _dds_errors_as(f"'{topic}' can't be read as {kind.__name__}"):
             described = Topic(self._participant, _dds_name(topic), kind)
             reader = DataReader(self._participant, described, qos=quality.value)
             condition = ReadCondition(reader, _ANY)
@@ -320,7 +320,7 @@ def _dds_name(topic: str) -> str:
 
 
 @contextmanager
-def _told_as(what: str) -> Iterator[None]:
+def _dds_errors_as(what: str) -> Iterator[None]:
     """Turn errors of DDS into ours."""
     try:
         yield

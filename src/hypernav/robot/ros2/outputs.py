@@ -26,15 +26,28 @@ from hypernav.robot.ros2.idl_types import (
     Quaternion,
     String,
     TFMessage,
+    Time,
     Transform,
     TransformStamped,
     Vector3,
 )
 from hypernav.robot.ros2.network import Quality, Ros2Network
-from hypernav.robot.ros2.poses import pose_message, ros_time
 from hypernav.robot.wire.replies import StartInMemory
 from hypernav.show.drawing import palette
 from hypernav.show.video_frame import draw_camera
+
+
+def ros_time(seconds: float) -> Time:
+    """A time as a message."""
+    whole = math.floor(seconds)
+    return Time(whole, int((seconds - whole) * 1e9))
+
+
+def pose_message(pose: Pose2, header: Header) -> PoseStamped:
+    """A pose on the floor."""
+    rotation = Quaternion(z=math.sin(pose.yaw / 2.0), w=math.cos(pose.yaw / 2.0))
+    return PoseStamped(header, Pose(Point(pose.x, pose.y), rotation))
+
 
 _LINE_STRIP, _TEXT, _DELETE_ALL = 4, 9, 3
 _LINE_M, _TEXT_M, _ABOVE_M = 0.04, 0.4, 0.05

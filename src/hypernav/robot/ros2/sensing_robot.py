@@ -16,8 +16,7 @@ from hypernav.core.observation import Observation
 from hypernav.robot.client.robot import Sensed
 from hypernav.robot.ros.images import colour_of, depth_of
 from hypernav.robot.ros2.config import Ros2Config
-from hypernav.robot.ros2.rgbd_stream import ImagePair
-from hypernav.robot.ros2.sensors import Ros2Sensors
+from hypernav.robot.ros2.sensors import ImagePair, Ros2Sensors
 
 _MOST_UP_DEG = 60.0
 """Angle above the horizon at which no robot's camera looks: the z axis of its body does."""

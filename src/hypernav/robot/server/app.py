@@ -1,29 +1,215 @@
-"""The HTTP application: every path, its request and its response."""
+"""The HTTP application: every path, its request and its response.
 
+Over one WebSocket a robot that sends many observations a second has the same conversation.
+"""
+
+import asyncio
 import logging
 from collections.abc import Iterable
 from importlib.metadata import version
 from pathlib import Path as FilePath
 from typing import Annotated, Any
 
-from fastapi import APIRouter, FastAPI, Path, Request, WebSocket
+from fastapi import APIRouter, FastAPI, Path, Request, WebSocket, WebSocketDisconnect
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import Response
 from starlette.concurrency import run_in_threadpool
+from starlette.exceptions import HTTPException
 
-from hypernav.core.errors import HyPerNavError
-from hypernav.robot.server.access import API, Access
-from hypernav.robot.server.guard import Guard
+from hypernav.core.errors import HyPerNavError, RequestRefusedError, RunFolderError, WireError
+from hypernav.robot.server.guard import API, Access, Guard, refusal
 from hypernav.robot.server.limits import Allowances, ServerLimits
-from hypernav.robot.server.operator.routes import operator_routes
-from hypernav.robot.server.operator.waiting import WaitingRobots
-from hypernav.robot.server.searches import Searches
-from hypernav.robot.server.stream import Stream
-from hypernav.robot.server.watching.refusals import REFUSALS, add_refusals
-from hypernav.robot.server.watching.routes import Name, watching_routes
-from hypernav.robot.wire.replies import Reply, SearchEnding, SearchOpened, Status
+from hypernav.robot.server.operator_page import operator_routes
+from hypernav.robot.server.searches.search import Search
+from hypernav.robot.server.searches.searches import Searches
+from hypernav.robot.server.searches.standing import Turn
+from hypernav.robot.server.waiting_robots import WaitingRobots
+from hypernav.robot.server.watching import Name, watching_routes
+from hypernav.robot.wire.replies import (
+    ErrorBody,
+    Reply,
+    SearchEnding,
+    SearchOpened,
+    Status,
+    StreamMessage,
+)
 from hypernav.robot.wire.requests import CloseRequest, ObservationHeader, OpenSearch
 from hypernav.robot.wire.values import SEARCHES
 
 _LOG = logging.getLogger(__name__)
+
+REFUSALS: dict[int | str, dict[str, Any]] = {
+    status: {"model": ErrorBody, "description": words}
+    for status, words in {
+        400: "The request cannot be read.",
+        401: "The token is missing or wrong.",
+        403: "This page or host may not use this server.",
+        404: "There is no such search, or nothing to show yet.",
+        408: "The body did not arrive in time.",
+        409: "Another observation is expected, see expected; or a key is that of another goal.",
+        413: "The body is too large.",
+        422: "A value is wrong; the message says which.",
+        429: "Too many requests or searches.",
+        507: "The disk of the server is full.",
+    }.items()
+}
+"""The statuses of refusals, for the OpenAPI document."""
+
+
+def add_refusals(app: FastAPI) -> None:
+    """Let an application answer errors with refusals."""
+    app.add_exception_handler(RequestRefusedError, _refused)
+    app.add_exception_handler(RunFolderError, _storage)
+    app.add_exception_handler(HyPerNavError, _invalid)
+    app.add_exception_handler(RequestValidationError, _malformed)
+    app.add_exception_handler(HTTPException, _http)
+    app.add_exception_handler(Exception, _internal)
+
+
+async def _refused(_: Request, error: Exception) -> Response:
+    assert isinstance(error, RequestRefusedError)
+    return refusal(error.error, str(error), error.status, error.expected)
+
+
+async def _storage(_: Request, error: Exception) -> Response:
+    _LOG.error("%s", error)
+    return refusal(
+        "storage",
+        "the server cannot write its state; its log says more. A stop holds until the server ends; "
+        "send it again when there is room",
+        507,
+    )
+
+
+async def _invalid(_: Request, error: Exception) -> Response:
+    return refusal("invalid", str(error), 422)
+
+
+async def _malformed(request: Request, error: Exception) -> Response:
+    assert isinstance(error, RequestValidationError)
+    first = error.errors()[0]
+    kind = request.headers.get("content-type", "none")
+    if first["loc"] == ("body",) and "json" not in kind:
+        expected = f"expected the header content-type: application/json, got {kind[:80]!a}"
+        return refusal("invalid", expected, 422)
+    where = ".".join(str(part) for part in first["loc"])
+    return refusal("invalid", f"{where[:100]}: {str(first['msg'])[:300]}", 422)
+
+
+async def _http(_: Request, error: Exception) -> Response:
+    assert isinstance(error, HTTPException)
+    words = {404: "unknown", 405: "method"}.get(error.status_code, "invalid")
+    response = refusal(words, str(error.detail), error.status_code)
+    response.headers.update(error.headers or {})
+    return response
+
+
+async def _internal(_: Request, error: Exception) -> Response:
+    return refusal("internal", "an error of the server; its log says more", 500)
+
+
+_UNKNOWN = 4404
+_ENDED_OUTSIDE = frozenset({SearchEnding.STOPPED, SearchEnding.CLOSED, SearchEnding.ROBOT_FAILED})
+
+
+class Stream:
+    """One connection of one robot."""
+
+    def __init__(
+        self, searches: Searches, name: str, socket: WebSocket, allowances: Allowances
+    ) -> None:
+        """Create it with a connection that is not accepted yet.
+
+        Args:
+            searches: All searches.
+            name: Name of the one that the robot asks for.
+            socket: The connection.
+            allowances: Messages that each address may still send.
+        """
+        self._searches = searches
+        self._name = name
+        self._socket = socket
+        self._allowances = allowances
+        self._sending = asyncio.Lock()
+        self._followed: set[Turn] = set()
+
+    async def run(self) -> None:
+        """Answer observations until the robot leaves."""
+        await self._socket.accept()
+        try:
+            search = self._searches.find(self._name)
+        except RequestRefusedError as refused:
+            await self._send(_error(refused.error, str(refused), refused.status))
+            await self._socket.close(_UNKNOWN)
+            return
+        try:
+            async with asyncio.TaskGroup() as tasks:
+                pushing = tasks.create_task(self._push_stop(search))
+                await self._answer_all(search, tasks)
+                pushing.cancel()
+        except* WebSocketDisconnect:
+            pass
+
+    async def _answer_all(self, search: Search, tasks: asyncio.TaskGroup) -> None:
+        address = self._socket.client.host if self._socket.client else ""
+        while True:
+            message = await self._socket.receive()
+            if message["type"] == "websocket.disconnect":
+                raise WebSocketDisconnect
+            try:
+                self._allowances.take(address, is_robot=True)
+                body = message.get("bytes")
+                if body is None:
+                    raise WireError("observations are binary messages, got a text message")
+                turn = search.offer(body)
+            except RequestRefusedError as refused:
+                error = _error(refused.error, str(refused), refused.status, refused.expected)
+                await self._send(error)
+            except WireError as error:
+                await self._send(_error("invalid", str(error), 422))
+            else:
+                tasks.create_task(self._answer(search, turn))
+
+    async def _answer(self, search: Search, turn: Turn) -> None:
+        """Send the answer; if it takes longer than the deadline, send ``hold`` first."""
+        deadline_s = search.record.request.deadline_s
+        if not await search.bell.until(lambda: turn.is_answered, deadline_s):
+            await self._send_result(turn)
+            if turn in self._followed:
+                return
+            self._followed.add(turn)
+            is_answered = await search.bell.until(lambda: turn.is_answered, None)
+            self._followed.discard(turn)
+            if not is_answered:
+                return
+        await self._send_result(turn)
+
+    async def _push_stop(self, search: Search) -> None:
+        """Tell the robot at once when someone presses stop."""
+        await search.bell.until(lambda: search.is_over, None)
+        if search.status().ending in _ENDED_OUTSIDE:
+            await self._send(StreamMessage(reply=search.end_reply))
+
+    async def _send_result(self, turn: Turn) -> None:
+        try:
+            reply: Reply = turn.result()
+        except WireError as error:
+            await self._send(_error("invalid", str(error), 422))
+        except RunFolderError as error:
+            await self._send(_error("storage", str(error), 507))
+        else:
+            await self._send(StreamMessage(reply=reply))
+
+    async def _send(self, message: StreamMessage) -> None:
+        async with self._sending:
+            await self._socket.send_text(message.model_dump_json())
+
+
+def _error(error: str, message: str, status: int, expected: int | None = None) -> StreamMessage:
+    body = ErrorBody(error=error, message=message, expected=expected)
+    return StreamMessage(error=body, status=status)
+
+
 _Number = Annotated[int, Path(ge=0, le=1_000_000, description="Number of the observation.")]
 _OBSERVATION_BODY = {
     "requestBody": {

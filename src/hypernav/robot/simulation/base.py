@@ -17,8 +17,7 @@ from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
 from hypernav.core.observation import LabelledPixels
 from hypernav.core.world import Position, RenderedView, Simulator
 from hypernav.robot.client.robot import Sensed
-from hypernav.robot.driving.base import DepthView
-from hypernav.robot.motion.velocity import Velocity
+from hypernav.robot.driving.base import DepthView, Velocity
 from hypernav.robot.simulation.person import Person, PersonConfig, drawn_into
 from hypernav.worlds.config import SimulationConfig
 from hypernav.worlds.noise import noisy_depth

@@ -31,66 +31,6 @@ nothing.
 
 Everything is in metres, radians and seconds, frames as in REP 103 and 105: base x forward, y left,
 z up; camera x right, y down, z forward; rotations counter-clockwise. Models are frozen; unknown
-fields, NaN and infinity are errors.
+fields, NaN and infinity are errors. What a robot sends is in `requests` and `frames`, what it gets
+in `replies`, and what both are made of in `values`.
 """
-
-from hypernav.robot.wire.frames import (
-    PackedObservation,
-    decode_observation,
-    pack_observation,
-    unpack_observation,
-)
-from hypernav.robot.wire.replies import (
-    ErrorBody,
-    MapExtent,
-    Reply,
-    SearchEnding,
-    SearchOpened,
-    SearchState,
-    Status,
-    StreamMessage,
-    Velocity,
-)
-from hypernav.robot.wire.requests import (
-    CloseRequest,
-    ColourPart,
-    DepthPart,
-    Intrinsics,
-    LabelsPart,
-    ObservationFacts,
-    ObservationHeader,
-    OpenSearch,
-    StopRequest,
-)
-from hypernav.robot.wire.values import PlanarPose, RigidMatrix
-from hypernav.robot.wire.waiting import GivenGoal, GoalRequest, WaitingRobot
-
-__all__ = [
-    "CloseRequest",
-    "ColourPart",
-    "DepthPart",
-    "ErrorBody",
-    "GivenGoal",
-    "GoalRequest",
-    "Intrinsics",
-    "LabelsPart",
-    "MapExtent",
-    "ObservationFacts",
-    "ObservationHeader",
-    "OpenSearch",
-    "PackedObservation",
-    "PlanarPose",
-    "Reply",
-    "RigidMatrix",
-    "SearchEnding",
-    "SearchOpened",
-    "SearchState",
-    "Status",
-    "StopRequest",
-    "StreamMessage",
-    "Velocity",
-    "WaitingRobot",
-    "decode_observation",
-    "pack_observation",
-    "unpack_observation",
-]

@@ -1,1 +1,0 @@
-"""The classification of failed episodes."""

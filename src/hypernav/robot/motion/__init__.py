@@ -1,1 +1,0 @@
-"""Velocities for robots that drive smoothly: pure pursuit along the path of an agent."""

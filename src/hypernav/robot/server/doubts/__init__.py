@@ -1,1 +1,0 @@
-"""What a robot sends that may be misread: images and poses that don't fit each other."""

@@ -1,0 +1,246 @@
+"""The operator's page, and its paths: goals for robots that wait, and STOP for all.
+
+The page needs no build step and loads nothing from other sites.
+"""
+
+import json
+import threading
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request
+from fastapi import Path as PathParameter
+from starlette.concurrency import run_in_threadpool
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+
+from hypernav.core.embodiment import Action
+from hypernav.core.errors import MemoryFolderError, RequestRefusedError
+from hypernav.core.goal import Goal
+from hypernav.mapping.stairs.floor_exits import routes
+from hypernav.mapping.storage.memory_index import Index
+from hypernav.mapping.storage.memory_reader import read_index
+from hypernav.mapping.storage.memory_writer import INDEX_NAME
+from hypernav.robot.server.searches.searches import check_remembers_things, no_such_thing
+from hypernav.robot.server.waiting_robots import WaitingRobots
+from hypernav.robot.server.watching import STOP_BODY, ShownSearches
+from hypernav.robot.wire.replies import Status
+from hypernav.robot.wire.requests import (
+    LONGEST_WAIT_FOR_GOAL_S,
+    ROBOT_NAME,
+    ROBOTS,
+    STOP_ALL,
+    THINGS,
+    GivenGoal,
+    GoalRequest,
+    RememberedThing,
+    StopRequest,
+    ThingName,
+    WaitingRobot,
+)
+from hypernav.show.captions import MODES, QUESTIONS
+from hypernav.show.drawing import palette
+from hypernav.show.templating import page_environment
+
+_FOLDER = Path(__file__).parent / "page"
+_KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
+_HEADERS = {
+    "cache-control": "no-cache",
+    "content-security-policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
+        "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    ),
+    "referrer-policy": "no-referrer",
+    "x-content-type-options": "nosniff",
+}
+_ACTIONS = {
+    Action.STOP: "stop",
+    Action.MOVE_FORWARD: "forward",
+    Action.TURN_LEFT: "turn left",
+    Action.TURN_RIGHT: "turn right",
+}
+
+
+def page_files() -> dict[str, Response]:
+    """Responses by file name; ``index.html`` is the page.
+
+    Besides the files of the package there are ``style.css``, shared by all pages, and
+    ``vocabulary.js``, the colours and words that page, video and map share.
+    """
+    texts = {path.name: path.read_text(encoding="utf-8") for path in _FOLDER.iterdir()}
+    texts["style.css"] = page_environment().get_template("style.css.j2").render()
+    texts["vocabulary.js"] = _vocabulary()
+    return {
+        name: Response(text, media_type=_KINDS[Path(name).suffix], headers=_HEADERS)
+        for name, text in texts.items()
+    }
+
+
+def _vocabulary() -> str:
+    """A JavaScript module of constants."""
+    colors = {
+        name.lower(): palette.css(color)
+        for name, color in vars(palette).items()
+        if name.isupper() and isinstance(color, tuple) and isinstance(color[0], int)
+    }
+    constants = {
+        "COLORS": colors,
+        "MODE_COLORS": {mode.value: palette.css(color) for mode, color in palette.MODES.items()},
+        "MODES": {mode.value: words for mode, words in MODES.items()},
+        "QUESTIONS": QUESTIONS,
+        "ACTIONS": {int(action): words for action, words in _ACTIONS.items()},
+    }
+    return "".join(
+        f"export const {name} = {json.dumps(value)};\n" for name, value in constants.items()
+    )
+
+
+class KnownThings:
+    """The things of a memory on disk, which is read again only when its index has changed.
+
+    Any thread may ask it, and waits while another one reads.
+    """
+
+    def __init__(self, folder: Path | None) -> None:
+        """Begin with nothing read.
+
+        Args:
+            folder: Folder of the memory; None if there is none.
+        """
+        self._folder = folder
+        self._lock = threading.Lock()
+        self._version: tuple[int, ...] | None = None
+        self._read: list[RememberedThing] | str = []
+
+    def all(self) -> list[RememberedThing]:
+        """What the memory knew after the last search, without what is gone; none without one.
+
+        Raises:
+            RequestRefusedError: The memory can't be read.
+        """
+        if self._folder is None:
+            return []
+        with self._lock:
+            version = _version_of(self._folder / INDEX_NAME)
+            if version is None or version != self._version:
+                self._read, self._version = _read(self._folder), version
+            known = self._read
+        if isinstance(known, str):
+            raise RequestRefusedError(known, error="memory", status=503)
+        return known
+
+    def check(self, thing: ThingName) -> None:
+        """Refuse to send a robot to a thing that is not known.
+
+        Raises:
+            RequestRefusedError: There is no memory, it can't be read, or has no such thing.
+        """
+        check_remembers_things(self._folder)
+        if all(one.thing != thing for one in self.all()):
+            raise no_such_thing(thing)
+
+
+def _version_of(index: Path) -> tuple[int, ...] | None:
+    """What changes whenever a file is written or made readable; None if there is none."""
+    try:
+        facts = index.stat()
+    except OSError:
+        return None
+    return facts.st_ino, facts.st_size, facts.st_mtime_ns, facts.st_ctime_ns
+
+
+def _read(folder: Path) -> list[RememberedThing] | str:
+    """The things of a memory, or why it can't be read."""
+    try:
+        index = read_index(folder)
+    except MemoryFolderError as error:
+        return str(error)
+    if index is None:
+        return []
+    climbs = index.robot.body.climbs_stairs
+    stairs = [one.connector() for one in index.connectors] if climbs else []
+    reached = routes(index.floor, {k: one for k, one in enumerate(stairs) if one.is_usable})
+    known = [
+        RememberedThing(
+            thing=ThingName(floor=number + 1, number=one.number),
+            label=one.label,
+            position=one.position,
+            chance=round(one.chance, 2),
+            no_way="" if number in reached else _no_way(index),
+        )
+        for number, floor in enumerate(index.floors)
+        for one in floor.all_things().known
+        if not one.is_gone
+    ]
+    return sorted(known, key=lambda one: (one.label, -one.chance))
+
+
+def _no_way(index: Index) -> str:
+    """That there is no way from the floor on which the last search ended, for people."""
+    return f"a robot on floor {index.floor + 1}, where the last search ended, has no way there"
+
+
+_Name = Annotated[str, PathParameter(pattern=ROBOT_NAME, description="Name of the robot.")]
+
+
+def operator_routes(
+    searches: ShownSearches, waiting: WaitingRobots, memory: Path | None = None
+) -> APIRouter:
+    """The operator's paths.
+
+    Args:
+        searches: All searches.
+        waiting: Robots that wait for a goal.
+        memory: Folder of the memory; None if there is none.
+    """
+    routes = APIRouter()
+    files, known = page_files(), KnownThings(memory)
+
+    @routes.api_route("/", methods=["GET", "HEAD"], include_in_schema=False)
+    async def page() -> Response:
+        return files["index.html"]
+
+    @routes.api_route("/page/{name}", methods=["GET", "HEAD"], include_in_schema=False)
+    async def file(name: str) -> Response:
+        if name not in files:
+            raise HTTPException(404, "the page has no such file")
+        return files[name]
+
+    @routes.get(ROBOTS)
+    async def robots() -> list[WaitingRobot]:
+        """The robots that wait for a goal."""
+        return waiting.all()
+
+    @routes.post(f"{ROBOTS}/{{name}}/wait")
+    async def wait(
+        name: _Name,
+        wait_s: Annotated[float, Query(ge=0.0, le=LONGEST_WAIT_FOR_GOAL_S)] = 0.0,
+    ) -> GivenGoal:
+        """For robots: wait for a goal; ask again if there is none."""
+        return await waiting.wait(name, wait_s)
+
+    @routes.post(f"{ROBOTS}/{{name}}/goal")
+    async def give(name: _Name, request: GoalRequest) -> GivenGoal:
+        """Give a goal to a robot that waits."""
+        if request.thing is not None:
+            await run_in_threadpool(known.check, request.thing)
+        return waiting.give(name, Goal(request.goal), request.thing)
+
+    @routes.get(THINGS)
+    def things() -> list[RememberedThing]:
+        """What the memory knew after the last search, without what is gone; none without one."""
+        return known.all()
+
+    @routes.post(STOP_ALL, openapi_extra=STOP_BODY)
+    async def stop_all(request: Request) -> list[Status]:
+        """Stop every robot permanently, and withdraw goals that no robot has taken up yet."""
+        waiting.withdraw_all()
+        stopped = searches.stop_all(StopRequest.of(await request.body()).reason)
+        with ExitStack() as ends:  # if one fails, the others are still written
+            for search in stopped:
+                ends.callback(search.write_end)
+            await run_in_threadpool(ends.close)
+        return [search.status() for search in stopped]
+
+    return routes

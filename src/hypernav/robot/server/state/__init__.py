@@ -1,1 +1,0 @@
-"""Searches on disk, to go on after a crash and to be looked at later."""

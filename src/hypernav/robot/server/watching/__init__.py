@@ -1,1 +1,0 @@
-"""Shows searches on the page: those of a robot server, or one simulated by this program."""

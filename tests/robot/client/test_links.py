@@ -1,0 +1,33 @@
+"""Addresses of servers, as people write them."""
+
+import pytest
+
+from hypernav.core.errors import RobotLinkError
+from hypernav.robot.client.links import ServerAddress
+
+
+@pytest.mark.parametrize(
+    ("url", "shown"),
+    [
+        ("http://127.0.0.1:8765", "http://127.0.0.1:8765"),
+        ("http://robot.local", "http://robot.local:80"),
+        ("https://example.org/nav/", "https://example.org:443/nav"),
+    ],
+)
+def test_addresses_are_read(url, shown):
+    assert str(ServerAddress.of(url)) == shown
+
+
+@pytest.mark.parametrize(
+    "url", ["127.0.0.1:8765", "ftp://a", "http://", "http://a:b", "http://a:99999"]
+)
+def test_what_is_no_address_is_refused(url):
+    with pytest.raises(RobotLinkError, match="address of the server"):
+        ServerAddress.of(url)
+
+
+def test_a_token_is_sent_and_never_shown(tmp_path):
+    (tmp_path / "token").write_text("secret\n")
+    address = ServerAddress.of("http://a:1", tmp_path / "token")
+    assert address.headers == {"Authorization": "Bearer secret"}
+    assert "secret" not in str(address) + repr(address)
