@@ -119,7 +119,7 @@ def main() -> None:
     config = hypernav.HyPerNavConfig()
     search = hypernav.find("chair", mujoco_world(config), config=config, seed=1)
     for step in search:
-        print(f"{step.trace.step:3d}  {step.trace.action.name.lower()}")
+        print(f"{step.trace.step:3d}  {step.trace.reason}")
     print(search.result().outcome)
 
 

@@ -48,7 +48,7 @@ VARIANTS: tuple[tuple[str, ...], ...] = (
     ("--agent", "vlmnav", "--preset", "vlmnav-as-released", "--native"),
     ("--agent", "pivot", "--preset", "pivot-as-released", "--native"),
     ("--agent", "dynavlm-style"),
-    ("--detector", "noisy:0.8"),
+    ("--detector", "noisy:fair"),
     ("--detector", YOLOX),
     ("--agent", "frontier", "--detector", YOLOX),
     ("--reasoner", "noisy:0.7"),

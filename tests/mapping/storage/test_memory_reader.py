@@ -100,7 +100,7 @@ def test_a_file_that_cannot_be_read_now_is_no_damaged_one(home, monkeypatch, cod
             raise OSError(code, os.strerror(code), str(path))
         return read_file(path)
 
-    monkeypatch.setattr(reading, "read_file", failing)
+    monkeypatch.setattr(memory_reader, "read_file", failing)
     told = rf"{name} cannot be read \({os.strerror(code)}\).*nothing is changed.*try again"
     with pytest.raises(MemoryFolderError, match=told):
         opened(home)

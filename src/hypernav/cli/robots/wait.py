@@ -72,7 +72,7 @@ def run(options: Wait) -> int:
                     continue
                 if given.goal is None or given.key is None:
                     continue
-                goal = Goal(given.goal).told
+                goal = Goal(given.goal).in_sentence
                 try:
                     ending = _search(options, server, address, base, given, status)
                 except RequestRefusedError as refused:
