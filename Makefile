@@ -30,7 +30,7 @@ mutants: $(VENV)/.installed-dev  ## half an hour of small faults in what the rob
 	$(BIN)/python scripts/mutants.py
 
 test-vlm: $(VLM)/.installed  ## the tests with real, tiny networks, and of the GPU renderer; installs the CPU build of torch
-	$(VLM)/bin/pytest tests/local_vlm tests/worlds/drawing/test_warp_renderer.py --timeout 600
+	$(VLM)/bin/pytest tests/local_vlm tests/simulator/worlds/drawing/test_warp_renderer.py --timeout 600
 
 lint: $(VENV)/.installed-dev $(VENV)/.installed-docs  ## style, types, and who may import whom
 	$(BIN)/ruff format --check .

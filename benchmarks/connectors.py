@@ -25,23 +25,23 @@ import numpy as np
 import tyro
 from exploring import NOTHING, SMALL_IMAGES, Onlooker
 
-from hypernav.build.agents import build_search
-from hypernav.build.presets import HyPerNavConfig, preset
+from hypernav.app.build.agents import build_search
+from hypernav.app.build.presets import HyPerNavConfig, preset
+from hypernav.app.show.climbs import Climb, climbs
 from hypernav.core.embodiment import Action
 from hypernav.core.episode import Episode
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog, StepTrace
-from hypernav.houses.building import Building
-from hypernav.houses.episodes.building_truth import CLIMBING_BODY
-from hypernav.houses.generator import storeys_of
-from hypernav.houses.house_cache import cached_building
-from hypernav.houses.plan.floor_plan import FloorPlan, Rect, Stairwell
 from hypernav.io.layered_config import layered
-from hypernav.mapping.stairs.connectors import Passage
-from hypernav.show.climbs import Climb, climbs
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.search.mapping.stairs.connectors import Passage
+from hypernav.simulator.houses.building import Building
+from hypernav.simulator.houses.episodes.building_truth import CLIMBING_BODY
+from hypernav.simulator.houses.generator import storeys_of
+from hypernav.simulator.houses.house_cache import cached_building
+from hypernav.simulator.houses.plan.floor_plan import FloorPlan, Rect, Stairwell
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.simulator.worlds.navmesh.navmesh_surface import NavmeshSurface
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 
 _SAME_M, _SAME_Z_M = 1.0, 0.6
 """Distances of a connector from the true end of stairs that it stands for, metres."""

@@ -14,11 +14,11 @@ import numpy as np
 import tyro
 from PIL import Image, ImageOps
 
-from hypernav.houses.building import Building
-from hypernav.houses.export.building_views import interior_views, view_from_above
-from hypernav.houses.generator import generate, plan_of
-from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.surface.walkable import WalkableGrid
+from hypernav.simulator.houses.building import Building
+from hypernav.simulator.houses.export.building_views import interior_views, view_from_above
+from hypernav.simulator.houses.generator import generate, plan_of
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer
+from hypernav.simulator.worlds.surface.walkable import WalkableGrid
 
 GAP = 6
 

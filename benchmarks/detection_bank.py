@@ -18,17 +18,17 @@ import numpy as np
 import tyro
 from jaxtyping import Bool
 
-from hypernav.build.data.scenes import load_scene
+from hypernav.app.build.data.scenes import load_scene
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.models.yolox import YoloxConfig, YoloxDetector
-from hypernav.perception.local.depth_cut import DepthCutSegmenter
-from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.surface.walkable import WalkableGrid
+from hypernav.search.models.yolox import YoloxConfig, YoloxDetector
+from hypernav.search.perception.local.depth_cut import DepthCutSegmenter
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer
+from hypernav.simulator.worlds.surface.walkable import WalkableGrid
 
 LEAST_SCORE = 0.1
 _MOST_DEPTH_M = 5.0

@@ -24,14 +24,14 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
-from hypernav.houses.building import Building
-from hypernav.houses.generator import generate
-from hypernav.models.yolox import YoloxConfig, YoloxDetector
-from hypernav.perception.local.ground_truth import true_detection, visible_objects
-from hypernav.perception.local.noisy_detector import resembles
-from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.walkable import WalkableGrid
+from hypernav.search.models.yolox import YoloxConfig, YoloxDetector
+from hypernav.search.perception.local.ground_truth import true_detection, visible_objects
+from hypernav.search.perception.local.noisy_detector import resembles
+from hypernav.simulator.houses.building import Building
+from hypernav.simulator.houses.generator import generate
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer
+from hypernav.simulator.worlds.scenes.scene import Scene
+from hypernav.simulator.worlds.surface.walkable import WalkableGrid
 
 LEAST_IOU = 0.3
 BINS_M = (0.0, 1.5, 2.5, 3.5, 5.0, np.inf)

@@ -26,22 +26,22 @@ from typing import get_args
 import numpy as np
 import tyro
 
-from hypernav.build.agents import build_agent
-from hypernav.build.component_specs import ComponentSpecs
-from hypernav.build.data.datasets import load_episodes, select
-from hypernav.build.data.scenes import load_scene
-from hypernav.build.presets import HyPerNavConfig, preset
+from hypernav.app.build.agents import build_agent
+from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.data.datasets import load_episodes, select
+from hypernav.app.build.data.scenes import load_scene
+from hypernav.app.build.presets import HyPerNavConfig, preset
 from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
-from hypernav.episodes.episode_run import EpisodeRun
-from hypernav.evaluation.choices import SaveChoice
-from hypernav.evaluation.runner import RunProgress, run_episodes
-from hypernav.evaluation.store.run_store import RunStore
-from hypernav.evaluation.workers.process_pool import ProcessPool
-from hypernav.evaluation.workers.worker import EpisodeWorker, Job
-from hypernav.evaluation.workers.worker_pool import cpu_seconds_of_ended_workers
-from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.goal_regions import random_start
+from hypernav.lab.episodes.episode_run import EpisodeRun
+from hypernav.lab.evaluation.choices import SaveChoice
+from hypernav.lab.evaluation.runner import RunProgress, run_episodes
+from hypernav.lab.evaluation.store.run_store import RunStore
+from hypernav.lab.evaluation.workers.process_pool import ProcessPool
+from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.lab.evaluation.workers.worker_pool import cpu_seconds_of_ended_workers
+from hypernav.simulator.worlds.simulation import SimulatedWorld
+from hypernav.simulator.worlds.surface.goal_regions import random_start
 
 MODEL = "Qwen/Qwen2.5-VL-7B-Instruct"
 

@@ -21,9 +21,8 @@ import numpy as np
 from pydantic import TypeAdapter
 from scipy.stats import spearmanr
 
-from hypernav.agents.search import SearchAgent
-from hypernav.build.agents import build_search
-from hypernav.build.presets import HyPerNavConfig, preset, with_changes
+from hypernav.app.build.agents import build_search
+from hypernav.app.build.presets import HyPerNavConfig, preset, with_changes
 from hypernav.core.components.protocols import BlockReasoner, Detector
 from hypernav.core.episode import EpisodeTruth
 from hypernav.core.exploring.overview import BlockChoice, Overview
@@ -31,20 +30,25 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.evaluation.statistics import compare, mean_with_interval
-from hypernav.exam.bank import Bank, ExamSize, Sheet
-from hypernav.exam.confusion import confusion_of
-from hypernav.exam.examinee import truth_of
-from hypernav.exam.gathering import questions_of
-from hypernav.exam.marking import Given, marked
-from hypernav.exam.mimics import Asked
-from hypernav.exam.questions import Answered, ExamQuestion
-from hypernav.exam.searches import SearchedEpisode, mimic_agent, run_searches, spread_episodes
-from hypernav.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
-from hypernav.perception.explorers.noisy_reasoner import NoisyReasoner, RandomReasoner
-from hypernav.perception.local.ground_truth import true_detection, true_labels, visible_objects
-from hypernav.perception.local.noisy_detector import NoisyDetector, distance_to, resembles
-from hypernav.perception.local.systematic_detector import (
+from hypernav.lab.evaluation.statistics import compare, mean_with_interval
+from hypernav.lab.exam.bank import Bank, ExamSize, Sheet
+from hypernav.lab.exam.confusion import confusion_of
+from hypernav.lab.exam.examinee import truth_of
+from hypernav.lab.exam.gathering import questions_of
+from hypernav.lab.exam.marking import Given, marked
+from hypernav.lab.exam.mimics import Asked
+from hypernav.lab.exam.questions import Answered, ExamQuestion
+from hypernav.lab.exam.searches import SearchedEpisode, mimic_agent, run_searches, spread_episodes
+from hypernav.search.agents.search import SearchAgent
+from hypernav.search.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
+from hypernav.search.perception.explorers.noisy_reasoner import NoisyReasoner, RandomReasoner
+from hypernav.search.perception.local.ground_truth import (
+    true_detection,
+    true_labels,
+    visible_objects,
+)
+from hypernav.search.perception.local.noisy_detector import NoisyDetector, distance_to, resembles
+from hypernav.search.perception.local.systematic_detector import (
     STANDARD_NORMAL,
     SystematicDetector,
     normal,

@@ -19,21 +19,21 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.agents.search import SearchAgent
-from hypernav.build.agents import build_search
-from hypernav.build.data.scenes import load_scene
-from hypernav.build.presets import HyPerNavConfig, preset
+from hypernav.app.build.agents import build_search
+from hypernav.app.build.data.scenes import load_scene
+from hypernav.app.build.presets import HyPerNavConfig, preset
 from hypernav.core.episode import Episode
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.episodes.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.io.layered_config import layered
-from hypernav.mapping.memory.memory import Memory
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.lab.episodes.goal_sight import MIN_VISIBLE_SHARE
+from hypernav.search.agents.search import SearchAgent
+from hypernav.search.mapping.memory.memory import Memory
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 
 SMALL_IMAGES = ("embodiment.camera.width=320", "embodiment.camera.height=240")
 NOTHING = Goal("nothing of the kind")

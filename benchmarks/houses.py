@@ -19,10 +19,10 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.houses.building import Building
-from hypernav.houses.generator import generate, plan_of
-from hypernav.houses.house_cache import cached_building
-from hypernav.worlds.scenes.scene import Scene
+from hypernav.simulator.houses.building import Building
+from hypernav.simulator.houses.generator import generate, plan_of
+from hypernav.simulator.houses.house_cache import cached_building
+from hypernav.simulator.worlds.scenes.scene import Scene
 
 
 def main(kind: str = "houses", first: int = 100_000, count: int = 500, cached: int = 30) -> None:

@@ -14,11 +14,11 @@ from rich.console import Console
 from rich.table import Table
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from hypernav.build.agents import build_search
+from hypernav.app.build.agents import build_search
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog
-from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
-from hypernav.perception.local.ground_truth import GroundTruthDetector
+from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeRun
+from hypernav.search.perception.local.ground_truth import GroundTruthDetector
 from meeting_room import meeting_room
 from small_episodes import episode_from
 from small_worlds import small_config

@@ -18,8 +18,8 @@ from typing import Literal
 import numpy as np
 import tyro
 
-from hypernav.build.memories import open_memory
-from hypernav.build.search import find
+from hypernav.app.build.memories import open_memory
+from hypernav.app.build.search import find
 
 _GOALS = ("bed", "sofa", "tv", "toilet", "chair")
 

@@ -18,19 +18,19 @@ import numpy as np
 import tyro
 from moved_things import movable_names, with_moved_things
 
-from hypernav.build.agents import build_agent
-from hypernav.build.component_specs import ComponentSpecs
-from hypernav.build.data.datasets import load_episodes
-from hypernav.build.data.scenes import load_scene
-from hypernav.build.presets import HyPerNavConfig
+from hypernav.app.build.agents import build_agent
+from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.data.datasets import load_episodes
+from hypernav.app.build.data.scenes import load_scene
+from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.episode import Episode
 from hypernav.core.errors import GoalError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
-from hypernav.evaluation.statistics import drawn, ratio_with_interval
-from hypernav.mapping.memory.memory import Memory
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeRun
+from hypernav.lab.evaluation.statistics import drawn, ratio_with_interval
+from hypernav.search.mapping.memory.memory import Memory
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 
 _LEAST_M = 3.0
 

@@ -16,17 +16,17 @@ from contextlib import closing
 import numpy as np
 import tyro
 
-from hypernav.agents.search import SearchAgent
-from hypernav.build.agents import build_agent
-from hypernav.build.component_specs import ComponentSpecs
-from hypernav.build.data.datasets import load_episodes
-from hypernav.build.data.scenes import load_scene
-from hypernav.build.presets import HyPerNavConfig
+from hypernav.app.build.agents import build_agent
+from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.data.datasets import load_episodes
+from hypernav.app.build.data.scenes import load_scene
+from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.embodiment import Action
 from hypernav.core.episode import Episode
-from hypernav.mapping.memory.key_images import KeyImages
-from hypernav.mapping.memory.memory import Memory
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.search.agents.search import SearchAgent
+from hypernav.search.mapping.memory.key_images import KeyImages
+from hypernav.search.mapping.memory.memory import Memory
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 
 
 def main(houses: tuple[int, int] = (3000, 3003), goals: int = 4, steps: int = 120) -> None:

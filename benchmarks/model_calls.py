@@ -23,19 +23,19 @@ from rich.table import Table
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
-from hypernav.build.agents import build_agent  # noqa: E402
-from hypernav.build.component_specs import (  # noqa: E402
+from hypernav.app.build.agents import build_agent  # noqa: E402
+from hypernav.app.build.component_specs import (  # noqa: E402
     ComponentSpecs,
     PresetName,
 )
-from hypernav.build.data.scenes import load_scene  # noqa: E402
-from hypernav.build.presets import preset  # noqa: E402
+from hypernav.app.build.data.scenes import load_scene  # noqa: E402
+from hypernav.app.build.presets import preset  # noqa: E402
 from hypernav.core.episode import Episode  # noqa: E402
 from hypernav.core.goal import Goal  # noqa: E402
-from hypernav.episodes.episode_run import EpisodeRun  # noqa: E402
 from hypernav.io.layered_config import layered  # noqa: E402
-from hypernav.worlds.simulation import SimulatedWorld  # noqa: E402
-from hypernav.worlds.surface.goal_regions import random_start  # noqa: E402
+from hypernav.lab.episodes.episode_run import EpisodeRun  # noqa: E402
+from hypernav.simulator.worlds.simulation import SimulatedWorld  # noqa: E402
+from hypernav.simulator.worlds.surface.goal_regions import random_start  # noqa: E402
 from servers.scripted import ScriptedServer  # noqa: E402
 from servers.truth import Truth, TruthfulBrain, watching  # noqa: E402
 

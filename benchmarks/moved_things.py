@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.world import Instance, Walkable
-from hypernav.worlds.scenes.scene import Scene
+from hypernav.simulator.worlds.scenes.scene import Scene
 
 _LARGEST_M = 1.0
 """Side of the largest thing that is moved, metres."""

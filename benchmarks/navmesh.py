@@ -15,13 +15,13 @@ import numpy as np
 import tyro
 
 from hypernav.core.embodiment import BodyConfig
-from hypernav.houses.building import Building
-from hypernav.houses.generator import generate
-from hypernav.worlds.navmesh.grid_mesh import mesh_from_grid
-from hypernav.worlds.navmesh.navmesh import GoalPaths, Navmesh
-from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
-from hypernav.worlds.navmesh.navmesh_writer import navmesh_bytes
-from hypernav.worlds.surface.walkable import WalkableGrid
+from hypernav.simulator.houses.building import Building
+from hypernav.simulator.houses.generator import generate
+from hypernav.simulator.worlds.navmesh.grid_mesh import mesh_from_grid
+from hypernav.simulator.worlds.navmesh.navmesh import GoalPaths, Navmesh
+from hypernav.simulator.worlds.navmesh.navmesh_reader import navmesh_of
+from hypernav.simulator.worlds.navmesh.navmesh_writer import navmesh_bytes
+from hypernav.simulator.worlds.surface.walkable import WalkableGrid
 
 _OFFICE = Building("offices", 9)
 _GOALS = 200

@@ -18,16 +18,16 @@ from typing import Annotated, Literal
 
 import tyro
 
-from hypernav.build.component_specs import ComponentSpecs
-from hypernav.build.data.datasets import load_episodes
-from hypernav.build.presets import HyPerNavConfig, preset
+from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.data.datasets import load_episodes
+from hypernav.app.build.presets import HyPerNavConfig, preset
 from hypernav.core.episode import Episode
-from hypernav.evaluation.record import EpisodeRecord
-from hypernav.evaluation.workers.worker import EpisodeWorker, Job
-from hypernav.houses.building import Building
-from hypernav.houses.episodes.building_truth import CLIMBING_BODY
-from hypernav.houses.house_cache import cached_building
 from hypernav.io.layered_config import layered
+from hypernav.lab.evaluation.record import EpisodeRecord
+from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.simulator.houses.building import Building
+from hypernav.simulator.houses.episodes.building_truth import CLIMBING_BODY
+from hypernav.simulator.houses.house_cache import cached_building
 
 _ABOVE_FLOOR_M = 0.3
 """Height above a floor below which things that stand on it begin, metres."""

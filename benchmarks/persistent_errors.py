@@ -21,8 +21,8 @@ from hypernav.core.errors import GoalError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
-from hypernav.models.yolox import COCO_CLASSES, class_for
-from hypernav.perception.local.ground_truth import true_detection, visible_objects
+from hypernav.search.models.yolox import COCO_CLASSES, class_for
+from hypernav.search.perception.local.ground_truth import true_detection, visible_objects
 
 USUAL_SCORE = 0.3
 LEAST_IOU = 0.3

@@ -25,21 +25,21 @@ from jaxtyping import Bool, Float64, Int64
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.agents.search import SearchAgent
-from hypernav.build.data.scenes import load_scene
-from hypernav.build.presets import HyPerNavConfig
+from hypernav.app.build.data.scenes import load_scene
+from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.episode import Episode
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.mapping.grid_kernels import unknown_in_view
-from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.reachable_area import ReachableArea
-from hypernav.mapping.sight_lines import find_legs_m
-from hypernav.mapping.top_down_map import TopDownMap
-from hypernav.perception.explorers.tour_kernels import soonest_tour, unseen_after
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.search.agents.search import SearchAgent
+from hypernav.search.mapping.grid_kernels import unknown_in_view
+from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.mapping.reachable_area import ReachableArea
+from hypernav.search.mapping.sight_lines import find_legs_m
+from hypernav.search.mapping.top_down_map import TopDownMap
+from hypernav.search.perception.explorers.tour_kernels import soonest_tour, unseen_after
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 
 SPACING_M = 0.5
 """Distance between the positions that the oracle thinks of."""

@@ -25,14 +25,14 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import canonical
 from hypernav.core.world import Instance
-from hypernav.houses.building import house
-from hypernav.houses.generator import generate
-from hypernav.models.yolox import YoloxConfig, YoloxDetector
-from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.scenes.loading import read_scene
-from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.walkable import WalkableGrid
+from hypernav.search.models.yolox import YoloxConfig, YoloxDetector
+from hypernav.simulator.houses.building import house
+from hypernav.simulator.houses.generator import generate
+from hypernav.simulator.worlds.drawing.rays import RayCaster
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer
+from hypernav.simulator.worlds.scenes.loading import read_scene
+from hypernav.simulator.worlds.scenes.scene import Scene
+from hypernav.simulator.worlds.surface.walkable import WalkableGrid
 
 KINDS = (
     "bed",

@@ -16,17 +16,17 @@ from dataclasses import dataclass
 import numpy as np
 import tyro
 
-from hypernav.build.agents import build_agent
-from hypernav.build.data.datasets import load_episodes
-from hypernav.build.data.scenes import load_scene
-from hypernav.build.presets import HyPerNavConfig
+from hypernav.app.build.agents import build_agent
+from hypernav.app.build.data.datasets import load_episodes
+from hypernav.app.build.data.scenes import load_scene
+from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.episode import Episode
 from hypernav.core.geometry.transforms import Transform, wrap_angle
-from hypernav.episodes.episode_run import EpisodeRun
-from hypernav.episodes.unknown_start import find_start
-from hypernav.mapping.memory.memory import Memory
-from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.goal_regions import random_start
+from hypernav.lab.episodes.episode_run import EpisodeRun
+from hypernav.lab.episodes.unknown_start import find_start
+from hypernav.search.mapping.memory.memory import Memory
+from hypernav.simulator.worlds.simulation import SimulatedWorld
+from hypernav.simulator.worlds.surface.goal_regions import random_start
 
 _NEAR_M, _NEAR_DEG = 0.25, 5.0
 

@@ -27,16 +27,16 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.build.data.scenes import load_scene
+from hypernav.app.build.data.scenes import load_scene
 from hypernav.core.components.registry import require
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.world import Renderer
-from hypernav.datasets.benchmarks import BENCHMARKS
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.drawing.warp_renderer import WarpRenderer
-from hypernav.worlds.habitat import HabitatRenderer
-from hypernav.worlds.scenes.scene import Scene
+from hypernav.lab.datasets.benchmarks import BENCHMARKS
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.simulator.worlds.drawing.warp_renderer import WarpRenderer
+from hypernav.simulator.worlds.habitat import HabitatRenderer
+from hypernav.simulator.worlds.scenes.scene import Scene
 
 TEST_DATA = Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))
 ROBOT = BENCHMARKS["hm3d"].embodiment

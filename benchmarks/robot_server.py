@@ -27,8 +27,8 @@ from typing import Any
 import numpy as np
 from websockets.sync.client import connect
 
-from hypernav.build.component_specs import ComponentSpecs
-from hypernav.build.presets import HyPerNavConfig
+from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
@@ -73,7 +73,7 @@ def recorded(data: Path) -> list[bytes]:
 def served() -> Iterator[tuple[int, int]]:
     """A server in a process of its own; its port, and the number of the process."""
     with tempfile.TemporaryDirectory() as state:
-        program = "import sys; from hypernav.cli.main import main; main(sys.argv[1:])"
+        program = "import sys; from hypernav.app.cli.main import main; main(sys.argv[1:])"
         options = ["--port", "0", "--state", state, "--max-searches", "64"]
         command = [sys.executable, "-c", program, "serve", *options]
         with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as server:

@@ -29,22 +29,22 @@ from jaxtyping import Float64, Int64
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.build.agents import build_search
-from hypernav.build.data.scenes import building_of, load_scene
-from hypernav.build.data.sources import DATA_SOURCES, DatasetRequest
-from hypernav.build.presets import preset
+from hypernav.app.build.agents import build_search
+from hypernav.app.build.data.scenes import building_of, load_scene
+from hypernav.app.build.data.sources import DATA_SOURCES, DatasetRequest
+from hypernav.app.build.presets import preset
 from hypernav.core.episode import Episode
 from hypernav.core.exploring.overview import Block, BlockChoice, Overview, Prospects
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
-from hypernav.episodes.episode_run import EpisodeRun
-from hypernav.houses.generator import plan_of
-from hypernav.houses.plan.floor_plan import FloorPlan
 from hypernav.io.layered_config import layered
-from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.perception.local.ground_truth import GroundTruthDetector, visible_objects
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.lab.episodes.episode_run import EpisodeRun
+from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
+from hypernav.search.perception.local.ground_truth import GroundTruthDetector, visible_objects
+from hypernav.simulator.houses.generator import plan_of
+from hypernav.simulator.houses.plan.floor_plan import FloorPlan
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 
 SMALL_IMAGES = ("embodiment.camera.width=320", "embodiment.camera.height=240")
 KNOWLEDGE = ("nothing", "kinds seen", "kinds seen, doors", "kinds", "rooms")

@@ -27,14 +27,14 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from render import CAMERA, TEST_DATA, standing_views
 
 from gltf_writer import GltfWriter
-from hypernav.datasets.benchmarks import BENCHMARKS
-from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.navmesh.navmesh import Navmesh
-from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
-from hypernav.worlds.navmesh.robot_navmesh import computed_for
-from hypernav.worlds.scans.scan_loading import ScanFiles, cached_scan, load_scan
-from hypernav.worlds.scenes.loading import read_scene
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.lab.datasets.benchmarks import BENCHMARKS
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer
+from hypernav.simulator.worlds.navmesh.navmesh import Navmesh
+from hypernav.simulator.worlds.navmesh.navmesh_reader import navmesh_of
+from hypernav.simulator.worlds.navmesh.robot_navmesh import computed_for
+from hypernav.simulator.worlds.scans.scan_loading import ScanFiles, cached_scan, load_scan
+from hypernav.simulator.worlds.scenes.loading import read_scene
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 from scan_writers.basis_bytes import ktx2
 from scan_writers.buildings import two_storeys
 from scan_writers.scans import color_of, mesh_of, semantic_lines

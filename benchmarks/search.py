@@ -19,16 +19,16 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.build.agents import build_agent
-from hypernav.build.component_specs import ComponentSpecs, PresetName
-from hypernav.build.data.scenes import load_scene
-from hypernav.build.presets import preset
+from hypernav.app.build.agents import build_agent
+from hypernav.app.build.component_specs import ComponentSpecs, PresetName
+from hypernav.app.build.data.scenes import load_scene
+from hypernav.app.build.presets import preset
 from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
-from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun
 from hypernav.io.layered_config import layered
-from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.goal_regions import random_start
+from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeRun
+from hypernav.simulator.worlds.simulation import SimulatedWorld
+from hypernav.simulator.worlds.surface.goal_regions import random_start
 
 SMALL_HOUSE = (
     Path(os.environ.get("HYPERNAV_TEST_DATA", "../shared/data"))

@@ -17,8 +17,8 @@ from persistent_errors import LEAST_IOU, is_named
 
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.kind_shapes import kind_shape
-from hypernav.perception.local.ground_truth import true_detection, visible_objects
-from hypernav.perception.local.shape import measured_form, shape_evidence
+from hypernav.search.perception.local.ground_truth import true_detection, visible_objects
+from hypernav.search.perception.local.shape import measured_form, shape_evidence
 
 Shifts = dict[tuple[str, bool], list[float]]
 

@@ -16,16 +16,16 @@ from typing import Any
 import numpy as np
 import tyro
 
-from hypernav.datasets.benchmarks import BENCHMARKS
-from hypernav.houses.building import Building
-from hypernav.houses.export.building_files import ExportedBuilding, export_building
-from hypernav.houses.generator import generate
-from hypernav.worlds.config import NavmeshChoice
-from hypernav.worlds.habitat import HabitatRenderer, require_habitat
-from hypernav.worlds.navmesh.navmesh import Point
-from hypernav.worlds.navmesh.navmesh_surface import NavmeshSurface
-from hypernav.worlds.navmesh.robot_navmesh import robot_navmesh
-from hypernav.worlds.scenes.loading import read_scene
+from hypernav.lab.datasets.benchmarks import BENCHMARKS
+from hypernav.simulator.houses.building import Building
+from hypernav.simulator.houses.export.building_files import ExportedBuilding, export_building
+from hypernav.simulator.houses.generator import generate
+from hypernav.simulator.worlds.config import NavmeshChoice
+from hypernav.simulator.worlds.habitat import HabitatRenderer, require_habitat
+from hypernav.simulator.worlds.navmesh.navmesh import Point
+from hypernav.simulator.worlds.navmesh.navmesh_surface import NavmeshSurface
+from hypernav.simulator.worlds.navmesh.robot_navmesh import robot_navmesh
+from hypernav.simulator.worlds.scenes.loading import read_scene
 
 ROBOT = BENCHMARKS["hm3d"].embodiment
 MESHES: dict[NavmeshChoice, str] = {"file": "exported mesh", "robot": "its own mesh"}

@@ -23,7 +23,7 @@ import tyro
 from rich.console import Console
 from rich.table import Table
 
-HYPERNAV = (sys.executable, "-c", "from hypernav.cli.main import main; main()")
+HYPERNAV = (sys.executable, "-c", "from hypernav.app.cli.main import main; main()")
 LIGHT = {
     "import hypernav": (sys.executable, "-c", "import hypernav"),
     "hypernav --help": (*HYPERNAV, "--help"),
@@ -81,8 +81,8 @@ def seconds_of_first_find() -> tuple[float, float, float]:
 
 def seconds_of_views() -> tuple[float, float]:
     """Processor seconds of this process after `hypernav find bed`, and of it page and video."""
-    from hypernav.cli.main import main
-    from hypernav.cli.screen.views import Views
+    from hypernav.app.cli.main import main
+    from hypernav.app.cli.screen.views import Views
 
     spent = []
 

@@ -27,9 +27,10 @@ from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from hypernav.build.agents import build_explorer, build_search
-from hypernav.build.data.scenes import load_scene
-from hypernav.build.presets import preset
+from hypernav.app.build.agents import build_explorer, build_search
+from hypernav.app.build.data.scenes import load_scene
+from hypernav.app.build.presets import preset
+from hypernav.app.show.drawing.question_map import draw_question_map
 from hypernav.core.components.abilities import Learns
 from hypernav.core.embodiment import Action, BodyConfig
 from hypernav.core.episode import Episode
@@ -40,20 +41,19 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.houses.episodes.building_truth import CLIMBING_BODY
 from hypernav.io.layered_config import layered
-from hypernav.mapping.blocks import blocks_of
-from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.reachable_area import ReachableArea, find_frontiers
-from hypernav.mapping.top_down_kernels import count_points
-from hypernav.perception.local.depth_cut import DepthCutSegmenter
-from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.perception.local.local_perception import LocalPerception
-from hypernav.planning.planner import Planner
-from hypernav.show.drawing.question_map import draw_question_map
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.goal_regions import random_start
+from hypernav.search.mapping.blocks import blocks_of
+from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.mapping.reachable_area import ReachableArea, find_frontiers
+from hypernav.search.mapping.top_down_kernels import count_points
+from hypernav.search.perception.local.depth_cut import DepthCutSegmenter
+from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.local_perception import LocalPerception
+from hypernav.search.planning.planner import Planner
+from hypernav.simulator.houses.episodes.building_truth import CLIMBING_BODY
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.simulator.worlds.simulation import SimulatedWorld
+from hypernav.simulator.worlds.surface.goal_regions import random_start
 
 STEPS, LONG_STEPS = 500, 1000
 RIVALS = ("vlfm", "navvlm", "vlmnav", "pivot", "dynavlm-style")

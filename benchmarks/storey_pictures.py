@@ -16,12 +16,12 @@ from PIL import Image, ImageDraw, ImageFont, ImageOps
 
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.houses.building import Building
-from hypernav.houses.export.building_views import views_from_above
-from hypernav.houses.generator import generate, storeys_of
-from hypernav.houses.plan.floor_plan import FloorPlan
-from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.scenes.scene import Scene
+from hypernav.simulator.houses.building import Building
+from hypernav.simulator.houses.export.building_views import views_from_above
+from hypernav.simulator.houses.generator import generate, storeys_of
+from hypernav.simulator.houses.plan.floor_plan import FloorPlan
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer
+from hypernav.simulator.worlds.scenes.scene import Scene
 
 GAP, TEXT = 8, 22
 FLOORS = {-1: "basement", 0: "ground floor", 1: "first floor", 2: "second floor"}

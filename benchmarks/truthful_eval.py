@@ -18,12 +18,12 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
-from hypernav.build.agents import build_agent
-from hypernav.build.built_agent import BuiltAgent
-from hypernav.build.component_specs import ComponentSpecs
-from hypernav.build.presets import HyPerNavConfig
-from hypernav.cli.main import main
-from hypernav.evaluation.workers import searcher
+from hypernav.app.build.agents import build_agent
+from hypernav.app.build.built_agent import BuiltAgent
+from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.presets import HyPerNavConfig
+from hypernav.app.cli.main import main
+from hypernav.lab.evaluation.workers import searcher
 from servers.scripted import Asked, ScriptedServer
 from servers.truth import Truth, TruthfulBrain, watching
 

@@ -7,17 +7,17 @@ from pathlib import Path
 
 import numpy as np
 
-from hypernav.build.agents import build_agent
-from hypernav.build.data.scenes import load_scene
-from hypernav.build.presets import preset
+from hypernav.app.build.agents import build_agent
+from hypernav.app.build.data.scenes import load_scene
+from hypernav.app.build.presets import preset
+from hypernav.app.show.foxglove_view import McapView
+from hypernav.app.show.rerun_view import RrdView
+from hypernav.app.show.video_frame import EpisodeInfo
 from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
-from hypernav.episodes.episode_run import EpisodeRun
-from hypernav.show.foxglove_view import McapView
-from hypernav.show.rerun_view import RrdView
-from hypernav.show.video_frame import EpisodeInfo
-from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.goal_regions import random_start
+from hypernav.lab.episodes.episode_run import EpisodeRun
+from hypernav.simulator.worlds.simulation import SimulatedWorld
+from hypernav.simulator.worlds.surface.goal_regions import random_start
 
 
 def main(scene: str = "houses:7", text: str = "plant") -> None:

@@ -35,15 +35,19 @@ from hypernav.core.components.registry import require
 from hypernav.core.errors import HyPerNavError
 from hypernav.core.exploring.overview import Block
 from hypernav.core.goal import Goal
-from hypernav.evaluation.checks.vlm_checkup import drawn_house
-from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.local_chat import LocalChat
-from hypernav.models.chat.vlm_families import family_named
-from hypernav.models.network_loading import EXTRA, choose_device, choose_dtype
-from hypernav.perception.explorers.block_explorer import OverviewConfig
-from hypernav.perception.explorers.map_question import VlmReasonerConfig, map_question
-from hypernav.perception.local.vlm_detector import VlmDetectorConfig, grounding_question
-from hypernav.perception.local.yes_no_checks import PresenceConfig, crop_question, presence_question
+from hypernav.lab.evaluation.checks.vlm_checkup import drawn_house
+from hypernav.search.models.chat.config import ChatConfig
+from hypernav.search.models.chat.local_chat import LocalChat
+from hypernav.search.models.chat.vlm_families import family_named
+from hypernav.search.models.network_loading import EXTRA, choose_device, choose_dtype
+from hypernav.search.perception.explorers.block_explorer import OverviewConfig
+from hypernav.search.perception.explorers.map_question import VlmReasonerConfig, map_question
+from hypernav.search.perception.local.vlm_detector import VlmDetectorConfig, grounding_question
+from hypernav.search.perception.local.yes_no_checks import (
+    PresenceConfig,
+    crop_question,
+    presence_question,
+)
 
 TEXT = {
     "7b": {

@@ -17,11 +17,11 @@ import numpy as np
 import tyro
 
 from hypernav.core.goal import Goal
-from hypernav.worlds.drawing.rays import RayCaster
-from hypernav.worlds.scenes.loading import read_scene
-from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.surface.goal_regions import GoalRegions
-from hypernav.worlds.surface.walkable import WalkableGrid
+from hypernav.simulator.worlds.drawing.rays import RayCaster
+from hypernav.simulator.worlds.scenes.loading import read_scene
+from hypernav.simulator.worlds.scenes.scene import Scene
+from hypernav.simulator.worlds.surface.goal_regions import GoalRegions
+from hypernav.simulator.worlds.surface.walkable import WalkableGrid
 
 
 @dataclass(frozen=True)

@@ -22,17 +22,17 @@ from typing import Literal
 import numpy as np
 import tyro
 from scipy.stats import bootstrap
-from search import GOALS, SMALL_HOUSE
 
-from hypernav.build.component_specs import ComponentSpecs, PresetName
-from hypernav.build.data.datasets import load_episodes
-from hypernav.build.presets import preset as preset_named
+from hypernav.app.build.component_specs import ComponentSpecs, PresetName
+from hypernav.app.build.data.datasets import load_episodes
+from hypernav.app.build.presets import preset as preset_named
 from hypernav.core.episode import Episode
 from hypernav.core.labels import same_name
-from hypernav.evaluation.record import EpisodeRecord
-from hypernav.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.io.layered_config import layered
-from hypernav.models.yolox import COCO_CLASSES
+from hypernav.lab.evaluation.record import EpisodeRecord
+from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.search.models.yolox import COCO_CLASSES
+from search import GOALS, SMALL_HOUSE
 
 KINDS = ("houses", "offices", "shops")
 SetName = Literal["known", "any"]

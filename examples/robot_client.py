@@ -71,7 +71,7 @@ def search(url: str) -> None:
 
 @contextmanager
 def own_server():
-    main = "from hypernav.cli.main import main; main()"
+    main = "from hypernav.app.cli.main import main; main()"
     with tempfile.TemporaryDirectory() as state:
         command = [sys.executable, "-c", main, "serve", "--port", "0", "--state", state]
         server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)

@@ -2,9 +2,10 @@
 
 Draws mutants of the seven rooms that run on the robot (one comparison, sign, number, condition or
 loop changed), by the operators of cosmic-ray, and runs for each the tests that mirror its module:
-``mapping/memory/floor.py`` has ``tests/mapping/memory/test_floor.py``, and the rest of that folder
-if this file is absent or passes. Mutants are made in a copy; the checkout is only read. A
-line of JSON about each is appended to ``--out``, and ones that it already holds are not run again.
+``search/mapping/memory/floor.py`` has ``tests/search/mapping/memory/test_floor.py``, and the rest
+of that folder if this file is absent or passes. Mutants are made in a copy; the checkout is only
+read. A line of JSON about each is appended to ``--out``, and ones that it already holds are not run
+again.
 
 Run: make mutants, or python scripts/mutants.py --seed 1 --count 300 --minutes 30 --out FILE
 """
@@ -30,7 +31,7 @@ from cosmic_ray.mutating import mutate_code
 from cosmic_ray.plugins import get_operator
 
 ROOT = Path(__file__).parents[1]
-ROOMS = ("core", "io", "mapping", "perception", "planning", "agents", "models")
+ROOMS = ("core", "io", "search")
 OPERATORS = tuple(
     f"core/{name}"
     for name in (

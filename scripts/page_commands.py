@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import hypernav
-from hypernav.build.data.sources import DATA_SOURCES
-from hypernav.build.presets import preset
-from hypernav.cli.command_line import COMMANDS, read_options
-from hypernav.cli.options.agent import AgentOptions
+from hypernav.app.build.data.sources import DATA_SOURCES
+from hypernav.app.build.presets import preset
+from hypernav.app.cli.command_line import COMMANDS, read_options
+from hypernav.app.cli.options.agent import AgentOptions
 from hypernav.core.errors import HyPerNavError
 from hypernav.io.layered_config import layered
 

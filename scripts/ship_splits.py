@@ -13,15 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from hypernav.datasets.building_splits import SPLITS
-from hypernav.datasets.habitat_files import write_episodes
-from hypernav.datasets.habitat_format import EpisodeDataset
-from hypernav.datasets.shipped import SHIPPED
-from hypernav.houses.building import Building
-from hypernav.houses.episodes.house_episodes import with_view_points
-from hypernav.houses.episodes.splits import load_split
-from hypernav.houses.house_cache import cached_building, geometry_digest
-from hypernav.worlds.scenes.scene import Scene
+from hypernav.lab.datasets.building_splits import SPLITS
+from hypernav.lab.datasets.habitat_files import write_episodes
+from hypernav.lab.datasets.habitat_format import EpisodeDataset
+from hypernav.lab.datasets.shipped import SHIPPED
+from hypernav.simulator.houses.building import Building
+from hypernav.simulator.houses.episodes.house_episodes import with_view_points
+from hypernav.simulator.houses.episodes.splits import load_split
+from hypernav.simulator.houses.house_cache import cached_building, geometry_digest
+from hypernav.simulator.worlds.scenes.scene import Scene
 
 BUILDINGS = SHIPPED / "buildings.json"
 

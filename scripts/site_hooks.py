@@ -44,7 +44,7 @@ def on_post_page(output: str, **_: Any) -> str:
 
 def _help(command: str) -> str:
     """What ``hypernav COMMAND --help`` prints."""
-    main = f"from hypernav.cli.main import main; main([*{command.split()}, '--help'])"
+    main = f"from hypernav.app.cli.main import main; main([*{command.split()}, '--help'])"
     return subprocess.run(
         [sys.executable, "-c", main],
         env=os.environ | {"COLUMNS": "88", "NO_COLOR": "1"},

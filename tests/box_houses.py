@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from box_scenes import room_boxes, scene_of
-from hypernav.houses.building import Building
-from hypernav.worlds.scenes.scene import Scene
+from hypernav.simulator.houses.building import Building
+from hypernav.simulator.worlds.scenes.scene import Scene
 
 
 def box_house(building: Building, folder: Path | None = None) -> Scene:

@@ -12,7 +12,7 @@ from trimesh.visual.material import PBRMaterial
 
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.world import Instance
-from hypernav.worlds.scenes.scene import Material, Scene
+from hypernav.simulator.worlds.scenes.scene import Material, Scene
 
 _FACES = np.array(
     [

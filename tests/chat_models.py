@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from hypernav.core.chat import Answer, Question, Usage
-from hypernav.models.chat.answer_parsing import parse_answer
+from hypernav.search.models.chat.answer_parsing import parse_answer
 
 
 def image(seed: int = 0, height: int = 48, width: int = 64) -> np.ndarray:

@@ -42,7 +42,7 @@ check_modules(_checked_modules())
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    from hypernav.warmup.stale_kernels import forget_stale_kernels  # After the hook above.
+    from hypernav.app.warmup.stale_kernels import forget_stale_kernels  # After the hook above.
 
     if not hasattr(config, "workerinput"):
         forget_stale_kernels()

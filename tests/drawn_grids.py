@@ -5,9 +5,9 @@ import numpy as np
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.mapping.blocks import blocks_of
-from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.reachable_area import ReachableArea
+from hypernav.search.mapping.blocks import blocks_of
+from hypernav.search.mapping.config import MappingConfig
+from hypernav.search.mapping.reachable_area import ReachableArea
 
 _STATES = {".": Cell.FREE, "#": Cell.OCCUPIED}
 

@@ -9,8 +9,8 @@ from box_scenes import Box, room_boxes
 from hypernav.core.episode import Episode, Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.evaluation.failures import Failure
-from hypernav.evaluation.record import EpisodeRecord
+from hypernav.lab.evaluation.failures import Failure
+from hypernav.lab.evaluation.record import EpisodeRecord
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
 

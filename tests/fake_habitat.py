@@ -18,13 +18,13 @@ import pytest
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
-from hypernav.worlds import habitat
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.navmesh.navmesh import GoalPaths, Navmesh
-from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
-from hypernav.worlds.navmesh.robot_navmesh import computed_for
-from hypernav.worlds.scans.scan_loading import ScanFiles, open_scene
-from hypernav.worlds.scenes.scene import Scene
+from hypernav.simulator.worlds import habitat
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.simulator.worlds.navmesh.navmesh import GoalPaths, Navmesh
+from hypernav.simulator.worlds.navmesh.navmesh_reader import navmesh_of
+from hypernav.simulator.worlds.navmesh.robot_navmesh import computed_for
+from hypernav.simulator.worlds.scans.scan_loading import ScanFiles, open_scene
+from hypernav.simulator.worlds.scenes.scene import Scene
 
 
 def install(monkeypatch: pytest.MonkeyPatch, cuda: Sequence[int | None] = (None,)) -> None:

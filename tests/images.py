@@ -8,7 +8,7 @@ from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.mapping.memory.key_images import KeyImage
+from hypernav.search.mapping.memory.key_images import KeyImage
 
 CAMERA = PinholeCamera.from_hfov(160, 120, 79.0)
 THING = 3

@@ -34,7 +34,7 @@ def _is_missing(source: Path) -> bool:
 
 def _compile_worlds() -> None:
     """Draw, and walk on a mesh."""
-    from hypernav.warmup.exercises import draw_tile, walk_on_mesh
+    from hypernav.app.warmup.exercises import draw_tile, walk_on_mesh
 
     draw_tile()
     walk_on_mesh()
@@ -45,14 +45,14 @@ def _compile_searches() -> None:
 
     The mesh of a hill is computed here, so that both parts take as long.
     """
-    from hypernav.build.agents import build_agent
-    from hypernav.build.component_specs import ComponentSpecs
+    from hypernav.app.build.agents import build_agent
+    from hypernav.app.build.component_specs import ComponentSpecs
+    from hypernav.app.warmup.exercises import search_room
     from hypernav.core.embodiment import BodyConfig
     from hypernav.core.goal import Goal
-    from hypernav.warmup.exercises import search_room
-    from hypernav.worlds.box_room import BoxRoom
-    from hypernav.worlds.navmesh.file_format import settings_for
-    from hypernav.worlds.navmesh.recast_detour.recast_build import compute_navmesh
+    from hypernav.simulator.worlds.box_room import BoxRoom
+    from hypernav.simulator.worlds.navmesh.file_format import settings_for
+    from hypernav.simulator.worlds.navmesh.recast_detour.recast_build import compute_navmesh
     from small_worlds import small_config, two_rooms
 
     search_room()

@@ -1,7 +1,7 @@
 """A meeting room whose screen is seen through an opening that does not lead to it."""
 
 from box_scenes import Box, room_boxes, scene_of
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 from small_worlds import colourless_world, small_config
 
 _SEAT_M, _BETWEEN_M = 0.45, 0.24

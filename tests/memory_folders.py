@@ -11,10 +11,10 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.mapping.config import MappingConfig
-from hypernav.mapping.memory.floor import counted_from
-from hypernav.mapping.stairs.connectors import Connector, Passage
-from hypernav.mapping.storage.memory_folder import MemoryFolder
+from hypernav.search.mapping.config import MappingConfig
+from hypernav.search.mapping.memory.floor import counted_from
+from hypernav.search.mapping.stairs.connectors import Connector, Passage
+from hypernav.search.mapping.storage.memory_folder import MemoryFolder
 
 HALL = [*room(8.0, 6.0), ((4.0, 0.0, 0.0), (4.2, 4.0, 2.5)), ((1.0, 0.3, 0.0), (2.0, 1.0, 0.8))]
 STAIRS = (

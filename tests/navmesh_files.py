@@ -6,16 +6,16 @@ from typing import Literal
 import numpy as np
 
 from hypernav.core.embodiment import BodyConfig
-from hypernav.worlds.navmesh.file_format import (
+from hypernav.simulator.worlds.navmesh.file_format import (
     SET_HEADER,
     SETTINGS,
     TILE_ARRAYS,
     TILE_HEADER,
     TILE_REFERENCE,
 )
-from hypernav.worlds.navmesh.navmesh import Navmesh
-from hypernav.worlds.navmesh.navmesh_reader import navmesh_of
-from hypernav.worlds.navmesh.navmesh_writer import PolygonMesh, navmesh_bytes
+from hypernav.simulator.worlds.navmesh.navmesh import Navmesh
+from hypernav.simulator.worlds.navmesh.navmesh_reader import navmesh_of
+from hypernav.simulator.worlds.navmesh.navmesh_writer import PolygonMesh, navmesh_bytes
 
 
 def squares(columns: int, rows: int, holes: tuple[tuple[int, int], ...] = ()) -> PolygonMesh:

@@ -6,9 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from hypernav.agents.search import SearchAgent
-from hypernav.build.agents import build_agent
-from hypernav.build.presets import HyPerNavConfig
+from hypernav.app.build.agents import build_agent
+from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import RequestRefusedError
 from hypernav.core.geometry.grid import Cell
@@ -20,6 +19,7 @@ from hypernav.robot.client.robot import Executed, Sensed
 from hypernav.robot.driving.base import Velocity
 from hypernav.robot.wire.frames import decode_observation, unpack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding
+from hypernav.search.agents.search import SearchAgent
 
 
 @dataclass

@@ -2,12 +2,12 @@
 
 from collections.abc import Callable
 
-from hypernav.agents.search import SearchAgent
 from hypernav.core.embodiment import Action
 from hypernav.core.episode import Episode
 from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.search.agents.search import SearchAgent
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 
 
 def searched(

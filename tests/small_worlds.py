@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from functools import cache
 
 from box_scenes import room_boxes, scene_of
-from hypernav.build.component_specs import PresetName
-from hypernav.build.presets import HyPerNavConfig, preset
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.scenes.scene import Scene
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.app.build.component_specs import PresetName
+from hypernav.app.build.presets import HyPerNavConfig, preset
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.simulator.worlds.scenes.scene import Scene
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 
 _CAMERA = {"width": 160, "height": 120}
 

@@ -68,8 +68,8 @@ def test_a_program_for_users_imports_nothing_deeper(name, program):
 
 
 def test_a_deeper_import_would_be_noticed():
-    assert DEEPER.findall("import hypernav.build\n  from hypernav.core.goal import Goal") == [
-        "hypernav.build",
+    assert DEEPER.findall("import hypernav.app.build\n  from hypernav.core.goal import Goal") == [
+        "hypernav.app.build",
         "hypernav.core.goal",
     ]
     assert len(programs()) > 6

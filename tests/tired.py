@@ -3,8 +3,8 @@
 import time
 from typing import Any
 
-from hypernav.build.agents import build_agent
-from hypernav.build.presets import HyPerNavConfig, preset
+from hypernav.app.build.agents import build_agent
+from hypernav.app.build.presets import HyPerNavConfig, preset
 from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal

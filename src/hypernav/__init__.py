@@ -9,15 +9,15 @@ import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from hypernav.build.agents import build_agent, build_search
-    from hypernav.build.built_agent import BuiltAgent
-    from hypernav.build.component_specs import ComponentSpecs
-    from hypernav.build.data.scenes import load_scene
-    from hypernav.build.env import ObjectNavEnv
-    from hypernav.build.memories import open_memory
-    from hypernav.build.native import native_config
-    from hypernav.build.presets import HyPerNavConfig, preset
-    from hypernav.build.search import find
+    from hypernav.app.build.agents import build_agent, build_search
+    from hypernav.app.build.built_agent import BuiltAgent
+    from hypernav.app.build.component_specs import ComponentSpecs
+    from hypernav.app.build.data.scenes import load_scene
+    from hypernav.app.build.env import ObjectNavEnv
+    from hypernav.app.build.memories import open_memory
+    from hypernav.app.build.native import native_config
+    from hypernav.app.build.presets import HyPerNavConfig, preset
+    from hypernav.app.build.search import find
     from hypernav.core.components.protocols import (
         Agent,
         BlockReasoner,
@@ -53,28 +53,28 @@ if TYPE_CHECKING:
     from hypernav.core.goal import Goal
     from hypernav.core.observation import Observation
     from hypernav.core.trace import StepTrace
-    from hypernav.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
-    from hypernav.evaluation.checks.contracts import check_agent, check_world
-    from hypernav.evaluation.evaluate import evaluate
-    from hypernav.evaluation.habitat_lab.benchmark import HabitatBenchmark
-    from hypernav.evaluation.habitat_lab.env import HabitatEnv
-    from hypernav.evaluation.habitat_lab.gym_env import HabitatGymEnv
-    from hypernav.evaluation.habitat_lab.task import HabitatTask
-    from hypernav.evaluation.record import EpisodeRecord
-    from hypernav.evaluation.report.report_page import write_report
-    from hypernav.evaluation.report.run_data import load_runs
-    from hypernav.evaluation.run_plan import RunPlan, Selection
-    from hypernav.perception.local.ground_truth import GroundTruthDetector
+    from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+    from hypernav.lab.evaluation.checks.contracts import check_agent, check_world
+    from hypernav.lab.evaluation.evaluate import evaluate
+    from hypernav.lab.evaluation.habitat_lab.benchmark import HabitatBenchmark
+    from hypernav.lab.evaluation.habitat_lab.env import HabitatEnv
+    from hypernav.lab.evaluation.habitat_lab.gym_env import HabitatGymEnv
+    from hypernav.lab.evaluation.habitat_lab.task import HabitatTask
+    from hypernav.lab.evaluation.record import EpisodeRecord
+    from hypernav.lab.evaluation.report.report_page import write_report
+    from hypernav.lab.evaluation.report.run_data import load_runs
+    from hypernav.lab.evaluation.run_plan import RunPlan, Selection
     from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
     from hypernav.robot.client.robot import Executed, Robot, Sensed
     from hypernav.robot.client.robot_client import RobotClient, StopListener
     from hypernav.robot.driving.base import Base, DepthView, Velocity
     from hypernav.robot.driving.driven_robot import DrivenRobot
     from hypernav.robot.wire.requests import OpenSearch
-    from hypernav.worlds.box_room import BoxRoom
-    from hypernav.worlds.scenes.scene import Scene
-    from hypernav.worlds.simulation import SimulatedWorld
-    from hypernav.worlds.surface.goal_regions import random_start
+    from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+    from hypernav.simulator.worlds.box_room import BoxRoom
+    from hypernav.simulator.worlds.scenes.scene import Scene
+    from hypernav.simulator.worlds.simulation import SimulatedWorld
+    from hypernav.simulator.worlds.surface.goal_regions import random_start
 
 __all__ = [
     "Action",
@@ -160,16 +160,16 @@ __all__ = [
 ]
 
 _MODULES = {
-    "BuiltAgent": "hypernav.build.built_agent",
-    "build_agent": "hypernav.build.agents",
-    "build_search": "hypernav.build.agents",
-    "ComponentSpecs": "hypernav.build.component_specs",
-    "open_memory": "hypernav.build.memories",
-    "native_config": "hypernav.build.native",
-    "HyPerNavConfig": "hypernav.build.presets",
-    "preset": "hypernav.build.presets",
-    "load_scene": "hypernav.build.data.scenes",
-    "find": "hypernav.build.search",
+    "BuiltAgent": "hypernav.app.build.built_agent",
+    "build_agent": "hypernav.app.build.agents",
+    "build_search": "hypernav.app.build.agents",
+    "ComponentSpecs": "hypernav.app.build.component_specs",
+    "open_memory": "hypernav.app.build.memories",
+    "native_config": "hypernav.app.build.native",
+    "HyPerNavConfig": "hypernav.app.build.presets",
+    "preset": "hypernav.app.build.presets",
+    "load_scene": "hypernav.app.build.data.scenes",
+    "find": "hypernav.app.build.search",
     "Action": "hypernav.core.embodiment",
     "Agent": "hypernav.core.components.protocols",
     "BlockReasoner": "hypernav.core.components.protocols",
@@ -206,20 +206,20 @@ _MODULES = {
     "Goal": "hypernav.core.goal",
     "Observation": "hypernav.core.observation",
     "StepTrace": "hypernav.core.trace",
-    "check_agent": "hypernav.evaluation.checks.contracts",
-    "BoxRoom": "hypernav.worlds.box_room",
-    "check_world": "hypernav.evaluation.checks.contracts",
-    "evaluate": "hypernav.evaluation.evaluate",
-    "HabitatBenchmark": "hypernav.evaluation.habitat_lab.benchmark",
-    "HabitatEnv": "hypernav.evaluation.habitat_lab.env",
-    "HabitatGymEnv": "hypernav.evaluation.habitat_lab.gym_env",
-    "HabitatTask": "hypernav.evaluation.habitat_lab.task",
-    "EpisodeRecord": "hypernav.evaluation.record",
-    "write_report": "hypernav.evaluation.report.report_page",
-    "load_runs": "hypernav.evaluation.report.run_data",
-    "RunPlan": "hypernav.evaluation.run_plan",
-    "Selection": "hypernav.evaluation.run_plan",
-    "GroundTruthDetector": "hypernav.perception.local.ground_truth",
+    "check_agent": "hypernav.lab.evaluation.checks.contracts",
+    "BoxRoom": "hypernav.simulator.worlds.box_room",
+    "check_world": "hypernav.lab.evaluation.checks.contracts",
+    "evaluate": "hypernav.lab.evaluation.evaluate",
+    "HabitatBenchmark": "hypernav.lab.evaluation.habitat_lab.benchmark",
+    "HabitatEnv": "hypernav.lab.evaluation.habitat_lab.env",
+    "HabitatGymEnv": "hypernav.lab.evaluation.habitat_lab.gym_env",
+    "HabitatTask": "hypernav.lab.evaluation.habitat_lab.task",
+    "EpisodeRecord": "hypernav.lab.evaluation.record",
+    "write_report": "hypernav.lab.evaluation.report.report_page",
+    "load_runs": "hypernav.lab.evaluation.report.run_data",
+    "RunPlan": "hypernav.lab.evaluation.run_plan",
+    "Selection": "hypernav.lab.evaluation.run_plan",
+    "GroundTruthDetector": "hypernav.search.perception.local.ground_truth",
     "HttpLink": "hypernav.robot.client.links",
     "HttpServer": "hypernav.robot.client.links",
     "ServerAddress": "hypernav.robot.client.links",
@@ -233,13 +233,13 @@ _MODULES = {
     "DrivenRobot": "hypernav.robot.driving.driven_robot",
     "Velocity": "hypernav.robot.driving.base",
     "OpenSearch": "hypernav.robot.wire.requests",
-    "ObjectNavEnv": "hypernav.build.env",
-    "EpisodeResult": "hypernav.episodes.episode_run",
-    "EpisodeRun": "hypernav.episodes.episode_run",
-    "EpisodeStep": "hypernav.episodes.episode_run",
-    "Scene": "hypernav.worlds.scenes.scene",
-    "SimulatedWorld": "hypernav.worlds.simulation",
-    "random_start": "hypernav.worlds.surface.goal_regions",
+    "ObjectNavEnv": "hypernav.app.build.env",
+    "EpisodeResult": "hypernav.lab.episodes.episode_run",
+    "EpisodeRun": "hypernav.lab.episodes.episode_run",
+    "EpisodeStep": "hypernav.lab.episodes.episode_run",
+    "Scene": "hypernav.simulator.worlds.scenes.scene",
+    "SimulatedWorld": "hypernav.simulator.worlds.simulation",
+    "random_start": "hypernav.simulator.worlds.surface.goal_regions",
 }
 
 logging.getLogger("hypernav").addHandler(logging.NullHandler())

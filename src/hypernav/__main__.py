@@ -1,6 +1,6 @@
 """Makes ``python -m hypernav`` the same as ``hypernav``."""
 
-from hypernav.cli.main import main
+from hypernav.app.cli.main import main
 
 if __name__ == "__main__":
     main()

@@ -18,7 +18,7 @@ from hostile.preloaded import Request
 
 _TESTS = Path(__file__).parents[1]
 _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MALLOC_ARENA_MAX": "1"}
-_PROGRAM = "from hypernav.cli.main import main; main()"
+_PROGRAM = "from hypernav.app.cli.main import main; main()"
 _CONTROL = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
 
 

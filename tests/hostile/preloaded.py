@@ -26,7 +26,7 @@ _SPARE_MB = 2000
 """Address space beyond the limit of memory: a child shall be seen to exceed that, not fail."""
 
 _POLL_S = 0.003
-_LEFT_OUT = ("hypernav.show.rerun_", "hypernav.worlds.drawing.warp_")
+_LEFT_OUT = ("hypernav.app.show.rerun_", "hypernav.simulator.worlds.drawing.warp_")
 """Modules that import rerun, which starts threads, and Warp, which need not be installed; no
 command here uses them."""
 
@@ -145,7 +145,7 @@ def _text(file: IO[bytes]) -> str:
 
 def _run(arguments: list[str]) -> NoReturn:
     """Run the program to its end, without the teardown of modules: it takes the longest."""
-    from hypernav.cli.main import main
+    from hypernav.app.cli.main import main
 
     sys.argv = ["hypernav", *arguments]
     status = 0

@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 BROKEN = """
 import os
 
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 
 class Broken:
     def __init__(self):

@@ -11,7 +11,7 @@ from hostile import hostile_records as records
 from hostile import hostile_scenes as scenes
 from hostile.commands import check, run
 from hostile.hostile_values import NO_CONFIGURATION, NO_JSON, VALUES
-from hypernav.build.presets import HyPerNavConfig
+from hypernav.app.build.presets import HyPerNavConfig
 
 pytestmark = pytest.mark.slow
 

@@ -17,16 +17,16 @@ from hostile import hostile_records as records
 from hostile import hostile_scenes as scenes
 from hostile.damage import bounded, damaged, hostile
 from hostile.hostile_values import VALUES
-from hypernav.build.presets import preset
+from hypernav.app.build.presets import preset
 from hypernav.core.chat import Question
 from hypernav.core.errors import ConfigError, EpisodeError, RecordingError, SceneError
-from hypernav.datasets.habitat_files import episodes_of, read_episodes
 from hypernav.io.layered_config import layered
-from hypernav.models.chat.answer_parsing import parse_answer
-from hypernav.models.chat.recording import ReplayChat
-from hypernav.models.chat.vlm_families import FAMILIES
-from hypernav.perception.local.grounding_format import read_grounding
-from hypernav.worlds.scenes.loading import read_scene
+from hypernav.lab.datasets.habitat_files import episodes_of, read_episodes
+from hypernav.search.models.chat.answer_parsing import parse_answer
+from hypernav.search.models.chat.recording import ReplayChat
+from hypernav.search.models.chat.vlm_families import FAMILIES
+from hypernav.search.perception.local.grounding_format import read_grounding
+from hypernav.simulator.worlds.scenes.loading import read_scene
 
 pytestmark = pytest.mark.slow
 

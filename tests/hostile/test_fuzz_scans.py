@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from hostile.damage import bounded, damaged, hostile
 from hypernav.core.errors import SceneError
 from hypernav.io.reading import MOST_PIXELS
-from hypernav.worlds.scans.scan_loading import open_scene
-from hypernav.worlds.scenes.material_images import basis_size, decode_basis, is_basis
+from hypernav.simulator.worlds.scans.scan_loading import open_scene
+from hypernav.simulator.worlds.scenes.material_images import basis_size, decode_basis, is_basis
 from scan_writers.basis_bytes import basis, ktx2
 from scan_writers.buildings import House, Thing
 from scan_writers.encoded_images import FINE, HOLES, MIPS

@@ -4,7 +4,7 @@ import pytest
 
 from eval_runs import write_room
 from hostile.commands import check, run
-from hypernav.warmup.background import FIRST_RUN
+from hypernav.app.warmup.background import FIRST_RUN
 
 pytestmark = pytest.mark.slow
 

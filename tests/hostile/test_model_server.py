@@ -15,11 +15,11 @@ from box_scenes import room_glb
 from hostile.commands import Ended, check, run
 from hostile.model_faults import FAULTS, LARGE, SLOW, Fault
 from hostile.preloaded import Request
-from hypernav.cli.main import main
+from hypernav.app.cli.main import main
 from hypernav.core.chat import Question
 from hypernav.core.errors import ModelSetupError, ModelUnavailableError
-from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.server.openai_chat import OpenAiChat
+from hypernav.search.models.chat.config import ChatConfig
+from hypernav.search.models.chat.server.openai_chat import OpenAiChat
 from servers.faulty import FaultyServer
 
 pytestmark = pytest.mark.slow

@@ -51,7 +51,7 @@ import os
 import hypernav.io.cache_folder as kernel_folder
 
 kernel_folder.choose_kernel_folder(__import__("pathlib").Path(os.environ["NOWHERE"]))
-from hypernav.warmup.background import warm_up_in_background
+from hypernav.app.warmup.background import warm_up_in_background
 
 os.cpu_count = lambda: 1
 with warm_up_in_background(print):

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from hypernav.cli.main import main
-from hypernav.exam import bank
+from hypernav.app.cli.main import main
+from hypernav.lab.exam import bank
 
 SMALL = ("embodiment.camera.width=160", "embodiment.camera.height=120")
 SHORT = ("grounding.max_tokens=16", "arrows.max_tokens=16", "chat_guide.max_tokens=16")

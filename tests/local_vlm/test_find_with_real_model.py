@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from box_scenes import room_glb
-from hypernav.cli.main import main
+from hypernav.app.cli.main import main
 
 STEPS = 5
 

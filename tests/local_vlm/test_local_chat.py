@@ -13,9 +13,9 @@ from hypernav.core.errors import (
     ModelError,
     ModelUnavailableError,
 )
-from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.local_chat import LocalChat
-from hypernav.models.chat.vlm_spec import open_chat
+from hypernav.search.models.chat.config import ChatConfig
+from hypernav.search.models.chat.local_chat import LocalChat
+from hypernav.search.models.chat.vlm_spec import open_chat
 
 VIEW = image(0, 476, 644)
 OPEN = Question("ground", "Locate every bed", (VIEW,), max_tokens=12)

@@ -8,19 +8,19 @@ import numpy as np
 import pytest
 
 from chat_models import image
-from hypernav.agents.search import SearchAgent
-from hypernav.build.agents import build_agent
-from hypernav.build.component_specs import ComponentSpecs
+from hypernav.app.build.agents import build_agent
+from hypernav.app.build.component_specs import ComponentSpecs
 from hypernav.core.errors import ModelError
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.models import sam, zero_shot
-from hypernav.models.sam import SamConfig, SamSegmenter
-from hypernav.models.similarity import ImageTextSimilarity, SimilarityConfig
-from hypernav.models.zero_shot import ZeroShotConfig, ZeroShotDetector
+from hypernav.search.agents.search import SearchAgent
+from hypernav.search.models import sam, zero_shot
+from hypernav.search.models.sam import SamConfig, SamSegmenter
+from hypernav.search.models.similarity import ImageTextSimilarity, SimilarityConfig
+from hypernav.search.models.zero_shot import ZeroShotConfig, ZeroShotDetector
 from images import key_image
 from small_worlds import small_config
 

@@ -18,21 +18,21 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.models.chat.config import ChatConfig
-from hypernav.models.chat.ledger import Ledger, LedgerChat
-from hypernav.models.chat.local_chat import LocalChat
-from hypernav.models.chat.recording import RecordingChat, ReplayChat
-from hypernav.models.chat.server.openai_chat import OpenAiChat
-from hypernav.models.chat.vlm_families import smart_resize
-from hypernav.models.chat.vlm_spec import open_chat, parse_vlm_spec
-from hypernav.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.perception.explorers.map_question import VlmReasoner, VlmReasonerConfig
-from hypernav.perception.local.vlm_detector import (
+from hypernav.search.models.chat.config import ChatConfig
+from hypernav.search.models.chat.ledger import Ledger, LedgerChat
+from hypernav.search.models.chat.local_chat import LocalChat
+from hypernav.search.models.chat.recording import RecordingChat, ReplayChat
+from hypernav.search.models.chat.server.openai_chat import OpenAiChat
+from hypernav.search.models.chat.vlm_families import smart_resize
+from hypernav.search.models.chat.vlm_spec import open_chat, parse_vlm_spec
+from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
+from hypernav.search.perception.explorers.map_question import VlmReasoner, VlmReasonerConfig
+from hypernav.search.perception.local.vlm_detector import (
     VlmDetector,
     VlmDetectorConfig,
     grounding_question,
 )
-from hypernav.perception.local.yes_no_checks import VlmPresenceCheck
+from hypernav.search.perception.local.yes_no_checks import VlmPresenceCheck
 
 VIEW = image(0, 480, 640)
 QWEN = VlmDetectorConfig(family="qwen2.5-vl", max_tokens=24)
@@ -80,7 +80,7 @@ def test_the_server_and_this_process_say_the_same(
     """The image travels as a JPEG, so it is made one here as well."""
     import cv2
 
-    from hypernav.models.chat.message_parts import jpeg_bytes
+    from hypernav.search.models.chat.message_parts import jpeg_bytes
 
     family = VlmDetector(chat, ExchangeLog(), QWEN).family
     sent = grounding_question(QWEN, family, observation.rgb, Goal("bed"))

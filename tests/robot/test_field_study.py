@@ -5,11 +5,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hypernav.build.component_specs import ComponentSpecs
-from hypernav.build.presets import HyPerNavConfig
-from hypernav.cli.main import main
+from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.presets import HyPerNavConfig
+from hypernav.app.cli.main import main
 from hypernav.core.errors import RunFolderError
-from hypernav.evaluation.field_study import ALL_GOALS, TrialResult, study_rows
+from hypernav.lab.evaluation.field_study import ALL_GOALS, TrialResult, study_rows
 from hypernav.robot.field_trial import read_trial
 from hypernav.robot.server.searches.journal import EndRecord, Journal, SearchRecord
 from hypernav.robot.wire.frames import pack_observation

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from hypernav.core.embodiment import BodyConfig
-from hypernav.worlds.navmesh.navmesh_writer import PolygonMesh, navmesh_bytes
+from hypernav.simulator.worlds.navmesh.navmesh_writer import PolygonMesh, navmesh_bytes
 from scan_writers.buildings import DEPTH_M, STOREY_M, WIDTH_M, Flight, House
 
 CELL_M = 0.2

@@ -17,7 +17,7 @@ from contextlib import closing
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from hypernav.build.data.scenes import load_scene
+from hypernav.app.build.data.scenes import load_scene
 from hypernav.core.episode import Episode
 from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
@@ -26,8 +26,8 @@ from hypernav.robot.driving.base import STANDSTILL, Velocity
 from hypernav.robot.ros2 import idl_types as ros
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.robot.simulation.base import SimulatedBase
-from hypernav.worlds.drawing.renderer import CpuRenderer
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 from small_worlds import small_config
 
 _WHEELS_S, _IMAGES_S = 0.02, 0.06

@@ -5,7 +5,7 @@ import json
 import numpy as np
 
 from hypernav.core.geometry.boxes import Box
-from hypernav.models.chat.vlm_families import family_named
+from hypernav.search.models.chat.vlm_families import family_named
 from servers.scripted import Asked
 
 _ESSAY = "A robot is a machine that senses and acts. It may drive around a house."

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-HYPERNAV = [sys.executable, "-c", "from hypernav.cli.main import main; main()"]
+HYPERNAV = [sys.executable, "-c", "from hypernav.app.cli.main import main; main()"]
 
 
 @contextmanager

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from hypernav.build.component_specs import ComponentSpecs
-from hypernav.build.presets import preset
+from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.presets import preset
 from hypernav.core.embodiment import Action
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
@@ -27,7 +27,7 @@ from hypernav.robot.server.serving import RobotServer, listening
 from hypernav.robot.wire.frames import pack_observation
 from hypernav.robot.wire.requests import ObservationFacts, OpenSearch
 from hypernav.robot.wire.values import PlanarPose
-from hypernav.worlds.box_room import BoxRoom
+from hypernav.simulator.worlds.box_room import BoxRoom
 
 TOKEN = "a-secret-of-many-characters"
 

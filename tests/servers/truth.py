@@ -29,18 +29,18 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.models.chat.vlm_families import family_named
-from hypernav.perception.explorers import map_question
-from hypernav.perception.explorers.guides import ChatGuide, TruthGuide
-from hypernav.perception.explorers.map_question import VlmReasonerConfig
-from hypernav.perception.explorers.scene_scorers import ChatScorer, chance_in_view
-from hypernav.perception.local.ground_truth import GroundTruthDetector
-from hypernav.perception.local.vlm_detector import CROP_MARGIN, VlmDetector
-from hypernav.perception.local.yes_no_checks import VlmPresenceCheck, crop_of
-from hypernav.perception.visual_prompts.arrow_reasoners import ChatArrowReasoner
-from hypernav.perception.visual_prompts.stop_checks import ChatStopCheck, TruthStopCheck
-from hypernav.worlds.simulation import SimulatedWorld
-from hypernav.worlds.surface.goal_regions import GoalRegion
+from hypernav.search.models.chat.vlm_families import family_named
+from hypernav.search.perception.explorers import map_question
+from hypernav.search.perception.explorers.guides import ChatGuide, TruthGuide
+from hypernav.search.perception.explorers.map_question import VlmReasonerConfig
+from hypernav.search.perception.explorers.scene_scorers import ChatScorer, chance_in_view
+from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.vlm_detector import CROP_MARGIN, VlmDetector
+from hypernav.search.perception.local.yes_no_checks import VlmPresenceCheck, crop_of
+from hypernav.search.perception.visual_prompts.arrow_reasoners import ChatArrowReasoner
+from hypernav.search.perception.visual_prompts.stop_checks import ChatStopCheck, TruthStopCheck
+from hypernav.simulator.worlds.simulation import SimulatedWorld
+from hypernav.simulator.worlds.surface.goal_regions import GoalRegion
 from servers.scripted import Asked
 
 

@@ -225,8 +225,8 @@ def lives_of(episodes: Iterable[Episode]) -> list[Life]:
 class EpisodeTruth:
     """The truth about the running episode for stand-ins, which no real model ever gets.
 
-    A component asks for it by a constructor parameter ``truth``; the code that runs an episode sets
-    it (`hypernav.episodes.episode_run.EpisodeRun`). On a robot nothing does, so a stand-in can't
+    A component asks for it by a constructor parameter ``truth``; what runs an episode sets it
+    (`hypernav.lab.episodes.episode_run.EpisodeRun`). On a robot nothing does, so a stand-in can't
     work there.
     """
 

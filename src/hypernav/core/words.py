@@ -134,7 +134,7 @@ def visible(text: str) -> str:
     A server's error, a goal or a path may hold characters that a terminal or a browser executes
     instead of showing them: escape sequences, their one-character forms (C1), overrides of the
     reading direction. Texts are stored unchanged and made visible where they are shown: on the
-    terminal by `hypernav.cli.screen.terminal`, on pages by `hypernav.show.templating`.
+    terminal by `hypernav.app.cli.screen.terminal`, on pages by `hypernav.app.show.templating`.
     """
     if text.isprintable():
         return text

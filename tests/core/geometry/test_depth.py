@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hypernav.core.geometry.depth import is_measured
-from hypernav.mapping.top_down_kernels import is_measured as compiled
+from hypernav.search.mapping.top_down_kernels import is_measured as compiled
 
 depths = st.floats()
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from box_scenes import room_glb
-from hypernav.cli.main import main
+from hypernav.app.cli.main import main
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress, WebSocketLink
 from hypernav.robot.client.robot_client import Patience, RobotClient, StopListener
@@ -19,8 +19,8 @@ from hypernav.robot.simulation.base import SimulatedBase
 from hypernav.robot.simulation.faulty_link import FaultyLink, NetworkFaults
 from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 from mcap_files import counts_of
 from robot_links import StandIn
 from rrd_files import images_in

@@ -20,8 +20,8 @@ from hypernav.robot.simulation.base import MishapConfig, SimulatedBase
 from hypernav.robot.simulation.faulty_link import FaultyLink, NetworkFaults
 from hypernav.robot.simulation.person import PersonConfig
 from hypernav.robot.wire.replies import SearchEnding
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 from robot_links import AgentLink
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms

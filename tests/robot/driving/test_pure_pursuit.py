@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
-from hypernav.planning.config import PlanningConfig
-from hypernav.planning.planner import Planner
 from hypernav.robot.driving.base import STANDSTILL, Velocity
 from hypernav.robot.driving.driven_robot import CAREFUL
 from hypernav.robot.driving.obstacles import MapObstacles, Obstacles, PointObstacles
 from hypernav.robot.driving.pure_pursuit import DriveConfig, PurePursuit
+from hypernav.search.planning.config import PlanningConfig
+from hypernav.search.planning.planner import Planner
 
 TICK_S = 0.1
 CONFIG = DriveConfig()

@@ -21,7 +21,7 @@ from bag_writers import (
     write_bag,
 )
 from frame_writers import write_matched_frames
-from hypernav.cli.main import main
+from hypernav.app.cli.main import main
 from hypernav.core.errors import (
     HyPerNavError,
     MissingExtraError,

@@ -5,7 +5,7 @@ import pytest
 from PIL import Image
 
 from frame_writers import write_matched_frames, write_tum
-from hypernav.cli.main import main
+from hypernav.app.cli.main import main
 from hypernav.robot.recordings.opening import open_recording
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from frame_writers import POSES, views, write_matched_frames, write_scannet, write_tum
-from hypernav.cli.main import main
+from hypernav.app.cli.main import main
 from hypernav.core.errors import RecordingError
 from hypernav.robot.recordings.opening import open_recording
 from hypernav.robot.recordings.replay import world_to_map

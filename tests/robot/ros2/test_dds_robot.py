@@ -8,7 +8,7 @@ from contextlib import closing, contextmanager
 import pytest
 
 from dds_processes import PATIENT, robot_in
-from hypernav.cli.main import main
+from hypernav.app.cli.main import main
 from hypernav.core.episode import SUCCESS_DISTANCE_M
 from hypernav.core.errors import TopicChoiceError
 from hypernav.io.layered_config import layered

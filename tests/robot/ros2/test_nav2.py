@@ -9,7 +9,7 @@ from contextlib import closing, contextmanager
 import pytest
 
 from dds_processes import PATIENT, driver, nav2, robot_in
-from hypernav.cli.main import main
+from hypernav.app.cli.main import main
 from hypernav.core.embodiment import Action
 from hypernav.core.episode import SUCCESS_DISTANCE_M
 from hypernav.core.errors import Nav2Error

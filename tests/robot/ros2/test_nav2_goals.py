@@ -12,7 +12,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from hypernav.cli.main import main
+from hypernav.app.cli.main import main
 from hypernav.core.errors import ConfigError, Nav2Error, RosNetworkError, TransformMissingError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.io.layered_config import layered

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from hypernav.cli.main import main
+from hypernav.app.cli.main import main
 from hypernav.core.errors import ConfigError
 from hypernav.io.layered_config import layered
 from hypernav.robot.ros2.config import Ros2Config

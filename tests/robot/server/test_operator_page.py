@@ -19,6 +19,8 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
+from hypernav.app.show.drawing.palette import STAIRS
+from hypernav.app.show.video_frame import EpisodeInfo
 from hypernav.core.embodiment import Action
 from hypernav.core.errors import LinkLostError
 from hypernav.core.geometry.camera import PinholeCamera
@@ -37,11 +39,9 @@ from hypernav.robot.server.searches.searches import Searches
 from hypernav.robot.simulation.base import SimulatedBase
 from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
-from hypernav.show.drawing.palette import STAIRS
-from hypernav.show.video_frame import EpisodeInfo
-from hypernav.worlds.box_room import BoxRoom
-from hypernav.worlds.drawing.renderer import CpuRenderer, RenderConfig
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.simulator.worlds.box_room import BoxRoom
+from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 from servers.processes import serving_process, simulate
 from servers.robots import TOKEN, body_of, drive, real_plan, robot_server
 from small_episodes import episode_from

@@ -8,11 +8,11 @@ from contextlib import closing
 
 import pytest
 
-from hypernav.build.agents import build_agent
+from hypernav.app.build.agents import build_agent
+from hypernav.app.show.video_frame import EpisodeInfo
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.episodes.episode_run import EpisodeRun
+from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.robot.server.page_view import PageView
-from hypernav.show.video_frame import EpisodeInfo
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 

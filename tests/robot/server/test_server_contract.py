@@ -11,7 +11,7 @@ from hypernav.core.embodiment import Action
 from hypernav.core.errors import ModelUnavailableError, RunFolderError
 from hypernav.io.writing import AppendOnlyFile
 from hypernav.robot.server.searches.journal import Journal
-from hypernav.worlds.box_room import BoxRoom
+from hypernav.simulator.worlds.box_room import BoxRoom
 from servers.robots import body_of, drive, real_plan, robot_server
 
 
@@ -30,7 +30,7 @@ def test_a_search_drives_to_its_goal(tmp_path):
 
 
 def test_the_agent_decides_as_it_would_without_a_network(tmp_path):
-    from hypernav.build.agents import build_agent
+    from hypernav.app.build.agents import build_agent
     from hypernav.core.goal import Goal
     from hypernav.robot.wire.frames import decode_observation, unpack_observation
     from hypernav.robot.wire.requests import OpenSearch

@@ -15,12 +15,12 @@ import pytest
 
 from hypernav.core.embodiment import Action
 from hypernav.core.trace import without_timings
-from hypernav.worlds.box_room import BoxRoom
+from hypernav.simulator.worlds.box_room import BoxRoom
 from servers.robots import RobotLink, body_of
 from servers.scripted import Asked, ScriptedServer
 
 _STEPS = 70
-_PROGRAM = "import sys; from hypernav.cli.main import main; main(sys.argv[1:])"
+_PROGRAM = "import sys; from hypernav.app.cli.main import main; main(sys.argv[1:])"
 
 
 def first_offered(asked: Asked) -> str:

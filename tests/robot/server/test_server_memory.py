@@ -14,19 +14,19 @@ from typing import Any
 
 import pytest
 
-from hypernav.build.memories import open_memory
-from hypernav.build.presets import HyPerNavConfig
+from hypernav.app.build.memories import open_memory
+from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.embodiment import Action
 from hypernav.core.errors import ModelUnavailableError, RunFolderError
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
-from hypernav.mapping.storage.memory_folder import MemoryFolder
-from hypernav.mapping.storage.memory_index import GoalRecord, Index
-from hypernav.mapping.storage.memory_reader import read_index
 from hypernav.robot.server.searches.agents import AgentPlan, PlanAgent
 from hypernav.robot.server.searches.journal import Journal
 from hypernav.robot.wire.requests import OpenSearch
-from hypernav.worlds.box_room import BoxRoom
+from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+from hypernav.search.mapping.storage.memory_index import GoalRecord, Index
+from hypernav.search.mapping.storage.memory_reader import read_index
+from hypernav.simulator.worlds.box_room import BoxRoom
 from memory_folders import files_of
 from servers.robots import RobotLink, body_of, drive, real_plan, robot_server, scripted_plan
 
@@ -112,7 +112,7 @@ def test_a_search_that_fails_in_its_first_step_leaves_nothing(tmp_path, plan, mo
 
     with robot_server(tmp_path / "state", plan) as link:
         with monkeypatch.context() as model:
-            model.setattr("hypernav.agents.search.SearchAgent.act", out_of_reach)
+            model.setattr("hypernav.search.agents.search.SearchAgent.act", out_of_reach)
             search = link.open()
             drive(link, search, BoxRoom(), most=1)
         assert link.call("GET", search).json["ending"] == "model unavailable"

@@ -13,7 +13,7 @@ from websockets.sync.client import ClientConnection, connect
 from hypernav.core.embodiment import Action
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.wire.frames import MOST_BODY_BYTES
-from hypernav.worlds.box_room import BoxRoom
+from hypernav.simulator.worlds.box_room import BoxRoom
 from servers.robots import TOKEN, RobotLink, body_of, drive, real_plan, robot_server
 
 

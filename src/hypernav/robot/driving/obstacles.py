@@ -15,9 +15,9 @@ from scipy.spatial import KDTree
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.mapping.config import UNEVEN_M, UNEVEN_SHARE
-from hypernav.mapping.inflation import distance_from
 from hypernav.robot.driving.base import DepthView
+from hypernav.search.mapping.config import UNEVEN_M, UNEVEN_SHARE
+from hypernav.search.mapping.inflation import distance_from
 
 
 @runtime_checkable

@@ -33,7 +33,8 @@ class DriveConfig(RoomConfig):
         corner_cut_m: Largest distance by which it leaves the path at a corner, metres.
         turn_in_place_deg: Angle off the heading beyond which it rotates on the spot, degrees.
         margin_m: Distance that the body keeps from obstacles, metres. Paths through narrow gaps
-            need 0 (`hypernav.planning.config.PlanningConfig.squeeze_m`); people who walk need more.
+            need 0 (`hypernav.search.planning.config.PlanningConfig.squeeze_m`); people who walk
+            need more.
         reaction_s: Time for which a command may stay in force beyond its own duration before the
             robot brakes for an obstacle, seconds: images are late, links fail. The robot slows
             down near obstacles accordingly.

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.agents.step import SearchComponents
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import RecordingError
 from hypernav.core.geometry.depth import is_measured
@@ -16,8 +15,9 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode, ModuleClock, StepTrace
-from hypernav.mapping.memory.memory import Memory
 from hypernav.robot.recordings.recording import RecordedFrame, Recording
+from hypernav.search.agents.step import SearchComponents
+from hypernav.search.mapping.memory.memory import Memory
 
 _MOST_FRAMES = 40
 """Number of frames, spread over the recording, in which the floor is searched."""

@@ -6,10 +6,11 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from jaxtyping import UInt8
 
+from hypernav.app.show.drawing import palette
+from hypernav.app.show.video_frame import draw_camera
 from hypernav.core.geometry.grid import OccupancyGrid as Grid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import BlockRecord, StepTrace
-from hypernav.mapping.ros_map import occupancy
 from hypernav.robot.ros2.config import Ros2Config
 from hypernav.robot.ros2.idl_types import (
     ColorRGBA,
@@ -33,8 +34,7 @@ from hypernav.robot.ros2.idl_types import (
 )
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.robot.wire.replies import StartInMemory
-from hypernav.show.drawing import palette
-from hypernav.show.video_frame import draw_camera
+from hypernav.search.mapping.ros_map import occupancy
 
 
 def ros_time(seconds: float) -> Time:

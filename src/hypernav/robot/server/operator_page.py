@@ -15,13 +15,12 @@ from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
+from hypernav.app.show.captions import MODES, QUESTIONS
+from hypernav.app.show.drawing import palette
+from hypernav.app.show.templating import page_environment
 from hypernav.core.embodiment import Action
 from hypernav.core.errors import MemoryFolderError, RequestRefusedError
 from hypernav.core.goal import Goal
-from hypernav.mapping.stairs.floor_exits import routes
-from hypernav.mapping.storage.memory_index import Index
-from hypernav.mapping.storage.memory_reader import read_index
-from hypernav.mapping.storage.memory_writer import INDEX_NAME
 from hypernav.robot.server.searches.searches import check_remembers_things, no_such_thing
 from hypernav.robot.server.waiting_robots import WaitingRobots
 from hypernav.robot.server.watching import STOP_BODY, ShownSearches
@@ -39,9 +38,10 @@ from hypernav.robot.wire.requests import (
     ThingName,
     WaitingRobot,
 )
-from hypernav.show.captions import MODES, QUESTIONS
-from hypernav.show.drawing import palette
-from hypernav.show.templating import page_environment
+from hypernav.search.mapping.stairs.floor_exits import routes
+from hypernav.search.mapping.storage.memory_index import Index
+from hypernav.search.mapping.storage.memory_reader import read_index
+from hypernav.search.mapping.storage.memory_writer import INDEX_NAME
 
 _FOLDER = Path(__file__).parent / "page"
 _KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}

@@ -9,6 +9,9 @@ from typing import Any
 
 import uvicorn
 
+from hypernav.app.show import captions
+from hypernav.app.show.frame_data import colour_jpeg
+from hypernav.app.show.video_frame import EpisodeInfo
 from hypernav.core.episode import Outcome
 from hypernav.core.errors import ConfigError, RequestRefusedError
 from hypernav.core.geometry.grid import OccupancyGrid
@@ -23,9 +26,6 @@ from hypernav.robot.server.serving import listening, server_config
 from hypernav.robot.server.waiting_robots import WaitingRobots
 from hypernav.robot.server.watching import watching_routes
 from hypernav.robot.wire.replies import MapExtent, SearchEnding, SearchState, Status
-from hypernav.show import captions
-from hypernav.show.frame_data import colour_jpeg
-from hypernav.show.video_frame import EpisodeInfo
 
 _ENDINGS = {
     Outcome.FOUND: SearchEnding.FOUND,

@@ -19,8 +19,8 @@ from hypernav.core.world import Position, RenderedView, Simulator
 from hypernav.robot.client.robot import Sensed
 from hypernav.robot.driving.base import DepthView, Velocity
 from hypernav.robot.simulation.person import Person, PersonConfig, drawn_into
-from hypernav.worlds.config import SimulationConfig
-from hypernav.worlds.noise import noisy_depth
+from hypernav.simulator.worlds.config import SimulationConfig
+from hypernav.simulator.worlds.noise import noisy_depth
 
 _SAFETY_PIXELS = (80, 60)
 _EXPOSURE_S = 0.01

@@ -12,7 +12,7 @@ from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.wire.frames import pack_observation
 from hypernav.robot.wire.requests import ObservationFacts
 from hypernav.robot.wire.values import PlanarPose
-from hypernav.worlds.box_room import BoxRoom
+from hypernav.simulator.worlds.box_room import BoxRoom
 from servers.robots import RobotLink, robot_server
 
 FREELY = ServerLimits(requests_per_s=1e6, burst=1_000_000, searches=500)

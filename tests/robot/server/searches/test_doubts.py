@@ -16,7 +16,7 @@ from hypernav.robot.server.searches.doubts import Doubts
 from hypernav.robot.wire.frames import pack_observation
 from hypernav.robot.wire.requests import ObservationFacts
 from hypernav.robot.wire.values import PlanarPose
-from hypernav.worlds.box_room import BoxRoom
+from hypernav.simulator.worlds.box_room import BoxRoom
 from servers.robots import RobotLink, real_plan, robot_server
 
 CAMERA = PinholeCamera.from_hfov(80, 60, 79.0)

@@ -15,7 +15,7 @@ from hypernav.core.trace import StepTrace, floor_of, without_timings
 from hypernav.robot.server.limits import ServerLimits
 from hypernav.robot.server.searches.searches import Searches
 from hypernav.robot.wire.values import PlanarPose
-from hypernav.worlds.box_room import BoxRoom
+from hypernav.simulator.worlds.box_room import BoxRoom
 from servers.robots import (
     ScriptedAgent,
     body_of,

@@ -16,15 +16,15 @@ from hypernav.core.embodiment import Action
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode
-from hypernav.mapping.memory.memory import Memory
-from hypernav.mapping.memory.relocalization import FoundStart, found_by_turn
-from hypernav.mapping.storage.memory_folder import MemoryFolder
-from hypernav.mapping.storage.memory_reader import read_index
 from hypernav.robot.server.searches.agents import AgentPlan, PlanAgent
 from hypernav.robot.wire.frames import pack_observation
 from hypernav.robot.wire.requests import ObservationFacts, OpenSearch
 from hypernav.robot.wire.values import PlanarPose
-from hypernav.worlds.simulation import SimulatedWorld
+from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.mapping.memory.relocalization import FoundStart, found_by_turn
+from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+from hypernav.search.mapping.storage.memory_reader import read_index
+from hypernav.simulator.worlds.simulation import SimulatedWorld
 from memory_folders import files_of
 from servers.robots import RobotLink, real_plan, robot_server
 from small_episodes import episode_from
@@ -280,7 +280,7 @@ def test_in_another_building_the_search_begins_anew_and_the_memory_stays(tmp_pat
 def test_where_the_map_contradicts_a_sure_place_the_search_begins_anew(
     tmp_path, plan, home, house, monkeypatch
 ):
-    monkeypatch.setattr("hypernav.mapping.memory.start._LEAST_FIT", 2.0)
+    monkeypatch.setattr("hypernav.search.mapping.memory.start._LEAST_FIT", 2.0)
     before = files_of(home)
     with robot_server(tmp_path / "state", plan) as link:
         search = opened(link, "bed")

@@ -6,17 +6,17 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
 
-from hypernav.build.agents import BuiltAgent, build_agent
-from hypernav.build.component_specs import ComponentSpecs
-from hypernav.build.memories import open_memory
-from hypernav.build.presets import HyPerNavConfig
+from hypernav.app.build.agents import BuiltAgent, build_agent
+from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.memories import open_memory
+from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.components.abilities import check_remembers
 from hypernav.core.components.protocols import Agent
 from hypernav.core.errors import ConfigError
 from hypernav.core.goal import Goal
-from hypernav.mapping.storage.memory_folder import MemoryFolder
 from hypernav.robot.server.searches.journal import MODEL_FILE
 from hypernav.robot.wire.requests import OpenSearch
+from hypernav.search.mapping.storage.memory_folder import MemoryFolder
 
 _LOG = logging.getLogger(__name__)
 _PATIENCE_S = 10.0

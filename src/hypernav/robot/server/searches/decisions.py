@@ -7,7 +7,7 @@ from typing import cast
 
 import numpy as np
 
-from hypernav.build.agents import BuiltAgent
+from hypernav.app.build.agents import BuiltAgent
 from hypernav.core.components.protocols import ExplainsItself, Remembers
 from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import OutputError, WireError
@@ -16,7 +16,6 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, StepTrace, floor_of
-from hypernav.mapping.storage.memory_folder import MemoryFolder
 from hypernav.robot.driving.base import Velocity as BaseVelocity
 from hypernav.robot.driving.obstacles import MapObstacles
 from hypernav.robot.driving.pure_pursuit import DriveConfig, PurePursuit
@@ -27,6 +26,7 @@ from hypernav.robot.server.searches.unknown_start import UnknownStart
 from hypernav.robot.wire.frames import PackedObservation, decode_observation, unpack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding, StartInMemory, Velocity
 from hypernav.robot.wire.requests import ObservationFacts
+from hypernav.search.mapping.storage.memory_folder import MemoryFolder
 
 _LOG = logging.getLogger(__name__)
 _BLOCKED = "the robot says that it was blocked"

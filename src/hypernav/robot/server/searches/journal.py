@@ -10,7 +10,7 @@ The folder of a search holds:
 - ``search.json``: the request, and the configuration of the agent.
 - ``observations.bin``: the observations as they were received (`RecordFile`).
 - ``steps.bin``: one `StepRecord` as JSON for every decision.
-- ``model.jsonl``: the exchanges with the model (`hypernav.models.chat.recording`).
+- ``model.jsonl``: the exchanges with the model (`hypernav.search.models.chat.recording`).
 - ``end.json``: how the search ended, with ``map.pgm`` and ``map.yaml`` of the floor where it did,
   and those of other floors in ``floor_N``. Until then a hidden file
   reserves its disk space, so that a stop can be written on a full disk, too.
@@ -29,18 +29,18 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from hypernav.build.component_specs import ComponentSpecs
-from hypernav.build.presets import HyPerNavConfig
+from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.errors import HyPerNavError, RunFolderError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
 from hypernav.io.reading import read_file
 from hypernav.io.writing import AppendOnlyFile
-from hypernav.mapping.ros_map import load_ros_map, save_ros_map
 from hypernav.robot.wire.frames import unpack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding, StartInMemory
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.robot.wire.values import Message, SearchId
+from hypernav.search.mapping.ros_map import load_ros_map, save_ros_map
 
 _HEADER = struct.Struct("<II")
 

@@ -12,7 +12,6 @@ from pathlib import Path
 from hypernav.core.errors import HyPerNavError, RequestRefusedError, RunFolderError
 from hypernav.core.goal import Goal
 from hypernav.io.folder_lock import folder_lock
-from hypernav.mapping.memory.memory import Memory
 from hypernav.robot.server.limits import Pace, ServerLimits
 from hypernav.robot.server.searches.agents import AgentPlan, PlanAgent, check_labels
 from hypernav.robot.server.searches.decisions import Decisions
@@ -21,6 +20,7 @@ from hypernav.robot.server.searches.search import Search
 from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch, ThingName
 from hypernav.robot.wire.values import SEARCHES
+from hypernav.search.mapping.memory.memory import Memory
 
 _LOG = logging.getLogger(__name__)
 _PATIENCE_S = 2.0

@@ -1,0 +1,242 @@
+"""The command `hypernav exam`: questions with known answers for a model, and a page about it."""
+
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack, closing, nullcontext
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from rich.live import Live
+
+from hypernav.app.build.chat import model_words, wrap_chat
+from hypernav.app.build.component_specs import ComponentSpecs, PresetName
+from hypernav.app.build.presets import HyPerNavConfig, preset
+from hypernav.app.build.prompts import prompt_hashes
+from hypernav.app.cli.eval import folder_name
+from hypernav.app.cli.guards.outputs import check_folder
+from hypernav.app.cli.options.commands import ExamOptions
+from hypernav.app.cli.screen.search_lines import warnings_on
+from hypernav.app.cli.screen.terminal import Terminal
+from hypernav.core.components.protocols import ChatModel
+from hypernav.core.config import MOST_THREADS, check_option
+from hypernav.core.errors import ConfigError
+from hypernav.io.folder_lock import folder_lock
+from hypernav.io.layered_config import layered
+from hypernav.lab.exam.bank import BANK_VERSION, Bank
+from hypernav.lab.exam.confusion import confusion_of
+from hypernav.lab.exam.examinee import Examinee, check_named
+from hypernav.lab.exam.gathering import questions_of
+from hypernav.lab.exam.prediction import Prediction, predictions_of
+from hypernav.lab.exam.questions import Answered
+from hypernav.lab.exam.results import (
+    PAGE,
+    RESULT,
+    Examined,
+    differences_of,
+    write_comparison,
+    write_results,
+)
+from hypernav.lab.exam.searches import SEARCHES, mimics_of, run_searches, spread_episodes
+from hypernav.lab.exam.sitting import FORECAST_AFTER, Progress, sit
+from hypernav.search.models.chat.ledger import Ledger
+from hypernav.search.models.chat.vlm_spec import parse_vlm_spec
+
+_LINE_EVERY_S = 60.0
+_AT_ONCE = 4
+_WAITS = {"timeout_s", "patience_s", "first_wait_s", "longest_wait_s", "device"}
+"""Values that say how long and where, not what is answered."""
+_PREDICTED: tuple[PresetName, ...] = ("default", "paper")
+"""Presets of the searches that are predicted."""
+_DRAWN = ("embodiment", "mapping", "overview", "arrows")
+"""Sections on which the questions themselves depend."""
+EXCHANGES = "exchanges.jsonl"
+
+
+def run(options: ExamOptions) -> int:
+    """Run the command.
+
+    Returns:
+        The status of success: every question is answered, well or badly.
+
+    Raises:
+        HyPerNavError: The exam cannot be begun, or stopped before its end; the same command goes
+            on from there.
+    """
+    if options.at_once is not None:
+        check_option("--at-once", options.at_once, (1, MOST_THREADS), "questions at a time")
+    check_option("--predict", options.predict, (0, 1000), "episodes")
+    if options.compare is not None and options.config is not None:
+        raise ConfigError("--compare names the two files; drop --config")
+    folder = options.out or Path("runs") / folder_name(f"exam-{_name(options)}")
+    check_folder(folder)
+    console = Terminal(soft_wrap=True)
+    if options.compare is None:
+        answers, page = _examined(options, options.config, folder, console)
+        right = sum(one.score for one in answers)
+        said = f"{right:.0f} of {len(answers)} answers are right; the page: {page}"
+        console.print(said, markup=False)
+        return 0
+    first, second = (  # both now: a bad second file is not found out after a whole exam
+        layered(preset(options.preset), file=path, assignments=options.set)
+        for path in options.compare
+    )
+    if other := [one for one in _DRAWN if getattr(first, one) != getattr(second, one)]:
+        raise ConfigError(
+            f"--compare: the two files differ in {', '.join(other)}, so their questions would "
+            "differ, too; compare files that differ in words and answers only"
+        )
+    names = (options.compare[0].stem, options.compare[1].stem)
+    parts = [
+        _examined(options, path, folder / part, console)[0]
+        for part, path in zip(("first", "second"), options.compare, strict=True)
+    ]
+    page = write_comparison(folder, names, differences_of(*parts))
+    console.print(f"the comparison: {page}", markup=False)
+    return 0
+
+
+def _examined(
+    options: ExamOptions, file: Path | None, folder: Path, console: Terminal
+) -> tuple[list[Answered], Path]:
+    """Sit one exam and write its page."""
+    config = layered(preset(options.preset), file=file, assignments=options.set)
+    specs = ComponentSpecs(
+        vlm=options.vlm,
+        detector=options.detector,
+        reasoner=options.reasoner,
+        segmenter=options.segmenter,
+    )
+    check_named(specs)
+    is_replay = options.vlm is not None and parse_vlm_spec(options.vlm).kind == "replay"
+    record = None if options.vlm is None or is_replay else folder / EXCHANGES
+    with folder_lock(folder), warnings_on(console), ExitStack() as stack:
+        chat, recording = wrap_chat(options.vlm, config.chat, Ledger(), record, resume=True)
+        if recording is not None:
+            stack.enter_context(closing(recording))
+        examinee = Examinee(config, specs, chat)
+        examinee.check()
+        bank = Bank(options.bank, options.size, examinee.kinds)
+        examined = _described(options, config, bank, examinee, chat)
+        answers = _watched(options, config, folder, bank, examinee, examined, console)
+        predicts = options.predict > 0 and options.compare is None
+        page = folder / PAGE
+        if not predicts or not (folder / RESULT).exists():  # before minutes of searches
+            page = write_results(folder, examined, answers)
+        if predicts:
+            predictions = _predicted(options, config, folder, answers, console)
+            page = write_results(folder, examined, answers, predictions)
+        return answers, page
+
+
+def _predicted(
+    options: ExamOptions,
+    config: HyPerNavConfig,
+    folder: Path,
+    answers: Sequence[Answered],
+    console: Terminal,
+) -> list[Prediction]:
+    """What searches with the model would reach; nothing if no such question was asked."""
+    confusion = confusion_of(answers)
+    if not (confusion.blocks or confusion.sight or confusion.presence):
+        return []
+    robot = {"embodiment": config.embodiment, "mapping": config.mapping}
+    configs = {name: preset(name).model_copy(update=robot) for name in _PREDICTED}
+    configs |= {options.preset: config} if options.preset in configs else {}
+    console.print(f"searching {options.predict} times with stand-ins that err like it …")
+    episodes = spread_episodes(config, options.predict)
+    with console.status("") as status:
+
+        def watch(done: int) -> None:
+            status.update(f"{done} of {len(episodes)} searches with stand-ins")
+
+        agents = mimics_of(confusion, configs)
+        return predictions_of(run_searches(agents, config, episodes, folder / SEARCHES, watch))
+
+
+def _watched(
+    options: ExamOptions,
+    config: HyPerNavConfig,
+    folder: Path,
+    bank: Bank,
+    examinee: Examinee,
+    examined: Examined,
+    console: Terminal,
+) -> list[Answered]:
+    said, forecast = time.monotonic(), False
+    live = Live(console=console, refresh_per_second=2, transient=True)
+
+    def watch(progress: Progress) -> None:
+        nonlocal said, forecast
+        line = _line(progress, config)
+        if progress.answered_here == FORECAST_AFTER and not forecast:
+            forecast = True
+            console.print(f"after the first ten: {line}")
+        elif console.is_terminal:
+            live.update(line)
+        elif time.monotonic() - said >= _LINE_EVERY_S:
+            said = time.monotonic()
+            console.print(line)
+
+    with live if console.is_terminal else nullcontext():
+        return sit(
+            folder,
+            bank,
+            partial(questions_of, config=config),
+            examinee,
+            configuration=_configuration(examined, config),
+            at_once=options.at_once or (_AT_ONCE if _is_served(options) else 1),
+            watch=watch,
+        )
+
+
+def _described(
+    options: ExamOptions,
+    config: HyPerNavConfig,
+    bank: Bank,
+    examinee: Examinee,
+    chat: ChatModel | None,
+) -> Examined:
+    who = {kind: examinee.words(kind) for kind in examinee.kinds}
+    if options.vlm is not None and chat is not None:
+        who["model"] = model_words(options.vlm, chat.identify)
+    return Examined(
+        model=_name(options) if chat is None else chat.identify(),
+        family=config.grounding.family,
+        bank=f"{bank.name}, {bank.size}, version {BANK_VERSION}",
+        wanted=bank.count,
+        who=who,
+        prompts=prompt_hashes(config) if options.vlm else {},
+        price_in_per_million=config.price.in_per_million,
+        price_out_per_million=config.price.out_per_million,
+    )
+
+
+def _configuration(examined: Examined, config: HyPerNavConfig) -> dict[str, Any]:
+    return {
+        "model": examined.model,
+        "bank": examined.bank,
+        "who": examined.who,
+        "prompts": examined.prompts,
+        "config": config.model_dump(mode="json", exclude={"price": True, "chat": _WAITS}),
+    }
+
+
+def _line(progress: Progress, config: HyPerNavConfig) -> str:
+    line = f"{progress.done} of {progress.wanted} questions"
+    if progress.left_s is not None:
+        line += f", about {max(round(progress.left_s / 60.0), 1)} min left"
+    cost = progress.cost(config.price.in_per_million, config.price.out_per_million)
+    return line if cost is None else f"{line}, about {cost:.3g} in money for the whole exam"
+
+
+def _name(options: ExamOptions) -> str:
+    if options.vlm is not None:
+        spec = parse_vlm_spec(options.vlm)
+        return spec.model or spec.target
+    named = (options.detector, options.segmenter, options.reasoner)
+    return " ".join(one for one in named if one) or "nothing"
+
+
+def _is_served(options: ExamOptions) -> bool:
+    return options.vlm is not None and parse_vlm_spec(options.vlm).kind == "openai"

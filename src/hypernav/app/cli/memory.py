@@ -1,0 +1,367 @@
+"""The command `hypernav memory`: a page about what a robot remembers, and what to forget of it.
+
+The page shows a plan of every floor with its things, key images and the history.
+"""
+
+import itertools
+import json
+import math
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from hypernav.app.cli.guards.crashes import ExitStatus
+from hypernav.app.cli.guards.outputs import check_file
+from hypernav.app.cli.options.commands import MemoryOptions
+from hypernav.app.cli.screen.terminal import Terminal
+from hypernav.app.show.climbs import StairsMark
+from hypernav.app.show.drawing.map_painter import MapPainter
+from hypernav.app.show.drawing.map_view import MapView
+from hypernav.app.show.templating import data_uri, image_uri, page_environment
+from hypernav.core.errors import ConfigError, MemoryFolderError, OutputError
+from hypernav.core.labels import canonical, names_of, same_name
+from hypernav.core.words import megabytes, number_of
+from hypernav.io.folder_lock import LOCK_NAME, folder_lock
+from hypernav.io.writing import write_whole
+from hypernav.search.mapping.memory.floor import Floor
+from hypernav.search.mapping.memory.key_images import KeyImage
+from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.mapping.memory.thing import MOST_CHANCE, Thing
+from hypernav.search.mapping.memory.things import Things
+from hypernav.search.mapping.stairs.connectors import Connector
+from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+from hypernav.search.mapping.storage.memory_reader import read_index
+
+_PLAN_PX = 900
+_DRIVEN_M = 1.0
+"""Distance between two positions, metres, beyond which another search began, or on stairs."""
+_THUMBNAIL_PX = 240
+_NEAREST_M = 0.1
+"""Distance in front of a camera, metres, from which a corner of a thing is marked."""
+_OUTCOMES = {
+    "found": "found",
+    "not_found": "not found",
+    "model_unavailable": "the model was unavailable",
+    "interrupted": "interrupted",
+    "": "under way, or killed",
+}
+
+
+def memory_page(home: MemoryFolder) -> str:
+    """The page, as HTML in one file.
+
+    Args:
+        home: The opened memory.
+    """
+    memory = home.memory
+    kept = memory.images.kept if memory.images else []
+    images = {one.number: (one, _thumbnail(one)) for one in kept}
+    template = page_environment().get_template("memory.html.j2")
+    return template.render(
+        name=home.folder.resolve().name,
+        building="" if home.place is None else home.place.building,
+        left_out=home.left_out,
+        most_chance=MOST_CHANCE,
+        floors=[_floor(number, memory, images) for number in range(len(memory.floors))],
+        images=[
+            {
+                "uri": images[one.number][1],
+                "floor": one.floor + 1,
+                "search": one.search,
+                "shows": (shows := _shown(memory.floors[one.floor], one.number)),
+                "words": " ".join(name for label in shows for name in names_of(label)),
+            }
+            for one in kept
+            if one.floor < len(memory.floors)
+        ],
+        megabytes=sum(one.size for one in kept) / 1e6,
+        limit=megabytes(home.most_bytes),
+        history=[
+            {
+                "number": one.search,
+                "goal": one.goal,
+                "began": one.began.replace("T", " ")[:16],
+                "outcome": _OUTCOMES.get(one.outcome, one.outcome),
+                "steps": one.steps if one.outcome else "–",  # they are counted at its end
+                "refuted": len(one.refuted),
+            }
+            for one in reversed(home.history)
+        ],
+    )
+
+
+def _shown(floor: Floor, image: int) -> list[str]:
+    """The names of the things that a key image shows best."""
+    return sorted({thing.label for thing in floor.things.known if thing.image == image})
+
+
+def _stairs(connectors: Sequence[Connector], floor: int) -> list[StairsMark]:
+    """The stairs on a floor on which the robot may rely, and where they lead."""
+    return [
+        StairsMark(one.end, one.words if to is None else f"{one.words} to floor {to + 1}")
+        for one in connectors
+        if one.floor == floor and one.is_usable and (to := one.other_floor) != floor
+    ]
+
+
+_Images = Mapping[int, tuple[KeyImage, str]]
+"""Key images and their thumbnails, by number."""
+
+
+def _floor(number: int, memory: Memory, images: _Images) -> dict[str, Any]:
+    floor = memory.floors[number]
+    grid = floor.map.grid.cropped()
+    view = MapView.fit(grid, _PLAN_PX)
+    painter = MapPainter(grid, view=view)
+    driven = ways(floor.trajectory)
+    for way in driven:
+        painter.trajectory(way)
+    painter.stairs(_stairs(memory.connectors, number), driven)
+    painter.scale_bar()
+    return {
+        "number": number + 1,
+        "above_first_m": floor.z - memory.floors[0].z,
+        "area_m2": float(grid.free.sum()) * grid.resolution_m**2,
+        "plan": image_uri(painter.image),
+        "size": _PLAN_PX,
+        "things": [
+            _thing(one, view, images)
+            for one in sorted(floor.things.known, key=lambda one: (one.label, one.number))
+        ],
+    }
+
+
+def ways(trajectory: Sequence[tuple[float, float]]) -> list[list[tuple[float, float]]]:
+    """The parts of a trajectory between which the robot did not drive."""
+    ways = list[list[tuple[float, float]]]()
+    for position in trajectory:
+        if not ways or math.dist(ways[-1][-1], position) > _DRIVEN_M:
+            ways.append([])
+        ways[-1].append(position)
+    return ways
+
+
+def _thing(thing: Thing, view: MapView, images: _Images) -> dict[str, Any]:
+    (left, bottom), (right, top) = (view.pixel_of(*one[:2]) for one in (thing.low, thing.high))
+    x, y, z = thing.position
+    shown, uri = (None, "") if thing.image is None else images.get(thing.image, (None, ""))
+    return {
+        "number": thing.number,
+        "label": thing.label,
+        "words": " ".join(names_of(thing.label)),
+        "box": (left, top, max(right - left, 4.0), max(bottom - top, 4.0)),
+        "area": thing.size[0] * thing.size[1],
+        "position": f"{x:z.1f}, {y:z.1f}",
+        "height": f"{z:z.1f}",
+        "size": " × ".join(f"{side:.1f}" for side in thing.size),
+        "chance": thing.chance,
+        "is_gone": thing.is_gone,
+        "seen": thing.seen,
+        "missed": thing.missed,
+        "last_search": thing.last_search,
+        "image": uri,
+        "mark": None if shown is None else mark(thing, shown),
+    }
+
+
+def mark(thing: Thing, image: KeyImage) -> tuple[float, float, float, float] | None:
+    """Where a key image shows a thing, as the box around its corners there.
+
+    Returns:
+        Left, top, width and height as shares of the image; None if no corner is in front of it.
+    """
+    corners = np.array(list(itertools.product(*zip(thing.low, thing.high, strict=True))))
+    seen = image.camera_to_map.inverse().apply(corners)
+    seen = seen[seen[:, 2] > _NEAREST_M]
+    if not len(seen):
+        return None
+    at = image.camera.project(seen) / (image.camera.width, image.camera.height)
+    (left, top), (right, bottom) = (
+        bound.clip(0.0, 1.0).tolist() for bound in (at.min(0), at.max(0))
+    )
+    return (left, top, right - left, bottom - top)
+
+
+def _thumbnail(image: KeyImage) -> str:
+    rgb = image.rgb
+    height = max(round(rgb.shape[0] * _THUMBNAIL_PX / rgb.shape[1]), 1)
+    small = cv2.resize(
+        np.ascontiguousarray(rgb), (_THUMBNAIL_PX, height), interpolation=cv2.INTER_AREA
+    )
+    _, data = cv2.imencode(".jpg", small[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, 80])
+    return data_uri(data.tobytes(), "image/jpeg")
+
+
+PAGE_NAME = "index.html"
+
+
+def run(options: MemoryOptions) -> int:
+    """Run the command.
+
+    Returns:
+        The status of success.
+
+    Raises:
+        ConfigError: A name is empty or of nothing that is remembered, or export or page lie in the
+            memory.
+        MemoryFolderError: There is no memory, or it is broken.
+        OutputError: Something can't be written.
+        RunFolderError: A search is using the memory.
+    """
+    for option, file in (("--export", options.export), ("--page", options.page)):
+        if file is not None:
+            check_file(file)
+            _check_outside(option, file, options.folder)
+    if options.forget == ():
+        raise ConfigError("--forget: name what to forget, such as --forget cup")
+    index = read_index(options.folder)
+    if index is None:
+        _check_not_begun(options.folder)
+        raise MemoryFolderError(
+            f"there is no memory in {options.folder}; hypernav find GOAL --memory "
+            f"{options.folder} begins one"
+        )
+    console = Terminal(stderr=False, soft_wrap=True)
+    is_edited = bool(options.forget or options.forget_images)
+    with MemoryFolder(options.folder, index.mapping, index.robot, to_read=not is_edited) as home:
+        for line in home.left_out:
+            console.print(line, markup=False)
+        known = {one.label for floor in home.memory.floors for one in floor.things.known}
+        for name in options.forget or ():
+            if not any(same_name(label, name) for label in known):
+                near = get_close_matches(name, sorted(known), n=1)
+                hint = f"; did you mean '{near[0]}'?" if near else ""
+                raise ConfigError(f"--forget: no '{name}' is remembered{hint}")
+        done = list[str]()
+        for name in {canonical(name): name for name in options.forget or ()}.values():
+            labels = sorted(label for label in known if same_name(label, name))
+            count = _forgotten(home.memory, name)
+            done.append(f"{number_of(count, 'thing')} forgotten: {', '.join(labels)}")
+        if options.forget_images:
+            count = _image_count(home.memory)
+            home.forget_images()
+            done.append(f"{number_of(count, 'key image')} forgotten")
+        elif options.forget:
+            done.append("key images stay, also those that show them; --forget-images forgets all")
+        if is_edited:
+            home.save(makes_room=False)
+        for line in done:
+            console.print(line, markup=False)
+        if options.export is not None:
+            _write(options.export, json.dumps(geojson(home.memory), indent=1) + "\n")
+        told = _written_page(options, memory_page(home))
+        floors = home.memory.floors
+        console.print(
+            f"{number_of(len(home.history), 'search', 'searches')}, "
+            f"{number_of(sum(len(one.things.known) for one in floors), 'thing')}, "
+            f"{number_of(_image_count(home.memory), 'key image')}, "
+            f"{number_of(len(floors), 'floor')}; {told}",
+            markup=False,
+        )
+    return ExitStatus.SUCCESS
+
+
+def _check_not_begun(folder: Path) -> None:
+    """Refuse a folder to which a first search has not saved yet.
+
+    Raises:
+        RunFolderError: A search is using it.
+    """
+    if (folder / LOCK_NAME).exists():
+        with folder_lock(folder, option="--memory"):
+            pass
+
+
+def geojson(memory: Memory) -> dict[str, Any]:
+    """All things as GeoJSON polygons.
+
+    Coordinates and heights are metres of the ``map`` frame, no degrees; of each thing ``floor_m``
+    is the height of its floor there, and ``bottom_m`` and ``top_m`` are those of its box.
+    """
+    return {
+        "type": "FeatureCollection",
+        "features": [
+            _feature(thing, number, floor.z)
+            for number, floor in enumerate(memory.floors)
+            for thing in floor.things.known
+        ],
+    }
+
+
+def _feature(thing: Thing, floor: int, floor_m: float) -> dict[str, Any]:
+    corners = thing.outline[1:]
+    return {
+        "type": "Feature",
+        "geometry": {"type": "Polygon", "coordinates": [[*corners, corners[0]]]},
+        "properties": {
+            "label": thing.label,
+            "chance": round(thing.chance, 3),
+            "floor": floor + 1,
+            "floor_m": floor_m,
+            "bottom_m": floor_m + thing.low[2],
+            "top_m": floor_m + thing.high[2],
+            "seen": thing.seen,
+            "missed": thing.missed,
+            "last_search": thing.last_search,
+        },
+    }
+
+
+def _forgotten(memory: Memory, name: str) -> int:
+    """Forget the things of a name; returns their number."""
+    number = 0
+    for floor in memory.floors:
+        kept = tuple(one for one in floor.things.known if not same_name(one.label, name))
+        number += len(floor.things.known) - len(kept)
+        floor.things = Things(kept, floor.things.count)
+    return number
+
+
+def _image_count(memory: Memory) -> int:
+    return len(memory.images.kept) if memory.images else 0
+
+
+def _written_page(options: MemoryOptions, text: str) -> str:
+    """Write the page; returns what to do now.
+
+    Raises:
+        OutputError: It can't be written, and nothing else was asked for.
+    """
+    page = options.page or options.folder / PAGE_NAME
+    try:
+        _write(page, text)
+    except OutputError as error:
+        if options.page is not None:
+            raise
+        words = f"{error}; --page FILE writes it elsewhere"
+        if options.export is None:
+            raise OutputError(words) from error
+        return f"no page: {words}"
+    return f"open {page}"
+
+
+def _check_outside(option: str, file: Path, folder: Path) -> None:
+    """Refuse to write a file into the memory.
+
+    Raises:
+        ConfigError: It would be.
+    """
+    if folder.resolve() in file.resolve().parents:
+        raise ConfigError(
+            f"{option} {file} lies in the memory, whose files it could replace; name a file "
+            "elsewhere"
+        )
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, text)
+    except OSError as error:
+        raise OutputError(
+            f"{path} cannot be written ({error.strerror}); make that possible, and try again"
+        ) from error

@@ -1,0 +1,85 @@
+"""The page of the study of goal refinement, and its files."""
+
+import csv
+from collections.abc import Sequence
+from dataclasses import asdict, fields
+from pathlib import Path
+
+from hypernav.app.show.templating import page_environment
+from hypernav.core.errors import OutputError
+from hypernav.core.words import number_of
+from hypernav.lab.datasets.paper_results import REFINEMENT_DROPS_PERCENT
+from hypernav.lab.evaluation.ablation.ablation_page import PAGE
+from hypernav.lab.evaluation.ablation.figures import write_figure
+from hypernav.lab.evaluation.refinement.area_record import AreaRecord
+from hypernav.lab.evaluation.refinement.boxes import JITTER_SHARE, MATCHING_IOU
+from hypernav.lab.evaluation.refinement.figure import shares_figure
+from hypernav.lab.evaluation.refinement.goal_position import GoalPosition
+from hypernav.lab.evaluation.refinement.summary import MEASURES, Measure, Row, drawn_in, table
+
+CSV = "refinement.csv"
+
+
+def write_refinement(folder: Path, records: Sequence[AreaRecord], *, lead: str) -> Path:
+    """Write the page, the figure and ``refinement.csv``.
+
+    Args:
+        folder: Folder of the study.
+        records: Records of all episodes.
+        lead: Sentence that says what was studied.
+
+    Returns:
+        Path of the page, which is one file and needs no network.
+
+    Raises:
+        OutputError: The folder can't be written.
+    """
+    rows = table(records)
+    page = page_environment("hypernav.lab.evaluation").get_template("refinement.html.j2")
+    try:
+        text = page.render(
+            title="Goal refinement",
+            lead=lead,
+            verdicts=(),
+            warnings=(),
+            rows=rows,
+            measures=MEASURES,
+            drawn=drawn_in(rows),
+            figure=write_figure(folder, lambda: shares_figure(rows)) if rows else "",
+            figure_title="What becomes of a box",
+            jitter=JITTER_SHARE,
+            iou=MATCHING_IOU,
+            paper=REFINEMENT_DROPS_PERCENT,
+        )
+        (folder / PAGE).write_text(text, encoding="utf-8")
+        _write_csv(folder / CSV, records)
+    except OSError as error:
+        raise OutputError(f"{folder} cannot be written ({error.strerror or error})") from error
+    return folder / PAGE
+
+
+def result_lines(records: Sequence[AreaRecord]) -> list[str]:
+    """The table in lines of text, for the terminal, or a line that says that it is empty."""
+    lines = [_line(row) for row in table(records)]
+    return lines or ["nothing was measured: no episode showed its goal within the range of depth"]
+
+
+def _line(row: Row) -> str:
+    told = ", ".join(f"{name} {_said(measure)}" for name, measure in row.measures.items())
+    return f"{row.box.value} box, {row.mask.value}: {told} ({number_of(row.episodes, 'episode')})"
+
+
+def _said(measure: Measure) -> str:
+    drop = "" if measure.drop is None else f" (drop {100 * measure.drop.mean:.0f} %)"
+    return f"{100 * measure.share.mean:.1f} %{drop}"
+
+
+def _write_csv(path: Path, records: Sequence[AreaRecord]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        positions = [field.name for field in fields(GoalPosition)]
+        own = [field.name for field in fields(AreaRecord) if field.name != "position"]
+        writer = csv.DictWriter(file, [*own, *positions])
+        writer.writeheader()
+        for record in records:
+            row = asdict(record)
+            writer.writerow(row | (row.pop("position") or dict.fromkeys(positions, "")))

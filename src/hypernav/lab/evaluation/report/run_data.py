@@ -1,0 +1,247 @@
+"""The results of a run, read back from its folder, and the cost of its episodes."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hypernav.app.show.captions import ITS_OWN
+from hypernav.core.errors import RunFolderError
+from hypernav.lab.datasets.benchmarks import Benchmark, benchmark_of
+from hypernav.lab.evaluation.record import EpisodeKey, EpisodeRecord
+from hypernav.lab.evaluation.statistics import counted
+from hypernav.lab.evaluation.store.run_store import (
+    Session,
+    read_configuration,
+    read_records,
+    read_sessions,
+)
+
+
+@dataclass(frozen=True)
+class RunData:
+    """Results of one run.
+
+    Attributes:
+        folder: Folder of the run.
+        name: Short name, unique among the runs of a report.
+        configuration: Content of ``run.json``.
+        records: Records of all finished episodes, in the order of scenes and episodes.
+        sessions: Entries of ``sessions.jsonl``.
+    """
+
+    folder: Path
+    name: str
+    configuration: dict[str, Any]
+    records: list[EpisodeRecord]
+    sessions: list[Session]
+
+    @property
+    def counted(self) -> list[EpisodeRecord]:
+        """Episodes that count in the rates; outages do not."""
+        return counted(self.records)
+
+    @property
+    def by_key(self) -> dict[EpisodeKey, EpisodeRecord]:
+        """The counted episodes by scene and id."""
+        return {record.key: record for record in self.counted}
+
+    @property
+    def who(self) -> dict[str, Any]:
+        """Agent, preset and components, by name."""
+        return self.configuration["who"]
+
+    @property
+    def dataset(self) -> str:
+        """Name of the data set."""
+        return self.configuration["dataset"]
+
+    @property
+    def wanted(self) -> int:
+        """Number of episodes of the complete run."""
+        return self.configuration["episodes"]["count"]
+
+    @property
+    def is_told_truth(self) -> bool:
+        """Whether the simulator told the robot what it sees."""
+        parts = self.who.get("parts", {})
+        asks_to_stop = self.is_native and parts.get("detector") == "none"
+        told = asks_to_stop and parts.get("vlm") is None
+        return told or str(parts.get("detector", "")) == "ground-truth"
+
+    @property
+    def is_native(self) -> bool:
+        """Whether the method used its own camera, step and stop, not the common ones."""
+        return is_native(self.configuration)
+
+    @property
+    def benchmark(self) -> Benchmark | None:
+        """The published benchmark that the run follows, if any."""
+        return benchmark_of(self.dataset, self.configuration.get("benchmark"))
+
+    @property
+    def errs_as_released(self) -> bool:
+        """Whether the method made the mistakes of its released code."""
+        return str(self.who["preset"]).endswith("-as-released")
+
+
+_NEEDED: dict[str, tuple[str, ...] | None] = {
+    "hypernav": None,
+    "dataset": None,
+    "selection": (),
+    "episodes": ("count", "scenes", "fingerprint"),
+    "who": ("agent", "preset", "detector", "reasoner"),
+    "protocol": ("max_steps", "success_distance_m"),
+    "config": (),
+}
+"""Sections of a run's configuration that reports read, with their keys; None for a text."""
+
+
+def is_native(configuration: dict[str, Any]) -> bool:
+    """Whether the configuration of a run is of native mode."""
+    return configuration["who"].get("parts", {}).get("mode") == "native"
+
+
+def load_runs(folders: Sequence[Path]) -> list[RunData]:
+    """Read runs.
+
+    Raises:
+        RunFolderError: A folder is not that of a run, is damaged, of an older version, or holds
+            no episode yet; or runs in native and in common mode are mixed.
+    """
+    configurations = [read_configuration(folder) for folder in folders]
+    for folder, configuration in zip(folders, configurations, strict=True):
+        _check_sections(folder, configuration)
+        _check_version(folder, configuration)
+    _check_modes(folders, configurations)
+    runs = []
+    for folder, name, configuration in zip(
+        folders, _names(folders, configurations), configurations, strict=True
+    ):
+        # Intervals depend on the order, so it must not depend on which worker was done first.
+        records = sorted(read_records(folder), key=lambda record: record.key)
+        if not any(record.counts for record in records):
+            raise RunFolderError(f"{folder} holds no episode that counts yet; run it first")
+        runs.append(RunData(folder, name, configuration, records, read_sessions(folder)))
+    return runs
+
+
+def _check_modes(folders: Sequence[Path], configurations: Sequence[dict[str, Any]]) -> None:
+    """Refuse to compare robots of different kinds."""
+    by_mode = {is_native(one): folder for folder, one in zip(folders, configurations, strict=True)}
+    if len(by_mode) > 1:
+        raise RunFolderError(
+            f"{by_mode[True]} is of native mode and {by_mode[False]} of common mode: their robots, "
+            "steps and stops differ, so a difference between them would mean nothing; "
+            "make a report of each mode"
+        )
+
+
+def _check_sections(folder: Path, configuration: dict[str, Any]) -> None:
+    """Refuse a configuration that somebody has edited."""
+    for section, keys in _NEEDED.items():
+        part = configuration.get(section)
+        if not isinstance(part, str if keys is None else dict):
+            raise RunFolderError(f"{folder}: its configuration lacks '{section}'; was it edited?")
+        for key in keys or ():
+            if key not in part:
+                raise RunFolderError(
+                    f"{folder}: its configuration lacks '{section}.{key}'; was it edited?"
+                )
+
+
+def _check_version(folder: Path, configuration: dict[str, Any]) -> None:
+    """Refuse a run of an older version, whose configuration describes the robot elsewhere."""
+    if "embodiment" not in configuration.get("config", {}):
+        raise RunFolderError(
+            f"{folder} is of an older version of hypernav: its configuration has no section "
+            "'embodiment'; make its report with that version, or run it again"
+        )
+
+
+def _names(folders: Sequence[Path], configurations: Sequence[dict[str, Any]]) -> list[str]:
+    """Shortest unique names of runs: agent with unusual preset, agent with preset, or folder."""
+    agents = [str(c["who"]["agent"]) for c in configurations]
+    presets = [f"{c['who']['agent']} ({c['who']['preset']})" for c in configurations]
+    short = [
+        agent if c["who"]["preset"] in ("default", ITS_OWN) else full
+        for agent, full, c in zip(agents, presets, configurations, strict=True)
+    ]
+    for names in (short, presets, [folder.name for folder in folders]):
+        if len(set(names)) == len(names):
+            return names
+    return [str(folder) for folder in folders]
+
+
+_TICKS = (0, 1, 3, 10, 30, 100, 300, 1000, 3000, 10_000)
+
+
+@dataclass(frozen=True)
+class CostRow:
+    """Cost of an episode of a run, on average over its counted episodes.
+
+    Attributes:
+        metres: Path that the robot drove, metres.
+        steps: Number of actions.
+        seconds: Wall-clock time, simulation included, seconds.
+        calls: Number of questions that a chat model answered.
+        tokens: Number of tokens that it read and wrote.
+        success: Success rate, 0 to 1.
+        spl: Mean SPL, 0 to 1.
+    """
+
+    metres: float
+    steps: float
+    seconds: float
+    calls: float
+    tokens: float
+    success: float
+    spl: float
+
+
+@dataclass(frozen=True)
+class CallAxis:
+    """An axis for the number of calls per episode, from 0 to thousands.
+
+    Attributes:
+        ticks: Numbers of calls with their positions on the axis, 0 to 1.
+        places: Positions of the runs on the axis, in the order of the runs.
+    """
+
+    ticks: tuple[tuple[int, float], ...]
+    places: tuple[float, ...]
+
+
+def costs(runs: Sequence[RunData]) -> list[CostRow]:
+    """Cost of an episode in every run."""
+    return [_cost(run.counted) for run in runs]
+
+
+def call_axis(rows: Sequence[CostRow]) -> CallAxis | None:
+    """The axis on which the runs are drawn; None if no model was asked in any of them."""
+    most = max(row.calls for row in rows)
+    if most == 0.0:
+        return None
+    end = next((tick for tick in _TICKS if tick >= most), math.ceil(most))
+
+    def place(calls: float) -> float:
+        return math.log1p(calls) / math.log1p(end)
+
+    ticks = tuple((tick, place(tick)) for tick in _TICKS if tick <= end)
+    return CallAxis(ticks, tuple(place(row.calls) for row in rows))
+
+
+def _cost(records: Sequence[EpisodeRecord]) -> CostRow:
+    def mean(values: Sequence[float]) -> float:
+        return sum(values) / len(values)
+
+    return CostRow(
+        metres=mean([one.path_length_m for one in records]),
+        steps=mean([one.steps for one in records]),
+        seconds=mean([one.seconds.get("total", 0.0) for one in records]),
+        calls=mean([one.model_calls for one in records]),
+        tokens=mean([one.tokens_in + one.tokens_out for one in records]),
+        success=mean([float(one.success) for one in records]),
+        spl=mean([one.spl for one in records]),
+    )

@@ -1,0 +1,15 @@
+"""The search: all that runs on a robot. It knows no simulator, and needs none of its packages.
+
+A camera image with depth and a pose come in, an action goes out: `core.components.protocols.Agent`.
+Rooms in reading order:
+
+- ``mapping``: depth images become a map of cells, blocks and frontiers (`mapping.top_down_map`),
+  stairs, and a memory of things (`mapping.memory`), which can be kept in a folder.
+- ``models``: vision-language models and networks, local or on a server, and what their answers say.
+- ``perception``: is the goal in the image (`perception.local`), and in which block would it be
+  (`perception.explorers`)? Published rivals answer the second question in their own ways.
+- ``planning``: paths on the map, and the next action on a path.
+- ``agents``: one step after the other: explore, approach, verify, STOP (`agents.search`).
+
+May import: ``core``, ``io``, and what draws maps (``app.show``).
+"""

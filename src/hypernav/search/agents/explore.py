@@ -1,0 +1,378 @@
+"""Exploration: a look around, then from one destination of global perception to the next.
+
+A goal that was seen too far away to be measured, or on another floor, is pursued first.
+"""
+
+import math
+from dataclasses import replace
+
+import cv2
+import numpy as np
+from jaxtyping import Float64
+
+from hypernav.core.components.abilities import answers_at_once
+from hypernav.core.embodiment import Action
+from hypernav.core.exploring.exploration import Destination
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.trace import Mode
+from hypernav.search.agents.plan import Climbing, Plan, patience_of
+from hypernav.search.agents.recall import errand, may_be_hidden, recalled, refutation, remembered
+from hypernav.search.agents.step import Decision, Phase, Step, turn_towards
+from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.mapping.stairs.floor_exits import (
+    forget_seen_from_elsewhere,
+    seen_from_elsewhere,
+    stairs_to_sighting,
+    stairs_to_unseen,
+    ways_out,
+)
+
+_NO_PATH = "no path to destination"
+_CHOICES_PER_STEP = 4
+_AROUND_M = 0.75
+"""Radius, metres, within which all must be explored for a destination to count as explored."""
+_AT_STAIRS_M = 0.2
+"""Distance from the position before stairs, metres, at which the robot turns to them."""
+_WORTH_A_TURN_M = 0.3
+"""Length of a boundary to the unknown, metres, below which it is noise and worth no turn."""
+
+
+def pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
+    """The plan that heads for a goal that was seen too far away, or on another floor."""
+    if not step.config.pursue_far_sightings or errand(step, memory) is not None:
+        return plan
+    far, below_or_above = memory.search.evidence.far_position, seen_from_elsewhere(memory)
+    if far is not None:
+        reason = f"{step.goal.in_sentence} is in sight, too far away to be measured"
+        return _towards(far, "goal seen far away", reason, step, memory, plan)
+    if below_or_above is not None:
+        reason = f"{step.goal.in_sentence} was seen there from another floor"
+        return _towards(below_or_above, "floor of the goal reached", reason, step, memory, plan)
+    return _over_stairs(step, memory, plan) if step.config.use_stairs else plan
+
+
+def _towards(
+    position: tuple[float, float], event: str, reason: str, step: Step, memory: Memory, plan: Plan
+) -> Plan:
+    """The plan that heads for a position of a sighting, unless it was pursued in vain before."""
+    config = step.config
+    near_m = 2.0 * config.arrival_distance_m
+    if any(math.dist(position, other) <= near_m for other in plan.exploring.pursued):
+        forget_sighting(memory, position)
+        return plan
+    if plan.destination is None or not plan.destination.is_sighting:
+        step.events.append(event)
+        plan = plan.explore(patience=patience_of(config))
+    return plan.explore(destination=Destination(*position, reason=reason, is_sighting=True))
+
+
+def _over_stairs(step: Step, memory: Memory, plan: Plan) -> Plan:
+    """The plan that takes the nearest stairs towards a floor on which the goal was seen."""
+    ways = stairs_to_sighting(memory)
+    if not ways:
+        return plan
+    destination = plan.destination
+    if destination is not None and destination.connector in [one.connector for one in ways]:
+        return plan
+    nearest = min(ways, key=lambda one: step.robot.distance_to(*one.xy))
+    step.events.append("goal seen on another floor")
+    reason = f"{step.goal.in_sentence} was seen on another floor: {nearest.words}"
+    there = Destination(*nearest.xy, reason=reason, connector=nearest.connector, holds=True)
+    return replace(plan, exploring=plan.exploring.towards(there, step.config))
+
+
+def forget_sighting(memory: Memory, position: tuple[float, float]) -> None:
+    """Pursue no more what was seen at a position, metres, too far away or from another floor."""
+    search = memory.search
+    if search.evidence.far_position == position:
+        search.evidence = replace(search.evidence, far_position=None)
+    forget_seen_from_elsewhere(memory, position)
+
+
+def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
+    """Look around; keep a destination until reached, given up or explored; ask for the next."""
+    config, robot = step.config, step.robot
+    turn = _turn_of_the_look_around(step, memory, plan)
+    if turn is not None:
+        plan = replace(plan, turns_left=plan.turns_left - 1, last_scan_at=robot.xy)
+        return Decision(turn, Mode.LOOK_AROUND, "looking around"), plan
+    plan = pursuing(step, memory, replace(plan, turns_left=0))
+    turn = _look_across(step, memory, plan)
+    if turn is not None:
+        plan = plan.explore(age=plan.exploring.age + 1)
+        return _decision(turn, "looking at what is unexplored here", step, plan), plan
+    plan = _without_finished(step, memory, plan)
+    plan = _without_expired(plan)
+    plan = _reconsidered(step, memory, plan)
+    for _ in range(_CHOICES_PER_STEP):
+        destination = plan.destination
+        if destination is None:
+            if config.looks == "at-destinations" and not _has_looked(step, plan):
+                turns = step.motion.turns_of_a_circle
+                return Phase.EXPLORE, replace(plan, turns_left=turns, full_turn=True)
+            destination = _next_destination(step, memory)
+            if destination is None:
+                return Phase.END, plan
+            if destination.is_remembered:
+                step.events.append(destination.reason)
+            plan = replace(plan, exploring=plan.exploring.towards(destination, config))
+        if _is_at_stairs(destination, step):
+            return _onto_stairs(destination, plan)
+        turn = _facing_turn(destination, step)
+        if turn is not None:
+            return _decision(turn, destination.reason, step, plan), plan
+        with step.clock("plan"):
+            action, route = step.components.navigator.towards(
+                plan.exploring.route, step.grid, robot, np.array([destination.xy])
+            )
+        plan = plan.explore(route=route)
+        if action is None and route.arrived and destination.connector is not None:
+            return _onto_stairs(destination, plan)
+        if action is None:
+            event = "destination reached" if route.arrived else _NO_PATH
+            plan = _ended(event, step, memory, plan)
+            if destination.holds:
+                break  # The next move is chosen from another image.
+            continue
+        patience = plan.exploring.patience.after(route.left_m(robot), len(route.actions))
+        plan = plan.explore(patience=patience)
+        if patience.lasts:
+            plan = plan.explore(age=plan.exploring.age + 1)
+            return _decision(action, destination.reason, step, plan), plan
+        plan = _ended(patience.worn_out, step, memory, plan)
+    reason = "no way to any destination, looking again"
+    return _decision(Action.TURN_LEFT, reason, step, plan), plan
+
+
+def _turn_of_the_look_around(step: Step, memory: Memory, plan: Plan) -> Action | None:
+    """The next turn of the look around; None if none is left or worthwhile."""
+    gaze = step.components.gaze
+    if plan.turns_left == 0:
+        return None
+    if plan.full_turn or gaze is None:
+        return Action.TURN_LEFT
+    return gaze.worthwhile_turn(step.to_explore(memory), step.robot, memory.search.looked)
+
+
+def _next_destination(step: Step, memory: Memory) -> Destination | None:
+    """What is remembered, what is unexplored, what was seen and is hardly the goal, the stairs."""
+    destination = remembered(step, memory) or _explored(step, memory)
+    destination = destination or recalled(step, memory, 0.0)
+    if destination is None:
+        memory.floor.was_explored = True
+        memory.search.is_explored = not _may_look_again(step, memory)
+    return destination or _stairs_out(step, memory)
+
+
+def _explored(step: Step, memory: Memory) -> Destination | None:
+    """The explorer's next destination; where all is known, what this search has not looked at.
+
+    Stairs to what nobody has seen come before that; the robot comes back for it.
+    """
+    search, explorer = memory.search, step.components.explorer
+    with step.clock("global"):
+        destination = explorer.next_destination(step.view(memory))
+        leads_on = step.config.use_stairs and bool(stairs_to_unseen(memory))
+        if destination is None and _may_look_again(step, memory) and not leads_on:
+            search.revisits = True
+            step.events.append("all is known, looking again")
+            destination = explorer.next_destination(step.view(memory))
+    return destination
+
+
+def _may_look_again(step: Step, memory: Memory) -> bool:
+    """Whether this search knows parts of the floor from earlier ones alone, and leaves them out."""
+    search = memory.search
+    return step.config.recall and search.coverage is not None and not search.revisits
+
+
+def _stairs_out(step: Step, memory: Memory) -> Destination | None:
+    """The nearest stairs towards what is unseen, where the explorer has nothing left to offer."""
+    known = ways_out(memory) if step.config.use_stairs else []
+    nearest = min(known, key=lambda one: step.robot.distance_to(*one.xy), default=None)
+    if nearest is None:
+        return None
+    reason = f"nothing is left to explore on this floor: {nearest.words}"
+    return Destination(*nearest.xy, reason=reason, connector=nearest.connector)
+
+
+def _decision(action: Action, reason: str, step: Step, plan: Plan) -> Decision:
+    recalls = plan.destination is not None and plan.destination.is_remembered
+    mode = Mode.RECALL if recalls else Mode.EXPLORE
+    return Decision(action, mode, reason, plan.exploring.route.remaining(step.robot))
+
+
+def _has_looked(step: Step, plan: Plan) -> bool:
+    """Whether the latest turn around was here."""
+    position, near_m = plan.last_scan_at, step.config.arrival_distance_m
+    return position is not None and step.robot.distance_to(*position) < near_m
+
+
+def _without_finished(step: Step, memory: Memory, plan: Plan) -> Plan:
+    """The plan without a destination that is reached, or around which all is explored."""
+    destination, config = plan.destination, step.config
+    if destination is None or destination.connector is not None:
+        return plan
+    refuted = refutation(memory, plan)
+    if refuted is not None:
+        return _ended(refuted, step, memory, plan)
+    if step.robot.distance_to(*destination.xy) < _arrival_m(destination, step):
+        if _facing_turn(destination, step) is None:
+            return _ended("destination reached", step, memory, plan)
+    elif (
+        config.drop_explored
+        and not destination.is_sighting
+        and not destination.holds
+        and len(unexplored_boundary(step.to_explore(memory), destination.xy, _AROUND_M)) == 0
+    ):
+        return _ended("destination explored", step, memory, plan)
+    return plan
+
+
+def _without_expired(plan: Plan) -> Plan:
+    """The plan without a destination whose ``most_steps`` have passed: the explorer is asked again.
+
+    It does not count as visited, and patience goes on if the answer is the same as before.
+    """
+    destination = plan.destination
+    if destination is None or destination.most_steps is None:
+        return plan
+    plan = plan.explore(unasked=plan.exploring.unasked + 1)
+    if plan.exploring.unasked < destination.most_steps:
+        return plan
+    return plan.explore(expired=destination, destination=None)
+
+
+def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
+    """The plan with the destination that the explorer, asked again on the way, names instead.
+
+    A destination that was left for another is not taken again on the way: the robot would go to
+    and fro.
+    """
+    destination, config, explorer = plan.destination, step.config, step.components.explorer
+    if (
+        config.reconsider_steps is None
+        or config.looks == "at-destinations"
+        or destination is None
+        or destination.is_sighting
+        or destination.is_remembered
+        or not answers_at_once(explorer)
+    ):
+        return plan
+    plan = plan.explore(unasked=plan.exploring.unasked + 1)
+    if plan.exploring.unasked < config.reconsider_steps:
+        return plan
+    plan = plan.explore(unasked=0)
+    with step.clock("global"):
+        other = explorer.next_destination(step.view(memory))
+    if other is None:
+        return plan
+    plan = plan.explore(offered=other.blocks, insight=other.insight or plan.exploring.insight)
+    near_m = 2.0 * config.arrival_distance_m
+    known = (destination.xy, *plan.exploring.left)
+    if math.dist(other.xy, destination.xy) <= near_m and other.connector == destination.connector:
+        # Blocks are numbered anew, so the reason of before would name another one.
+        same = replace(destination, reason=other.reason, face=other.face)
+        return plan.explore(destination=same)
+    if any(math.dist(other.xy, one) <= near_m for one in known):
+        return plan
+    step.events.append("destination changed")
+    left = (*plan.exploring.left, destination.xy)
+    return replace(plan, exploring=plan.exploring.towards(other, config, left=left))
+
+
+def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
+    """The plan without its destination, kept as a visit unless it is a sighting or a move."""
+    destination, search = plan.destination, memory.search
+    if destination is None:
+        return plan
+    step.events.append(event)
+    if destination.connector is not None and event == _NO_PATH:
+        search.unreached.add(destination.connector)
+    elif destination.connector is not None:
+        memory.give_up(destination.connector)
+    elif destination.is_sighting:
+        forget_sighting(memory, destination.xy)
+        plan = plan.explore(pursued=(*plan.exploring.pursued, destination.xy))
+    elif destination.thing is not None:
+        thing = memory.floor.things.find(destination.thing)
+        if thing is not None and may_be_hidden(thing, step, memory):
+            step.events.append("remembered thing not in sight from here")
+            search.hidden.add(thing.number)
+        else:
+            search.gone_to.add(destination.thing)
+            if thing is None or thing.fits(step.goal) == 1.0:
+                search.revisits = True  # it may have been moved, and not far
+    elif destination.image is not None:
+        left = (one for one in search.images_to_visit if one != destination.image)
+        search.images_to_visit = tuple(left)
+    elif destination.face is None or not destination.holds:
+        search.visits.append(destination.xy)
+    return plan.explore(destination=None, age=0)
+
+
+def _onto_stairs(destination: Destination, plan: Plan) -> tuple[Phase, Plan]:
+    number, then = destination.connector, destination.then
+    climbing = None if number is None else Climbing(number, then=then)
+    return Phase.CLIMB, replace(plan.explore(destination=None), climbing=climbing)
+
+
+def _is_at_stairs(destination: Destination, step: Step) -> bool:
+    near_m = step.robot.distance_to(*destination.xy)
+    return destination.connector is not None and near_m <= _AT_STAIRS_M
+
+
+def _arrival_m(destination: Destination, step: Step) -> float:
+    return destination.arrival_m or step.config.arrival_distance_m
+
+
+def _facing_turn(destination: Destination, step: Step) -> Action | None:
+    """At a destination with a heading, the turn towards it; None if the robot faces it already."""
+    face, robot = destination.face, step.robot
+    if face is None or robot.distance_to(*destination.xy) >= _arrival_m(destination, step):
+        return None
+    ahead = (robot.x + math.cos(face), robot.y + math.sin(face))
+    return turn_towards(robot, ahead, step.motion)
+
+
+def _look_across(step: Step, memory: Memory, plan: Plan) -> Action | None:
+    """At the destination, the turn towards what is still unexplored around it.
+
+    A robot that comes to a door sideways has not yet looked through it. At an edge of the floor
+    it turns to that alone.
+    """
+    destination, config, robot = plan.destination, step.config, step.robot
+    if (
+        not config.look_across_boundary
+        or destination is None
+        or destination.is_sighting
+        or destination.holds
+        or destination.face is not None
+        or destination.connector is not None
+        or plan.exploring.age >= config.endurance_steps
+        or robot.distance_to(*destination.xy) >= _arrival_m(destination, step)
+    ):
+        return None
+    grid = step.to_explore(memory)
+    if step.components.gaze is not None:
+        return step.components.gaze.worthwhile_turn(grid, robot, memory.search.looked)
+    points = unexplored_boundary(grid, destination.xy, _AROUND_M)
+    if len(points) * grid.resolution_m < _WORTH_A_TURN_M:
+        return None
+    away = points - np.array(robot.xy)
+    ahead = np.array(robot.xy) + (away / np.linalg.norm(away, axis=1, keepdims=True)).mean(0)
+    return turn_towards(robot, (float(ahead[0]), float(ahead[1])), step.motion)
+
+
+def unexplored_boundary(
+    grid: OccupancyGrid, position: tuple[float, float], radius_m: float
+) -> Float64[np.ndarray, "n 2"]:
+    """Centres ``(x, y)`` of free cells beside unknown ones around a position, all in metres."""
+    row, column = grid.cell_of(*position)
+    reach = math.ceil(radius_m / grid.resolution_m)
+    bottom, left = max(row - reach, 0), max(column - reach, 0)
+    around = grid.cells[bottom : max(row + reach + 1, 0), left : max(column + reach + 1, 0)]
+    beside_unknown = cv2.dilate((around == Cell.UNKNOWN).view(np.uint8), np.ones((3, 3)))
+    return grid.centres_of(
+        np.argwhere((around == Cell.FREE) & (beside_unknown > 0)) + np.array([bottom, left])
+    )

@@ -1,0 +1,199 @@
+"""JSON over HTTP with an OpenAI-compatible server; every failure is one of our errors."""
+
+import json
+import os
+import re
+from collections.abc import Mapping
+from contextlib import closing
+from dataclasses import replace
+from typing import Any
+from urllib.parse import urljoin, urlsplit
+
+from hypernav.core.errors import (
+    ChatTimeoutError,
+    ChatTransportError,
+    ConfigError,
+    ModelSetupError,
+)
+from hypernav.io.bounded_http import (
+    Deadline,
+    Reply,
+    ReplyTooLargeError,
+    Session,
+    environment_proxy,
+    is_loopback,
+    without_password,
+)
+from hypernav.search.models.chat.answer_parsing import shortened
+from hypernav.search.models.chat.config import ChatConfig
+from hypernav.search.models.chat.server.reply_errors import (
+    LONGEST_MESSAGE,
+    NEEDS_LOGIN,
+    error_in_body,
+    error_of_status,
+)
+
+_PLAIN = re.compile(r"[!-~]+")
+_QUERY = re.compile(r"(?:api-version=[\w.-]+)?")
+_ENDPOINT = re.compile(r"/+(?:(?:chat/)?completions|responses)/*$")
+"""An endpoint of the API, which many pages show as the end of its URL."""
+_MOST_CONTAINERS = 200_000
+_SHORTEST_SECRET = 8
+"""Length of a key below which it is a placeholder, such as "none", that may be in any text."""
+_WANTS_LOGIN = re.compile(r"the proxy answered (?:407|invalid username|requested .* but got)", re.I)
+_REFUSES = re.compile(r"the proxy answered 4(?!08|29)\d\d")
+
+_CONNECT_LIMIT_S = 5.0
+"""Longest wait for one of the server's addresses to connect."""
+
+LARGEST_REPLY_BYTES = 4 * 2**20
+"""Limit of a reply: an answer has a few kilobytes, one with probabilities or a long list of models
+about one megabyte. Parsing the worst takes a second."""
+
+
+class HttpClient:
+    """Sends JSON and receives JSON within a deadline.
+
+    The key comes from the environment only and never shows in messages: ``HYPERNAV_API_KEY`` goes
+    to any server, ``OPENAI_API_KEY`` only over https or within this machine.
+    """
+
+    def __init__(
+        self, url: str, config: ChatConfig, environment: Mapping[str, str] = os.environ
+    ) -> None:
+        """Prepare; nothing is sent yet.
+
+        Raises:
+            ConfigError: The URL is malformed, or holds a password.
+        """
+        self.url, self._query = _checked(url)
+        self._key = _key_for(self.url, environment)
+        self._secret = self._key if len(self._key) >= _SHORTEST_SECRET else ""
+        self._config = config
+
+    def post(self, path: str, body: dict[str, Any], deadline: Deadline) -> dict[str, Any]:
+        """Send and receive a JSON object.
+
+        Args:
+            path: Path below the API's URL, or from the root of the server if it begins with "/".
+            body: Object to send.
+            deadline: Moment at which the answer has to be here.
+
+        Raises:
+            ChatTimeoutError: No answer in time.
+            ChatTransportError: No connection, a server's fault, or a broken answer.
+            ModelRejectedError: The server understands the address but not the request.
+            ModelSetupError: URL, key or choice of the model are wrong.
+        """
+        return self._exchange("POST", path, json.dumps(body).encode("utf-8"), deadline)
+
+    def get(self, path: str, deadline: Deadline) -> dict[str, Any]:
+        """Receive a JSON object; raises what `post` raises."""
+        return self._exchange("GET", path, None, deadline)
+
+    def _exchange(
+        self, method: str, path: str, body: bytes | None, deadline: Deadline
+    ) -> dict[str, Any]:
+        url = urljoin(f"{self.url}/", path)
+        headers = {"Accept": "application/json", "Content-Type": "application/json"}
+        # Questions come seconds apart; servers close idle connections sooner (vLLM after 5 s).
+        headers["Connection"] = "close"
+        if self._key and self._query:  # Azure's older form has a header of its own
+            headers["api-key"] = self._key
+        elif self._key:
+            headers["Authorization"] = f"Bearer {self._key}"
+        try:
+            proxy = environment_proxy(url)
+        except ValueError as error:
+            raise ModelSetupError(f"{self.url}: {error}") from error
+        asked = f" through the proxy {without_password(proxy)}" if proxy else ""
+        try:
+            with closing(Session(largest_reply_bytes=LARGEST_REPLY_BYTES, proxy=proxy)) as session:
+                reply = session.exchange(
+                    method,
+                    url + self._query,
+                    headers=headers,
+                    body=body,
+                    deadline=deadline,
+                    connect_limit_s=_CONNECT_LIMIT_S,
+                )
+        except TimeoutError as error:
+            raise ChatTimeoutError(
+                f"{self.url}{asked}: no answer within {deadline.limit_s:.3g} s"
+            ) from error
+        except (ReplyTooLargeError, ValueError) as error:
+            raise ChatTransportError(f"{url}{asked}: {self._told(error)}") from error
+        except OSError as error:
+            host, told = urlsplit(url).hostname, f"{self.url}{asked}: {self._told(error)}"
+            if _WANTS_LOGIN.search(told):
+                raise ModelSetupError(told, remedy=NEEDS_LOGIN) from error
+            if proxy:
+                remedy = f"is the proxy right? no_proxy={host} asks the server without it"
+                kind = ModelSetupError if _REFUSES.search(told) else ChatTransportError
+                raise kind(told, remedy=remedy) from error
+            raise ChatTransportError(
+                f"{told}; is the server running? try: hypernav doctor --vlm openai:{self.url}"
+            ) from error
+        if self._secret:
+            body_without_key = reply.body.replace(self._secret.encode(), b"***")
+            reply = replace(reply, body=body_without_key)
+        if not 200 <= reply.status < 300:
+            raise error_of_status(reply, f"{url}{asked}")
+        return self._parsed(reply, f"{url}{asked}")
+
+    def _parsed(self, reply: Reply, url: str) -> dict[str, Any]:
+        # Each costs fifty times its bytes, and the garbage collector looks at all of them.
+        if reply.body.count(b"[") + reply.body.count(b"{") > _MOST_CONTAINERS:
+            raise ChatTransportError(
+                f"{url}: the answer holds more than {_MOST_CONTAINERS:,} lists and objects"
+            )
+        found = shortened(reply.body.decode("utf-8", "replace"), LONGEST_MESSAGE)
+        parsed, fault = None, f"expected a JSON object, found '{found}'"
+        try:
+            parsed = json.loads(reply.body)
+        except (ValueError, RecursionError) as error:
+            cause = self._without_key(str(error))
+            fault = f"the answer is not JSON ({cause}): '{found}'"
+        if (told := error_in_body(reply, parsed, url)) is not None:
+            raise told
+        if not isinstance(parsed, dict):
+            raise ChatTransportError(f"{url}: {fault}")
+        return parsed
+
+    def _told(self, error: Exception) -> str:
+        # Systems number their errors differently, and the words say it all.
+        words = error.strerror if isinstance(error, OSError) else None
+        return self._without_key(words or str(error) or type(error).__name__)
+
+    def _without_key(self, text: str) -> str:
+        return shortened(
+            text.replace(self._secret, "***") if self._secret else text, LONGEST_MESSAGE
+        )
+
+
+def _checked(url: str) -> tuple[str, str]:
+    """The URL without endpoint and query, and the query, which may only hold Azure's version."""
+    try:
+        parts = urlsplit(url)
+        host, _ = parts.hostname, parts.port
+    except ValueError as error:
+        raise ConfigError(f"'{url}' is not a server's URL: {error}") from error
+    if parts.scheme not in {"http", "https"} or not host or not _PLAIN.fullmatch(url):
+        raise ConfigError(
+            f"'{url}' is not a server's URL; expected something like http://localhost:8000/v1"
+        )
+    if parts.username or parts.password or not _QUERY.fullmatch(parts.query):
+        raise ConfigError(
+            f"the URL of {parts.scheme}://{host} holds a name, password or query; put the key into "
+            "the environment variable HYPERNAV_API_KEY instead"
+        )
+    query = f"?{parts.query}" if parts.query else ""
+    return _ENDPOINT.sub("", url.removesuffix(query)).rstrip("/"), query
+
+
+def _key_for(url: str, environment: Mapping[str, str]) -> str:
+    own = environment.get("HYPERNAV_API_KEY", "")
+    parts = urlsplit(url)
+    if own or not (parts.scheme == "https" or is_loopback(parts.hostname or "")):
+        return own
+    return environment.get("OPENAI_API_KEY", "")

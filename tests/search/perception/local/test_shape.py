@@ -1,0 +1,141 @@
+"""Size and place speak for and against names, and what is hidden or cut off only bounds them."""
+
+import numpy as np
+import pytest
+
+from box_views import SolidBox, room, view_of
+from hypernav.core.geometry.boxes import Box
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.kind_shapes import KINDS, kind_shape
+from hypernav.core.observation import Observation
+from hypernav.search.models.yolox import COCO_CLASSES
+from hypernav.search.perception.local.shape import (
+    Form,
+    ShapeEvidence,
+    measured_form,
+    shape_evidence,
+)
+
+AT = Pose2(0.6, 3.0, 0.0)
+ROOM = room(8.0, 6.0)
+REFRIGERATOR: SolidBox = ((3.0, 2.7, 0.0), (3.7, 3.4, 1.8))
+CHAIR: SolidBox = ((3.0, 2.8, 0.0), (3.5, 3.3, 0.9))
+BED: SolidBox = ((2.2, 2.0, 0.0), (4.2, 3.6, 0.5))
+RACK: SolidBox = ((3.0, 1.8, 0.0), (3.5, 4.2, 1.8))
+
+
+def seen(thing: SolidBox, *others: SolidBox) -> tuple[Observation, np.ndarray]:
+    """A view of a thing in a room, and the pixels that show it."""
+    view = view_of([*ROOM, thing, *others], AT)
+    without = view_of([*ROOM, *others], AT)
+    return view, view.depth != without.depth
+
+
+def box_of(mask: np.ndarray) -> Box:
+    rows, columns = np.nonzero(mask)
+    edges = (columns.min(), rows.min(), columns.max() + 1, rows.max() + 1)
+    return Box(*(float(edge) for edge in edges))
+
+
+def form_of(thing: SolidBox, *others: SolidBox) -> Form:
+    view, mask = seen(thing, *others)
+    form = measured_form(view, mask, box_of(mask))
+    assert form is not None
+    return form
+
+
+def says(name: str, form: Form) -> ShapeEvidence:
+    kind = kind_shape(name)
+    assert kind is not None
+    return shape_evidence(form, kind)
+
+
+def test_a_box_is_measured_in_the_map():
+    form = form_of(REFRIGERATOR)
+    assert form.top_m == pytest.approx(1.8, abs=0.1)
+    assert form.bottom_m == pytest.approx(0.0, abs=0.1)
+    assert form.long_m == pytest.approx(0.7, abs=0.1)
+    assert form.is_bottom_seen
+    assert form.is_top_seen
+    assert form.is_long_seen
+    assert form.level_share < 0.1
+    assert form_of(BED).level_share > 0.2
+
+
+@pytest.mark.parametrize(
+    ("name", "thing", "fits"),
+    [
+        ("refrigerator", REFRIGERATOR, True),
+        ("refrigerator", CHAIR, False),
+        ("refrigerator", RACK, False),
+        ("chair", CHAIR, True),
+        ("chair", REFRIGERATOR, False),
+        ("bed", BED, True),
+        ("bed", RACK, False),
+        ("toilet", RACK, False),
+        ("potted plant", CHAIR, True),
+    ],
+)
+def test_names_fit_things_of_their_size(name: str, thing: SolidBox, fits: bool):
+    evidence = says(name, form_of(thing))
+    assert (evidence.log_odds > 0.0) == fits
+    assert bool(evidence.reasons) != fits
+
+
+def test_what_something_nearer_hides_only_bounds_the_form():
+    table: SolidBox = ((2.0, 2.4, 0.0), (2.3, 3.7, 0.75))
+    shelf: SolidBox = ((2.0, 2.4, 0.95), (2.3, 3.7, 2.4))
+    hidden = form_of(REFRIGERATOR, table, shelf)
+    assert not hidden.is_bottom_seen
+    assert not hidden.is_top_seen
+    assert not says("refrigerator", hidden).reasons
+
+
+def test_what_the_image_cuts_off_may_be_larger_but_is_no_smaller():
+    near: SolidBox = ((1.8, 0.5, 0.0), (2.3, 3.5, 1.0))
+    form = form_of(near)
+    assert not form.is_bottom_seen
+    assert not form.is_long_seen
+    assert not says("sofa", form).reasons
+    assert says("toilet", form).reasons
+
+
+def test_a_patch_of_a_wall_is_no_bed_but_may_be_a_picture():
+    view = view_of(ROOM, Pose2(5.0, 3.0, 0.0))
+    mask = np.zeros(view.depth.shape, bool)
+    mask[100:150, 120:200] = True
+    form = measured_form(view, mask, box_of(mask))
+    assert form is not None
+    assert form.goes_on > 0.9
+    assert form.is_plane_upright
+    assert "it is a part of a wall's plane" in says("bed", form).reasons
+    assert not any("wall" in reason for reason in says("picture", form).reasons)
+
+
+def test_a_patch_of_the_floor_is_no_keyboard_but_may_be_a_rug():
+    view = view_of(ROOM, AT)
+    mask = np.zeros(view.depth.shape, bool)
+    mask[190:215, 120:200] = True
+    form = measured_form(view, mask, box_of(mask))
+    assert form is not None
+    assert "it is a part of the floor" in says("cutting board", form).reasons
+    assert "it is a part of the floor" not in says("rug", form).reasons
+
+
+def test_few_pixels_and_pixels_without_depth_say_nothing():
+    view, mask = seen(CHAIR)
+    assert measured_form(view, np.zeros_like(mask), box_of(mask)) is None
+    blind = view_of([*ROOM, CHAIR], AT, max_depth_m=1.0)
+    assert measured_form(blind, mask, box_of(mask)) is None
+
+
+def test_the_table_knows_indoor_kinds_by_all_their_names():
+    assert len(KINDS) > 200
+    indoor = COCO_CLASSES[COCO_CLASSES.index("chair") :]
+    assert [one for one in indoor if kind_shape(one) is None] == []
+    assert kind_shape("couch") == kind_shape("sofa")
+    assert kind_shape("dining chair") == kind_shape("chair")
+    assert kind_shape("spaceship") is None
+    for name, kind in KINDS.items():
+        assert 0.0 <= kind.height_m[0] < kind.height_m[1], name
+        assert 0.0 < kind.long_m[0] < kind.long_m[1], name
