@@ -5,9 +5,9 @@
 
 Each row's command runs in a folder of its own below ``runs/results/COMMIT``, where an interrupted
 run goes on. Measuring writes values, commit, day and number of searches into the data file. A check
-runs the episodes of `Row.check` and changes nothing. A value holds if the interval of the
-difference includes 0: the tenth is itself uncertain, and lies outside of the whole's interval in
-every second case though nothing has changed.
+runs the episodes of `Row.check` anew and changes nothing. A value holds if the interval of its
+difference includes 0 (`Check.holds`): a tenth is uncertain itself, and lies outside of the whole's
+interval in every second case though nothing has changed.
 """
 
 import argparse
@@ -20,12 +20,14 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from statistics import NormalDist
 
 from result_tables import DATA, Cell, Column, Results, ResultsError, Row, Table, shown, to_toml
 
 from hypernav.build.data.datasets import load_episodes
+from hypernav.cli.eval import folder_name
 from hypernav.core.errors import HyPerNavError
 from hypernav.evaluation.failures.classification import Failure
 from hypernav.evaluation.record import EpisodeRecord
@@ -60,9 +62,13 @@ def main(arguments: Sequence[str] | None = None, *, data: Path = DATA, runs: Pat
     names = options.tables or (results.names() if options.check else [])
     try:
         if options.check:
-            held = [hold for name in names for hold in checked(name, results.table(name), runs)]
-            print(f"{sum(held)} of {len(held)} values hold")
-            return 0 if all(held) else 1
+            checks = [one for name in names for one in checks_of(name, results.table(name), runs)]
+            if not checks:
+                raise ResultsError(f"{', '.join(names)}: no row has a check of five searches")
+            print(*(one.line(len(checks)) for one in checks), sep="\n")
+            held = sum(one.holds(len(checks)) for one in checks)
+            print(f"{held} of {len(checks)} values hold")
+            return 0 if held == len(checks) else 1
         if not names:
             raise ResultsError(f"name the tables to measure: {', '.join(results.names())}")
         for name in names:
@@ -105,43 +111,64 @@ def measure(name: str, table: Table, folder: Path) -> Table:
     return table.model_copy(update={"rows": tuple(rows)})
 
 
-def checked(name: str, table: Table, folder: Path) -> Iterator[bool]:
-    """Whether each value with an interval still holds, with a line for each."""
-    rows = [row for row in table.rows if row.check]
-    whole = {row.name: row for row in rows}
-    part = [row.model_copy(update={"command": _tenth(row)}) for row in rows]
+@dataclass(frozen=True)
+class Check:
+    """A value of a row, beside that of some of its searches today.
+
+    Attributes:
+        name: Table, row and column.
+        column: The column.
+        then: Mean with the ends of its interval; all the same where the row has none.
+        now: The value of today.
+    """
+
+    name: str
+    column: Column
+    then: Sequence[float]
+    now: Estimate
+
+    def holds(self, checks: int) -> bool:
+        """Whether the interval of the difference includes 0.
+
+        A share of all or none has an interval of no width; by the rule of three it is 3 in `n`.
+
+        Args:
+            checks: Number of values that are checked together. Their intervals are so much wider
+                that all of them hold in 95 % of the cases where nothing has changed.
+        """
+        now, digits = self.now, self.column.digits
+        factor, least = (100.0, 3.0 / now.count) if self.column.measure in _SHARES else (1.0, 0.0)
+        mean, low, high = self.then
+        is_above = factor * now.mean > mean
+        then_half = high - mean if is_above else mean - low
+        now_half = factor * max(now.mean - now.low if is_above else now.high - now.mean, least)
+        wider = NormalDist().inv_cdf(1.0 - 0.025 / checks) / NormalDist().inv_cdf(0.975)
+        allowed = wider * math.hypot(then_half, now_half) + 0.5 * 10**-digits
+        return abs(factor * now.mean - mean) <= allowed
+
+    def line(self, checks: int) -> str:
+        """What the check found."""
+        column, count = self.column, self.now.count
+        then = shown(self.then[0] if len(set(self.then)) == 1 else [*self.then], column)
+        now = shown(_cell(self.now, column), column)
+        left = "" if self.holds(checks) else "  LEFT ITS INTERVAL"
+        return f"{self.name}: {then}, {count} searches now {now}{left}"
+
+
+def checks_of(name: str, table: Table, folder: Path) -> Iterator[Check]:
+    """Run the searches by which the rows of a table are checked."""
+    rows = {row.name: row for row in table.rows if row.check}
+    part = [row.model_copy(update={"command": _tenth(row)}) for row in rows.values()]
     now = folder / "check" / name
     shutil.rmtree(now, ignore_errors=True)  # what is left there may be of other code
     for row_name, run in _measured(table, part, now):
-        row = whole[row_name]
         for column in table.columns:
-            then = row.cells.get(column.name)
-            if column.measure not in ESTIMATES or not isinstance(then, list):
-                continue
-            estimate = ESTIMATES[column.measure](run)
-            holds = agree(then, estimate, column)
-            print(
-                f"{name}.{row_name}.{column.name}: {then[0]:g} ({then[1]:g} to {then[2]:g}), "
-                f"{estimate.count} searches now {shown(_cell(estimate, column), column)}"
-                f"{'' if holds else '  LEFT ITS INTERVAL'}",
-                flush=True,
-            )
-            yield holds
-
-
-def agree(then: Sequence[float], now: Estimate, column: Column) -> bool:
-    """Whether the interval of the difference of two independent measurements includes 0.
-
-    A share of all or none has an interval of no width; by the rule of three it is 3 in `n`.
-    """
-    factor, least = (100.0, 3.0 / now.count) if column.measure in _SHARES else (1.0, 0.0)
-    mean, low, high = then
-    is_above = factor * now.mean > mean
-    then_half = high - mean if is_above else mean - low
-    now_half = factor * max(now.mean - now.low if is_above else now.high - now.mean, least)
-    return (
-        abs(factor * now.mean - mean) <= math.hypot(then_half, now_half) + 0.5 * 10**-column.digits
-    )
+            then = rows[row_name].cells.get(column.name)
+            if column.measure in ESTIMATES and then is not None and not isinstance(then, str):
+                estimate = ESTIMATES[column.measure](run)
+                if estimate.has_interval:
+                    whole = then if isinstance(then, list) else [then] * 3
+                    yield Check(f"{name}.{row_name}.{column.name}", column, whole, estimate)
 
 
 def _git(*words: str) -> str:
@@ -164,7 +191,7 @@ def _measured(table: Table, rows: Sequence[Row], folder: Path) -> Iterator[tuple
 def _run(command: str, folder: Path) -> Path:
     words = shlex.split(command.replace("\\\n", " "))
     digest = hashlib.sha256(" ".join(words).encode()).hexdigest()[:8]
-    out = folder / f"{'-'.join(words[1:3]).replace('/', '-').replace('#', '-')}-{digest}"
+    out = folder / f"{folder_name(' '.join(words[1:3]))}-{digest}"
     print(f"{command}\n  in {out}", flush=True)
     if subprocess.run([*_PROGRAMS[words[0]], *words[1:], "--out", str(out)], cwd=ROOT).returncode:
         raise ResultsError(f"this command failed, see above: {command}")

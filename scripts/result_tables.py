@@ -226,10 +226,15 @@ class Results:
     def drawn(self, name: str) -> str:
         """A table in Markdown, with its values filled in."""
         table = self.table(name)
+        columns = [
+            column
+            for column in table.columns
+            if any(table.cell(row, column) is not None for row in table.rows)
+        ]
         lines = [
-            [column.head for column in table.columns],
-            ["---:" if _is_numeric(table, column) else "---" for column in table.columns],
-            *([self._shown(table, row, column) for column in table.columns] for row in table.rows),
+            [column.head for column in columns],
+            ["---:" if _is_numeric(table, column) else "---" for column in columns],
+            *([self._shown(table, row, column) for column in columns] for row in table.rows),
         ]
         return "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
 
