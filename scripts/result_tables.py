@@ -84,7 +84,8 @@ class Row(_Part):
             on an ``other`` floor, ``above`` or ``below`` the start; by default all.
         against: Name of the row with which paired columns compare this one.
         check: Episodes that ``make results-check`` runs, as in ``--episodes``.
-        commit: Commit at which the command ran.
+        commit: Commit at which the command ran; where an older row's wasn't kept, the one that
+            brought the figure into the docs.
         date: Day of the run. Rows that are older than this format have the day of their commit.
         n: Number of searches.
         cells: Values by the name of their column.
