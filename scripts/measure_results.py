@@ -101,10 +101,13 @@ def measure(name: str, table: Table, folder: Path) -> Table:
         folder: Folder of the runs, named after the commit that is measured.
 
     Raises:
-        ResultsError: No row can be measured, or a command fails.
+        ResultsError: A row or column can't be measured, or a command fails.
     """
     if not any(row.is_repeatable for row in table.rows):
         raise ResultsError(f"{name}: its commands give no run folder; its values are typed by hand")
+    measures = ("", "n", *ESTIMATES, *COUNTS, *PAIRED)
+    if unknown := [one.measure for one in table.columns if one.measure not in measures]:
+        raise ResultsError(f"{name}: nothing measures {', '.join(unknown)}, only {measures[1:]}")
     runs = dict(_measured(table, [row for row in table.rows if row.is_repeatable], folder))
     commit = folder.name
     rows = [_with(row, table, runs, commit) if row.name in runs else row for row in table.rows]
@@ -215,11 +218,8 @@ def _with(row: Row, table: Table, runs: dict[str, RunData], commit: str) -> Row:
             cells[column.name] = _cell(ESTIMATES[column.measure](run), column)
         elif column.measure in COUNTS:
             cells[column.name] = COUNTS[column.measure](run)
-        elif column.measure in PAIRED:
-            if other is not None:
-                cells[column.name] = _cell(PAIRED[column.measure](other, run), column)
-        elif column.measure not in ("", "n"):
-            raise ResultsError(f"column '{column.name}': there is no measure '{column.measure}'")
+        elif column.measure in PAIRED and other is not None:
+            cells[column.name] = _cell(PAIRED[column.measure](other, run), column)
     told = {"cells": cells, "n": len(run.counted), "commit": commit}
     return row.model_copy(update={**told, "date": datetime.date.today()})
 

@@ -147,6 +147,11 @@ def test_what_cannot_be_measured_says_so(modules, tmp_path, capsys):
     assert "mine: no row has a check" in capsys.readouterr().err
     with pytest.raises(tables.ResultsError, match="its values are typed by hand"):
         measure.measure("mine", table, tmp_path)
+    row = table.rows[0].model_copy(update={"command": "hypernav eval houses-val"})
+    column = tables.Column(name="x", head="x", measure="sp")
+    table = table.model_copy(update={"rows": (row,), "columns": (column,)})
+    with pytest.raises(tables.ResultsError, match="mine: nothing measures sp, only"):
+        measure.measure("mine", table, tmp_path)
 
 
 @pytest.mark.slow
