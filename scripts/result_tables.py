@@ -113,6 +113,10 @@ class Row(_Part):
         for name, cell in cells.items() if isinstance(cells, dict) else ():
             whole = cell if isinstance(cell, list) else [cell]
             numbers = all(type(one) in (int, float) for one in whole)
+            if isinstance(cell, str) and set(cell) & {"|", "\n"}:
+                raise ValueError(
+                    f"'{name}' must fit into a cell: no | and no new line, is {cell!r}"
+                )
             if not isinstance(cell, str) and not (numbers and len(whole) in (1, 3)):
                 raise ValueError(f"'{name}' must be text, a number or [mean, low, high], is {cell}")
             if isinstance(cell, list) and not cell[1] <= cell[0] <= cell[2]:
@@ -255,7 +259,13 @@ class Results:
         return self.filled(markdown)
 
     def readme(self, markdown: str) -> str:
-        """A page that shows its tables without being built, with today's tables."""
+        """A page that shows its tables without being built, with today's tables.
+
+        Raises:
+            ResultsError: It has no table, or asks for one that is not there.
+        """
+        if not _FILLED.search(markdown):
+            raise ResultsError("the page has no table between <!-- table: … --> and its end")
         return _FILLED.sub(lambda asked: f"{asked[1]}{self.drawn(asked[2])}\n", markdown)
 
     def sources(self, name: str) -> str:

@@ -105,6 +105,7 @@ def test_a_value_that_is_not_there_is_an_error(asked, results, tables):
             "[0.4, 0.35]",
             r"'spl' must be text, a number or \[mean, low, high\]",
         ),
+        ('"the first"', '"the | first"', "'robot' must fit into a cell"),
         ("spl = 0.6", "speed = 0.6", r"row 'two' has cells of no column: \['speed'\]"),
         ('against = "one"', 'against = "three"', "'three', which is no row"),
         ('name = "two"', 'name = "one"', "more than one row is named one"),
@@ -162,4 +163,5 @@ def test_the_tables_of_readme_are_those_of_the_data(tables, capsys, tmp_path):
     assert tables.main([str(page), "--check"]) == 1
     assert "its tables differ" in capsys.readouterr().out
     assert tables.main([str(page)]) == 0
+    assert tables.main([str(ROOT / "CONTRIBUTING.md"), "--check"]) == 1  # it has no table
     assert page.read_text("utf-8") == (ROOT / "README.md").read_text("utf-8")
