@@ -3,11 +3,13 @@
 import datetime
 import importlib
 import json
+import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from eval_runs import SMALL, record, write_room
+from eval_runs import SMALL, record, spec, write_room
 from hypernav.evaluation.failures.classification import Failure
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
@@ -95,6 +97,21 @@ def test_later_goals_of_lives_are_counted_alone(modules, tmp_path, monkeypatch):
     row = tables.Row(name="a", command="hypernav eval a", part="later", **told)
     (found,) = dict(measure._measured(table_of(tables, row), [row], tmp_path)).values()
     assert found.records == []
+
+
+def test_goals_on_other_floors_are_those_above_and_below(modules, tmp_path, monkeypatch):
+    measure, _ = modules
+    write_run(tmp_path / "a", [0.2, 0.4, 0.6])
+    (run,) = measure.load_runs([tmp_path / "a"])
+    where = {"house 0": "same", "house 1": "above", "house 2": "below"}
+    over_stairs = SimpleNamespace(direction=lambda episode: where[episode.scene_id])
+    monkeypatch.setitem(sys.modules, "over_stairs", over_stairs)
+    monkeypatch.setattr(measure, "load_episodes", lambda name: [spec("0", one) for one in where])
+    spl = {
+        part: [one.spl for one in measure._part_of(run, part)]
+        for part in ("", "same", "above", "other")
+    }
+    assert spl == {"": [0.2, 0.4, 0.6], "same": [0.2], "above": [0.4], "other": [0.4, 0.6]}
 
 
 @pytest.mark.parametrize(
