@@ -32,9 +32,10 @@ mutants: $(VENV)/.installed-dev  ## half an hour of small faults in what the rob
 test-vlm: $(VLM)/.installed  ## the tests with real, tiny networks, and of the GPU renderer; installs the CPU build of torch
 	$(VLM)/bin/pytest tests/local_vlm tests/worlds/drawing/test_warp_renderer.py --timeout 600
 
-lint: $(VENV)/.installed-dev $(VENV)/.installed-docs  ## style, types, and who may import whom
+lint: $(VENV)/.installed-dev $(VENV)/.installed-docs  ## style, spelling, types, and who may import whom
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
+	$(BIN)/codespell docs examples scripts src *.md
 	$(BIN)/pyright
 	PATH=$(abspath $(BIN)):$$PATH $(BIN)/python scripts/public_types.py
 	$(BIN)/lint-imports
