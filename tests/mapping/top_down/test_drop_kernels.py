@@ -71,9 +71,9 @@ def test_a_drop_is_where_all_pixels_around_a_point_of_the_floor_show_what_is_bel
     found = set[int]()
     for (x, y), (u, v) in zip(GRID, at, strict=True):
         v = min(v, CAMERA.height - 1.5)
-        if not (1.0 <= u < CAMERA.width - 1.0 and 1.0 <= v):
+        if not (1.0 <= u < CAMERA.width - 1.0 and v >= 1.0):
             continue
-        around = heights(view, *(beside + (u, v)).T)
+        around = heights(view, *np.add(beside, (u, v)).T)
         expected = 0
         if around[4] < -DEEP_M / 2.0:
             is_hole = np.isinf(around) & (lower_m < np.inf)
