@@ -71,9 +71,9 @@ OPERATORS = tuple(
     )
 )
 """Operators whose mutants are faults that somebody might make; none changes types or `njit`."""
-_TESTS_S = 8.0
+_TESTS_S = 20.0
 """Recorded processor time of the tests of each stage that a mutant has to survive."""
-_FILE_S = 8.0
+_FILE_S = 40.0
 """Processor time after which no other test of a file is recorded."""
 _LEAST_S, _TIMES = 10.0, 20.0
 """Processor time that a test may take with a mutant, and how much more than without."""
@@ -310,6 +310,8 @@ class Tests:
         """Whether the tests that execute what differs notice it."""
         if len({ast.dump(ast.parse(text)) for text in mutant.texts}) == 1:
             return {"fate": _SAME}  # 1e+30 for 1e30
+        if _name(mutant.path) not in sys.modules:
+            return {"fate": _FATES[0]}  # it needs a package that is not installed
         loader: Any = sys.modules[_name(mutant.path)].__loader__
         old, new = (loader.source_to_code(text, str(mutant.path)) for text in mutant.texts)
         pairs = _exchanged(old, new)
@@ -318,11 +320,10 @@ class Tests:
         exchanged = {one: code for was, code in pairs for one in self._functions[_place(was)]}
         is_kernel = mutant.module.endswith(_KERNELS)
         kernels, callers = self._calling(exchanged if is_kernel else ())
-        places = [(Path(f.__code__.co_filename), _lines(f.__code__)) for f in callers]
-        if not is_kernel or not exchanged:
-            places = [
-                (mutant.path, mutant.lines() if exchanged else range(1, len(mutant.texts[0])))
-            ]
+        lines = mutant.lines() if exchanged else range(1, len(mutant.texts[0].splitlines()) + 1)
+        places: list[tuple[Path, Iterable[int]]] = [(mutant.path, lines)]
+        if kernels:
+            places = [(Path(f.__code__.co_filename), _lines(f.__code__)) for f in callers]
         fates: list[_Fate] = [{"fate": _FATES[0]}]
         for k, files in enumerate(mutant.stages(far)):
             tests = dict[str, float]()
