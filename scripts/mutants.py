@@ -9,7 +9,7 @@ recorded under ``build/`` when it is first asked for, and anew when the package 
 
 One process imports everything and forks for each mutant, to exchange the code of the one function
 that differs. A kernel that differs, and its callers, run without Numba there. Where what differs is
-outside of functions (a default, a constant), the fork imports the package again. The checkout is
+outside of functions (a default, a constant), another fork imports the package. The checkout is
 only read. A line of JSON about each mutant is appended to ``--out``, and none is run again.
 
 Run: make mutants, or python scripts/mutants.py --seed 1 --count 300 --minutes 30 --out FILE
@@ -84,6 +84,7 @@ _LAWS = "tests/test_values.py"
 _KERNELS = "_kernels.py"
 _FATES = ("no test runs this line", "survived", "out of time", "killed")
 _SAME = "no change"
+_EMPTY: dict[str, Any] = {"tests": {}, "lines": {}}
 _CRASH = {"fate": "killed", "by": "a crash"}
 
 _Fate = dict[str, str]
@@ -154,31 +155,35 @@ def main() -> None:
     drawn = heapq.nsmallest(chosen.count, every, key=lambda one: one.lot(chosen.seed))
     os.environ.setdefault("HYPERNAV_TEST_DATA", str(ROOT.parent / "shared" / "data"))
     chosen.out.parent.mkdir(parents=True, exist_ok=True)
-    lines = chosen.out.read_text("utf-8").splitlines() if chosen.out.is_file() else []
-    done = {Mutant(**entry["mutant"]): entry for entry in map(json.loads, lines)}
     os.chdir(ROOT)
 
-    def run(session: Session) -> None:
-        tests, until = Tests(session), time.monotonic() + chosen.minutes * 60.0
+    until = time.monotonic() + chosen.minutes * 60.0
+
+    def run(attempt: Callable[[Mutant], _Fate | None]) -> None:
+        done = _entries(chosen.out)
         for number, mutant in enumerate(drawn, start=1):
             began = time.monotonic()
-            if mutant in done or began > until:
+            if mutant in done or began > until or (fate := attempt(mutant)) is None:
                 continue
-            fate = tests.fate(mutant, chosen.far)
-            done[mutant] = (
-                {"mutant": asdict(mutant)}
-                | fate
-                | {
-                    "seconds": round(time.monotonic() - began, 1),
-                    "diff": list(difflib.unified_diff(*map(str.splitlines, mutant.texts), n=2))[2:],
-                }
-            )
+            entry = {
+                "mutant": asdict(mutant),
+                **fate,
+                "seconds": round(time.monotonic() - began, 1),
+                "diff": list(difflib.unified_diff(*map(str.splitlines, mutant.texts), n=2))[2:],
+            }
             with chosen.out.open("a", encoding="utf-8") as file:
-                print(json.dumps(done[mutant]), file=file)
+                print(json.dumps(entry), file=file)
             what = f"{mutant.module} {mutant.operator.partition('/')[2]}"
             print(f"{number}/{len(drawn)} {fate['fate']}: {what}", flush=True)
 
-    Session(run).start([_LAWS, *(f"tests/{room}" for room in ROOMS)])
+    def run_loaded(session: Session) -> None:
+        tests = Tests(session)
+        run(lambda mutant: tests.fate(mutant, chosen.far))
+
+    rooms = [_LAWS, *(f"tests/{room}" for room in ROOMS)]
+    _in_fork(lambda: Session(run_loaded).start(rooms), quiet=False)
+    run(lambda mutant: _imported_anew(mutant, chosen.far))
+    done = _entries(chosen.out)
     _report([done[one] for one in drawn if one in done], len(drawn), len(every))
 
 
@@ -262,7 +267,9 @@ class Session:
         settings.load_profile("mutants")
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
-        """Do the work instead of running all tests."""
+        """Do the work instead of running all tests, if they could be collected."""
+        if session.testsfailed:
+            return True
         self.items = {item.nodeid: item for item in session.items}
         self._answer = self._work(self)
         return True
@@ -316,8 +323,8 @@ class Tests:
             if isinstance(one, FunctionType) and one.__code__.co_filename.startswith(str(SOURCE)):
                 self._functions.setdefault(_place(one.__code__), []).append(one)
 
-    def fate(self, mutant: Mutant, far: bool) -> _Fate:
-        """Whether the tests that execute what differs notice it."""
+    def fate(self, mutant: Mutant, far: bool) -> _Fate | None:
+        """Whether the tests that execute what differs notice it; None if no function does."""
         if len({ast.dump(ast.parse(text)) for text in mutant.texts}) == 1:
             return {"fate": _SAME}  # 1e+30 for 1e30
         if _name(mutant.path) not in sys.modules:
@@ -325,26 +332,27 @@ class Tests:
         loader: Any = sys.modules[_name(mutant.path)].__loader__
         old, new = (loader.source_to_code(text, str(mutant.path)) for text in mutant.texts)
         pairs = _exchanged(old, new)
-        if any(_place(code) not in self._functions for code, _ in pairs):
-            pairs = []
+        if not pairs or any(_place(code) not in self._functions for code, _ in pairs):
+            for file in (file for files in mutant.stages(far) for file in files):
+                self._recorded(file)
+            return None
         exchanged = {one: code for was, code in pairs for one in self._functions[_place(was)]}
         is_kernel = mutant.module.endswith(_KERNELS)
         kernels, callers = self._calling(exchanged if is_kernel else ())
-        lines = mutant.lines() if exchanged else range(1, len(mutant.texts[0].splitlines()) + 1)
-        places: list[tuple[Path, Iterable[int]]] = [(mutant.path, lines)]
-        if kernels:
-            places = [(Path(f.__code__.co_filename), _lines(f.__code__)) for f in callers]
+        places = [(Path(f.__code__.co_filename), _lines(f.__code__)) for f in callers]
+        if not is_kernel:
+            places = [(mutant.path, set(mutant.lines()))]
         fates: list[_Fate] = [{"fate": _FATES[0]}]
         for k, files in enumerate(mutant.stages(far)):
             tests = dict[str, float]()
             for file in files:
                 record = self._recorded(file)
-                # What no function holds is nowhere executed, nor are the lines of kernels.
-                is_all = k < (is_kernel if exchanged else 2)
-                tests |= record["tests"] if is_all else _executing(record, file, places)
+                # Lines of kernels are nowhere recorded.
+                tests |= (
+                    record["tests"] if is_kernel and k == 0 else _executing(record, file, places)
+                )
             if tests:
-                within = self._after_exchange if exchanged else self._imported_anew
-                call = partial(within, mutant, exchanged, kernels, _cheapest(tests))
+                call = partial(self._after_exchange, exchanged, kernels, _cheapest(tests))
                 fates.append(_in_fork(call) or _CRASH)
             if fates[-1]["fate"] == "killed":
                 break
@@ -353,15 +361,12 @@ class Tests:
     def _recorded(self, file: str) -> dict[str, Any]:
         """What is known of a file of tests; they run now if that is outdated."""
         if file not in self._records:
-            kept = ROOT / "build" / "mutants" / f"{file}.json"
+            kept = _kept(file)
             record = json.loads(kept.read_text("utf-8")) if kept.is_file() else {}
             if record.get("state") != self._states.get(file, ""):
                 began = time.monotonic()
                 items = [one for one in self._session.items.values() if one.location[0] == file]
-                record = _in_fork(lambda: self._session.recorded(items)) or {
-                    "tests": {},
-                    "lines": {},
-                }
+                record = _in_fork(lambda: self._session.recorded(items)) or dict(_EMPTY)
                 record["state"] = self._states.get(file, "")
                 kept.parent.mkdir(parents=True, exist_ok=True)
                 kept.write_text(json.dumps(record), "utf-8")
@@ -390,7 +395,6 @@ class Tests:
 
     def _after_exchange(
         self,
-        mutant: Mutant,
         exchanged: Mapping[FunctionType, CodeType],
         kernels: set[FunctionType],
         tests: Mapping[str, float],
@@ -403,28 +407,33 @@ class Tests:
                     setattr(module, key, value.py_func)
         return self._session.fate(tests)
 
-    def _imported_anew(
-        self, mutant: Mutant, _: object, __: object, tests: Mapping[str, float]
-    ) -> _Fate:
-        for name, module in list(sys.modules.items()):
-            if name != "__main__" and str(getattr(module, "__file__", "")).startswith(str(ROOT)):
-                del sys.modules[name]
-        sys.meta_path[:] = [
-            one for one in sys.meta_path if type(one).__module__ != "runtime_checks"
-        ]
-        get_code = SourceFileLoader.get_code
 
-        def mutated(self: SourceFileLoader, name: str) -> CodeType | None:
-            is_it = self.path == str(mutant.path)
-            return (
-                self.source_to_code(mutant.texts[1], self.path) if is_it else get_code(self, name)
-            )
+def _imported_anew(mutant: Mutant, far: bool) -> _Fate:
+    """Whether a default, a constant or the like is noticed by an import of the package."""
+    get_code = SourceFileLoader.get_code
 
+    def mutated(self: SourceFileLoader, name: str) -> CodeType | None:
+        is_it = self.path == str(mutant.path)
+        return self.source_to_code(mutant.texts[1], self.path) if is_it else get_code(self, name)
+
+    def within(tests: Mapping[str, float]) -> _Fate:
         SourceFileLoader.get_code = mutated
         numba.config.DISABLE_JIT = mutant.module.endswith(_KERNELS)
         files = {name.partition("::")[0]: None for name in tests}
         fate = Session(lambda session: session.fate(tests)).start([*files])
         return fate or {"fate": "killed", "by": "the import"}
+
+    fates: list[_Fate] = [{"fate": _FATES[0]}]
+    everywhere = [(mutant.path, range(1, len(mutant.texts[0].splitlines()) + 1))]
+    for k, files in enumerate(mutant.stages(far)):
+        tests = dict[str, float]()
+        for file in files:
+            kept = _kept(file)
+            record = json.loads(kept.read_text("utf-8")) if kept.is_file() else _EMPTY
+            tests |= record["tests"] if k < 2 else _executing(record, file, everywhere)
+        if tests and fates[-1]["fate"] != "killed":
+            fates.append(_in_fork(partial(within, _cheapest(tests))) or _CRASH)
+    return max(fates, key=lambda one: _FATES.index(one["fate"]))
 
 
 def _executing(
@@ -449,17 +458,19 @@ def _cheapest(tests: Mapping[str, float]) -> dict[str, float]:
     return {name: tests[name] for name, spent in pairs if spent < _TESTS_S}
 
 
-def _in_fork(work: Callable[[], Any]) -> Any:
+def _in_fork(work: Callable[[], Any], *, quiet: bool = True) -> Any:
     """What some work in a process of its own returns; nothing if that crashes."""
     with tempfile.TemporaryFile("w+", encoding="utf-8") as answer:
         child = os.fork()
         if not child:
             os.setsid()
-            nowhere, code = os.open(os.devnull, os.O_RDWR), 1
-            os.dup2(nowhere, 1)
-            os.dup2(nowhere, 2)
-            resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
-            resource.setrlimit(resource.RLIMIT_CPU, (_MOST_S, _MOST_S))
+            code = 1
+            if quiet:
+                nowhere = os.open(os.devnull, os.O_RDWR)
+                os.dup2(nowhere, 1)
+                os.dup2(nowhere, 2)
+                resource.setrlimit(resource.RLIMIT_AS, (_MEMORY, _MEMORY))
+                resource.setrlimit(resource.RLIMIT_CPU, (_MOST_S, _MOST_S))
             try:
                 json.dump(work(), answer)
                 code = 0
@@ -475,6 +486,11 @@ def _in_fork(work: Callable[[], Any]) -> Any:
         if os.WIFEXITED(status) and os.WEXITSTATUS(status):
             raise RuntimeError(answer.read())
         return json.load(answer) if os.WIFEXITED(status) else None
+
+
+def _kept(file: str) -> Path:
+    """Where the record of a file of tests is kept."""
+    return ROOT / "build" / "mutants" / f"{file}.json"
 
 
 def _digest(paths: Iterable[Path]) -> str:
@@ -511,6 +527,11 @@ def _exchanged(old: CodeType, new: CodeType) -> list[tuple[CodeType, CodeType]]:
     if outer[0] != outer[1]:
         return []
     return [pair for both in zip(*inner, strict=True) for pair in _exchanged(*both)]
+
+
+def _entries(path: Path) -> dict[Mutant, dict[str, Any]]:
+    lines = path.read_text("utf-8").splitlines() if path.is_file() else []
+    return {Mutant(**entry["mutant"]): entry for entry in map(json.loads, lines)}
 
 
 def _report(entries: Sequence[dict[str, Any]], drawn: int, every: int) -> None:
