@@ -79,6 +79,8 @@ _LEAST_S, _TIMES = 10.0, 20.0
 """Processor time that a test may take with a mutant, and how much more than without."""
 _MOST_S, _MEMORY = 900, 12 * 2**30
 """Processor time and bytes of one process of tests; a mutant may fill more and more."""
+_FIRST_SHARE = 0.8
+"""Share of the time after which those follow that need another import; they are a tenth."""
 _LAWS = "tests/test_values.py"
 """What holds for all defaults and start values, which execute no line of a function."""
 _KERNELS = "_kernels.py"
@@ -157,10 +159,10 @@ def main() -> None:
     chosen.out.parent.mkdir(parents=True, exist_ok=True)
     os.chdir(ROOT)
 
-    until = time.monotonic() + chosen.minutes * 60.0
+    start = time.monotonic()
 
-    def run(attempt: Callable[[Mutant], _Fate | None]) -> None:
-        done = _entries(chosen.out)
+    def run(attempt: Callable[[Mutant], _Fate | None], share: float) -> None:
+        until, done = start + share * chosen.minutes * 60.0, _entries(chosen.out)
         for number, mutant in enumerate(drawn, start=1):
             began = time.monotonic()
             if mutant in done or began > until or (fate := attempt(mutant)) is None:
@@ -178,11 +180,11 @@ def main() -> None:
 
     def run_loaded(session: Session) -> None:
         tests = Tests(session)
-        run(lambda mutant: tests.fate(mutant, chosen.far))
+        run(lambda mutant: tests.fate(mutant, chosen.far), _FIRST_SHARE)
 
     rooms = [_LAWS, *(f"tests/{room}" for room in ROOMS)]
     _in_fork(lambda: Session(run_loaded).start(rooms), quiet=False)
-    run(lambda mutant: _imported_anew(mutant, chosen.far))
+    run(lambda mutant: _imported_anew(mutant, chosen.far), 1.0)
     done = _entries(chosen.out)
     _report([done[one] for one in drawn if one in done], len(drawn), len(every))
 
