@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from hypernav.core.config import RoomConfig
 
@@ -60,7 +61,7 @@ CLASSES = {
     for one in vars(module).values()
     if isinstance(one, type) and one.__module__ == module.__name__
 }
-DATA_CLASSES = {one for one in CLASSES if is_dataclass(one)}
+DATA_CLASSES: set[Any] = {one for one in CLASSES if is_dataclass(one)}
 
 
 def settings() -> dict[str, object]:
@@ -97,9 +98,7 @@ def test_the_default_of_a_setting_lies_within_its_bounds():
 
 
 def test_only_these_values_change():
-    changing = {
-        one.__name__ for one in DATA_CLASSES if not vars(one)["__dataclass_params__"].frozen
-    }
+    changing = {one.__name__ for one in DATA_CLASSES if not one.__dataclass_params__.frozen}
     assert changing == CHANGING
 
 
