@@ -9,7 +9,7 @@ PYTHONS := $(foreach version,3.12 3.13,$(shell python$(version) -c 'print("pytho
 # Where an image forbids bytecode, every process of every test would compile all modules again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow freeze mutants test-vlm lint docs wheel format clean
+.PHONY: demo test slow freeze mutants test-vlm lint docs results results-check results-readme wheel format clean
 
 demo: $(VENV)/.installed  ## search for a bed in the built-in house
 	$(BIN)/hypernav find bed --seed 2 --out runs/demo
@@ -32,16 +32,28 @@ mutants: $(VENV)/.installed-dev  ## half an hour of small faults in what the rob
 test-vlm: $(VLM)/.installed  ## the tests with real, tiny networks, and of the GPU renderer; installs the CPU build of torch
 	$(VLM)/bin/pytest tests/local_vlm tests/simulator/worlds/drawing/test_warp_renderer.py --timeout 600
 
-lint: $(VENV)/.installed-dev $(VENV)/.installed-docs  ## style, types, and who may import whom
+lint: $(VENV)/.installed-dev $(VENV)/.installed-docs  ## style, spelling, types, and who may import whom
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
+	$(BIN)/codespell docs examples scripts src *.md
 	$(BIN)/pyright
 	PATH=$(abspath $(BIN)):$$PATH $(BIN)/python scripts/public_types.py
 	$(BIN)/lint-imports
+	$(BIN)/python scripts/result_tables.py README.md --check
 
 docs: $(VENV)/.installed-docs  ## run what the pages say, and build the site
 	$(BIN)/python scripts/run_pages.py README.md CONTRIBUTING.md docs/*.md docs/*/*.md
 	$(BIN)/mkdocs build --strict
+
+results: $(VENV)/.installed-dev  ## measure a table of the docs anew: make results TABLE=exploring; hours
+	$(BIN)/python scripts/measure_results.py $(TABLE)
+	$(BIN)/python scripts/result_tables.py README.md
+
+results-check: $(VENV)/.installed-dev  ## a tenth of each table's searches (or of TABLE's): does it still hold?
+	$(BIN)/python scripts/measure_results.py --check $(TABLE)
+
+results-readme: $(VENV)/.installed-dev  ## write the tables of README from docs/results/data
+	$(BIN)/python scripts/result_tables.py README.md
 
 wheel: $(BIN)/python  ## build wheel and sdist, and search with the wheel alone, on every Python and with the lowest dependencies
 	rm -rf dist build/wheel

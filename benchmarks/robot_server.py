@@ -1,11 +1,11 @@
 """Time that a server of robots takes for an observation, beside a model.
 
-One robot after the other: a server in a process of its own answers recorded observations of a real
-furnished house, over HTTP and over WebSocket. Then 4, 8, 16 and 24 robots send one every 200 ms;
-they begin one after the other, and a server that is busy refuses some of them. They send bodies
-that were encoded before, so they take little; the processor time of the server and that of the
-robots (Linux) say more than the clock where other programs run as well. At last, the parts of an
-observation in this process, without network and disk.
+One robot after the other: a server in a process of its own answers depth and poses recorded in a
+simulated furnished house, over HTTP and over WebSocket. Then 4, 8, 16 and 24 robots send one every
+200 ms; they begin one after the other, and a server that is busy refuses some of them. They send
+bodies that were encoded before, so they take little; the processor time of the server and that of
+the robots (Linux) say more than the clock where other programs run as well. At last, the parts of
+an observation in this process, without network and disk.
 
     python benchmarks/robot_server.py DATA      # DATA holds episodes/small_house.npz
 """

@@ -48,7 +48,8 @@ def command_faults(body: str) -> Iterator[str]:
             fault = _fault_of_script(words[1], words[2:])
         elif words[0] == "make":
             targets = _TARGET.findall((_ROOT / "Makefile").read_text("utf-8"))
-            fault = "" if set(words[1:]) <= set(targets) else "there is no such target"
+            named = {word for word in words[1:] if "=" not in word}
+            fault = "" if named <= set(targets) else "there is no such target"
         else:
             fault = "a quotation has no end" if words[0] == _UNFINISHED else ""
         if fault:

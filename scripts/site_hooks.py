@@ -1,4 +1,4 @@
-"""What the site shows that no page holds: the help of every command, and the examples."""
+"""What the site shows that no page holds: help of commands, examples, tables of results."""
 
 import os
 import re
@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from mkdocs.structure.files import File, Files
+from result_tables import Results
 
 _ROOT = Path(__file__).parents[1]
 _SPOKEN = {
@@ -30,7 +31,8 @@ def on_files(files: Files, config: Any) -> Files:
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Put in the help, and lead links out of ``docs/`` to the copies of the examples."""
+    """Put in tables and help, and lead links out of ``docs/`` to the copies of the examples."""
+    markdown = Results().page(markdown)
     markdown = _EXAMPLE.sub(lambda link: f"]({link[1].removeprefix('../')}", markdown)
     return _HELP.sub(lambda asked: f"```text\n{_help(asked[1])}\n```", markdown)
 

@@ -3,7 +3,16 @@
 import numpy as np
 import pytest
 
-from hypernav.search.mapping.elevation_kernels import OBSTACLE_HITS, sort_ground
+from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry.grid import Cell
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.search.mapping.elevation_kernels import (
+    OBSTACLE_HITS,
+    highest_around,
+    is_level,
+    open_ground,
+    sort_ground,
+)
 
 STEP_M, TALL_M, BLIND_M = 0.24, 1.0, 1.0
 TREAD_Z = 1.66
@@ -52,3 +61,64 @@ def test_posts_and_walls_are_obstacles_beside_treads_of_any_height(
     assert not is_clear(0.3, 0.5, tread_m, down=down)
     assert not is_clear(0.3, 1.4, tread_m, down=down)
     assert is_clear(TALL_M + 0.1, TALL_M + 0.3, tread_m, down=down)  # a flight above
+
+
+RANDOM = np.random.default_rng(0)
+
+
+def test_ground_can_be_walked_on_where_it_is_known_clear_and_even():
+    shape = (9, 13)
+    heights = RANDOM.choice([0.0, 0.1, 0.2, np.nan], shape, p=(0.7, 0.15, 0.05, 0.1))
+    heights = heights.astype(np.float32)
+    known, clear = RANDOM.uniform(size=(2, *shape)) < 0.9
+    presumed = RANDOM.uniform(size=shape) < 0.05
+    to_robot, under_m, step_m = (-0.9, -0.35, 0.1), 0.25, 0.15
+    found = open_ground(heights, known, clear, presumed, to_robot, under_m, step_m)
+    rows, columns = np.indices(shape) + 0.5
+    away = np.hypot(columns * 0.1 + to_robot[0], rows * 0.1 + to_robot[1])
+    told = np.where(away > under_m, heights, np.nan)
+    for i, j in np.ndindex(shape):
+        around = told[max(i - 1, 0) : i + 2, max(j - 1, 0) : j + 2]
+        around = around[~np.isnan(around)]
+        is_even = len(around) == 0 or np.ptp(around) <= 0.15 + 1e-6
+        expected = presumed[i, j] or (known[i, j] and clear[i, j] and is_even)
+        assert (found[i, j] == Cell.FREE) == expected
+    assert 20 < (found == Cell.FREE).sum() < 100
+
+
+def test_the_highest_around_a_cell_is_that_of_the_eight_and_itself():
+    heights = RANDOM.uniform(0.0, 1.0, (5, 6)).astype(np.float32)
+    mask = RANDOM.uniform(size=(5, 6)) < 0.5
+    for i, j in np.ndindex(heights.shape):
+        part = (slice(max(i - 1, 0), i + 2), slice(max(j - 1, 0), j + 2))
+        expected = heights[part][mask[part]].max(initial=-np.inf)
+        assert highest_around(heights, mask, i, j) == expected
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.27, -0.27, 0.45, -0.45, 2.0])
+@pytest.mark.parametrize("towards", [0.0, 1.1, -2.0])
+def test_a_surface_is_level_by_its_slope_in_any_direction(slope: float, towards: float):
+    """It is told along the line of sight, up the column of the image."""
+    camera = PinholeCamera(24, 18, 20.0, 20.0, 12.0, 9.0)
+    pose = Pose2(3.0, -2.0, towards).to_transform() @ optical_to_base(0.9, 35.0)
+    rays = camera.rays() @ pose.rotation.T
+    ahead = np.array([np.cos(towards), np.sin(towards)])
+    # The plane z = slope * (way ahead of the point below the camera - 0.9)
+    with np.errstate(divide="ignore"):
+        depth = (pose.translation[2] + 0.9 * slope) / (
+            slope * (rays[..., :2] @ ahead) - rays[..., 2]
+        )
+    depth = np.where((depth > 0.0) & (depth < 4.0), depth, 0.0).astype(np.float32)
+    across = (rays[0] - rays[0, 12]).astype(np.float32)
+    down = np.ascontiguousarray(rays[:, 12], dtype=np.float32)
+    start = pose.translation.astype(np.float32)
+    found = set[bool]()
+    for v in range(4, 18):
+        for u in range(0, 24, 3):
+            d = depth[v, u]
+            x, y, z = start + d * (across[u] + down[v])
+            is_seen = d > 0.0 and depth[v - 2, u] > 0.0 and z < start[2] - 0.1
+            other = start + depth[v - 2, u] * (across[u] + down[v - 2])
+            if is_seen and np.hypot(other[0] - x, other[1] - y) < 0.35:
+                found.add(bool(is_level(depth, u, v - 2, across, down, start, (0.1, 4.0), x, y, z)))
+    assert found == {abs(slope) < 0.3}

@@ -1,3 +1,7 @@
+"""Growth of obstacles by a radius, and distances to cells."""
+
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -5,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from scipy.ndimage import distance_transform_edt
 
-from hypernav.search.mapping.inflation import distance_from
+from hypernav.search.mapping.inflation import disc, distance_from, inflate
 
 
 @given(arrays.arrays(bool, st.tuples(st.integers(1, 12), st.integers(1, 12))))
@@ -22,3 +26,22 @@ def test_in_maps_too(shape):
     mask = np.random.default_rng(0).random(shape) < 0.01
     exact = np.asarray(distance_transform_edt(~mask), dtype=np.float32)
     np.testing.assert_array_equal(distance_from(mask), exact)
+
+
+@pytest.mark.parametrize("radius_m", [0.0, 0.05, 0.12, 0.2, 0.33])
+def test_a_disc_holds_the_cells_whose_middles_lie_within_the_radius(radius_m: float):
+    cells = np.zeros((21, 21), dtype=bool)
+    cells[10, 10] = True
+    grown = inflate(cells, radius_m, 0.05)
+    near = [
+        [math.hypot(i - 10, j - 10) * 0.05 <= radius_m + 1e-9 for j in range(21)] for i in range(21)
+    ]
+    assert np.array_equal(grown > 0, near)
+    assert disc(radius_m, 0.05).sum() == np.sum(near)
+    assert disc(radius_m, 0.05).shape[0] % 2 == 1
+
+
+def test_what_lies_outside_counts_if_told():
+    grown = inflate(np.zeros((9, 9), dtype=bool), 0.1, 0.05, outside=True)
+    assert (grown == 0).sum() == 25
+    assert not inflate(np.zeros((9, 9), dtype=bool), 0.1, 0.05).any()

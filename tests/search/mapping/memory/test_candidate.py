@@ -1,5 +1,6 @@
 """What the robot believes about its target."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -120,3 +121,31 @@ def test_what_is_refuted_needs_more_than_it_has():
     refuted = replace(target, needed=target.log_odds + 1.0)
     assert refuted.is_refuted
     assert not refuted.with_look((2.0, 2.0), 1.2).is_refuted
+
+
+@pytest.mark.parametrize("weight", [-3.0, 0.5, 4.0])
+def test_the_chance_is_that_of_the_odds(weight: float):
+    target = target_at().with_look((0.0, 0.0), weight)
+    assert target.chance / (1.0 - target.chance) == pytest.approx(math.exp(target.log_odds))
+    assert target.log_odds - target_at().log_odds == pytest.approx(weight)
+
+
+@pytest.mark.parametrize("turn", np.linspace(0.3, 6.0, 8).tolist())
+@pytest.mark.parametrize(
+    ("ratio", "side_deg", "is_same"),
+    [(1.0, 8.0, True), (1.1, 0.0, True), (1.0, 89.0, False), (3.9, 0.0, False)],
+)
+def test_which_views_are_the_same_depends_on_side_and_distance_alone(
+    turn: float, ratio: float, side_deg: float, is_same: bool
+):
+    target = target_at()
+    x, y = target.area.centre
+
+    def position(angle: float, away_m: float) -> tuple[float, float]:
+        return (x + away_m * math.cos(angle), y + away_m * math.sin(angle))
+
+    one = position(turn, 6.0)
+    for sign in (1.0, -1.0):
+        other = position(turn + sign * math.radians(side_deg), 6.0 * ratio**sign)
+        looks = target.with_look(one, 1.0).with_look(other, 1.0).looks
+        assert len(looks) == len(target.looks) + (1 if is_same else 2)

@@ -176,3 +176,24 @@ def test_where_the_robot_stands_is_open_though_no_image_shows_it():
 def test_the_paper_enters_the_dilated_cells():
     area = area_of([[1.0, 1.0, 0.0]])
     assert np.array_equal(area.entry, area.mask)
+
+
+@given(st.lists(st.tuples(coordinates, coordinates), min_size=1, max_size=12))
+def test_the_seen_points_are_the_middles_of_the_cells_that_hold_the_points(places):
+    area = area_of([(x, y, 1.0) for x, y in places], kernel=1, largest_cluster_only=False)
+    seen = area.seen_points
+    for x, y in places:
+        off = np.abs(seen - (x, y)).max(axis=1)
+        assert off.min() <= 0.025 + 1e-6
+    assert len(seen) <= len(places)
+
+
+@pytest.mark.parametrize("reach_m", [0.07, 0.3, 0.82])
+def test_an_area_is_entered_up_to_the_reach_from_what_was_seen(reach_m: float):
+    observation = thing_before_wall()
+    area = area_of(masked_points(observation)).entered_from(observation, reach_m)
+    away = [np.linalg.norm(area.seen_points - one, axis=1).min() for one in area.entry_points]
+    assert max(away) <= reach_m * 1.05 + 0.01
+    assert max(away) > reach_m - 0.06
+    before = area.entered_from(observation, 0.0)
+    assert np.array_equal(before.entry_points, area.entry_points)

@@ -357,3 +357,19 @@ def test_on_a_landing_the_way_on_leads_away_from_where_the_robot_has_looked():
     assert len(way_on)
     for place in ((0.0, 0.0), looked):
         assert np.linalg.norm(way_on - place, axis=1).min() >= 0.75
+
+
+@pytest.mark.parametrize("goes_up", [True, False])
+@pytest.mark.parametrize(("off_m", "is_stairs"), [(0.09, False), (0.15, True)])
+def test_ground_is_level_up_to_the_same_difference_up_and_down(
+    off_m: float, is_stairs: bool, goes_up: bool
+):
+    ground = memory_after([FLOOR], HEAD).ground_around(HEAD.xy, down=False)
+    x = np.full(ground.seen.shape, np.nan)
+    x[ground.seen] = ground.positions(ground.seen)[:, 0]
+    with np.errstate(invalid="ignore"):
+        beyond = x > FIRST_X + 0.5
+    height = np.float32(off_m if goes_up else -off_m)
+    stepped = replace(ground, measured=np.where(beyond, height, ground.measured))
+    ahead = stairs_ahead(stepped, HEAD, 0.0, None, goes_up=goes_up, on_slope=False)
+    assert ahead.any() == is_stairs

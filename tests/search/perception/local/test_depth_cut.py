@@ -1,5 +1,7 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from box_scenes import room_boxes, scene_of
 from hypernav.core.embodiment import CameraConfig, Embodiment
@@ -7,7 +9,7 @@ from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.search.mapping.memory.goal_area import points_under_mask
-from hypernav.search.perception.local.depth_cut import DepthCutSegmenter
+from hypernav.search.perception.local.depth_cut import DepthCutSegmenter, _divided
 from hypernav.search.perception.local.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from images import thing_before_wall, thing_pixels
@@ -137,3 +139,26 @@ def test_a_point_without_depth_around_it_holds_nothing():
     observation = thing_before_wall(thing_m=0.0)
     assert not DepthCutSegmenter().segment_point(observation, 80.0, 60.0).any()
     assert DepthCutSegmenter().segment_point(observation, 61.0, 60.0).any()  # the wall, 2 px away
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([(9, 12), (12, 7), (2, 2)]))
+def test_parts_are_pixels_that_are_linked_by_steps_in_depth_below_the_gap(seed, shape):
+    rng = np.random.default_rng(seed)
+    depth = rng.choice([1.0, 1.3, 1.6, 2.5], shape, p=(0.4, 0.3, 0.2, 0.1)).astype(np.float32)
+    solid = rng.uniform(size=shape) < 0.9
+    part = np.full(shape, -1)
+    for number, begin in enumerate(zip(*np.nonzero(solid), strict=True)):
+        waiting = [begin] if part[begin] < 0 else []
+        while waiting:
+            at = waiting.pop()
+            part[at] = number
+            for i, j in ((0, 1), (1, 0), (0, -1), (-1, 0)):
+                to = (at[0] + i, at[1] + j)
+                if all(0 <= k < most for k, most in zip(to, shape, strict=True)):
+                    is_linked = abs(depth[to] - depth[at]) < 0.35
+                    if solid[to] and part[to] < 0 and is_linked:
+                        waiting.append(to)
+    found = _divided(depth, solid, 0.35)
+    assert np.array_equal(found > 0, solid)
+    pairs = set(zip(found[solid].tolist(), part[solid].tolist(), strict=True))
+    assert len(pairs) == len(set(part[solid].tolist())) == len(set(found[solid].tolist()))

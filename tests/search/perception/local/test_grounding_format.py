@@ -90,6 +90,8 @@ def test_no_box_is_no_box(text: str):
         ("[10, 20, 900, 220]", Rejection.OUTSIDE),
         ("[700, 20, 800, 220]", Rejection.OUTSIDE),
         ("[-200, 20, 110, 220]", Rejection.OUTSIDE),
+        ("[10, 20, 110, 600]", Rejection.OUTSIDE),  # as wide as the image, but not as high
+        ("[10, -100, 110, 220]", Rejection.OUTSIDE),
         ("[10, 20, 11, 220]", Rejection.TOO_SMALL),
         ("[300, 5, 400, 300]", Rejection.DUPLICATE),
     ],

@@ -9,7 +9,14 @@ from hypernav.core.errors import ConfigError, LabelsMissingError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
-from hypernav.search.perception.local.systematic_detector import LEVELS, SystematicDetector
+from hypernav.search.perception.local.systematic_detector import (
+    _FOUND_CUT_OFF,
+    _FOUND_WHOLE,
+    _TAKEN_FOR,
+    _TAKEN_FROM_BUILDING,
+    LEVELS,
+    SystematicDetector,
+)
 from images import thing_before_wall
 
 TV = Goal("tv")
@@ -98,3 +105,19 @@ def test_it_needs_a_level_that_exists_and_labels():
         SystematicDetector("perfect")
     with pytest.raises(LabelsMissingError):
         SystematicDetector("poor").detect(thing_before_wall(with_truth=False), TV)
+
+
+def test_the_rates_of_errors_are_shares():
+    """Of a thing that is taken for several kinds, each view takes it for one of them at most."""
+    shares = dict.fromkeys((thing for thing, _ in _TAKEN_FOR), 0.0)
+    for (thing, _), share in _TAKEN_FOR.items():
+        assert 0.0 < share < 1.0
+        shares[thing] += share
+    assert max(shares.values()) < 1.0
+    assert all(0.0 <= share < 1.0 for share in _TAKEN_FROM_BUILDING.values())
+    for found in (_FOUND_WHOLE, _FOUND_CUT_OFF):
+        assert len(found) == 5
+        assert all(0.0 <= share <= 1.0 for share in found)
+    assert all(
+        cut_off <= whole for cut_off, whole in zip(_FOUND_CUT_OFF, _FOUND_WHOLE, strict=True)
+    )

@@ -1,7 +1,7 @@
 """The data sets that episodes come from, by name.
 
 A data set is written ``NAME[:ARGUMENT][#PART]``. A further one is an entry in `DATA_SOURCES`, or an
-entry point ``hypernav.datasets`` of another package.
+entry point ``hypernav.lab.datasets`` of another package.
 """
 
 import os

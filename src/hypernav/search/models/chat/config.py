@@ -27,7 +27,7 @@ class ChatConfig(RoomConfig):
 
     Attributes:
         published_model: Vision-language model of the published method (paper: QwenVL-7B). Results
-            and reports name it beside the model in use, unless this has its name.
+            and reports name it beside the model in use, unless this has its family and size.
         timeout_s: Longest wait for one attempt, during which a robot stands still.
         patience_s: Time after which an unanswered question is given up. Failed attempts are
             repeated until then; 0 asks once.

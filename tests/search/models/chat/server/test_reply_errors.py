@@ -1,5 +1,6 @@
 """What refusals mean, as real servers word them."""
 
+import json
 import re
 from typing import Any
 
@@ -10,6 +11,7 @@ from hypernav.core.chat import Question
 from hypernav.core.errors import ModelRejectedError, ModelSetupError, ModelUnavailableError
 from hypernav.search.models.chat.config import ChatConfig
 from hypernav.search.models.chat.server.openai_chat import OpenAiChat
+from hypernav.search.models.chat.server.reply_errors import _MOST_LAYERS, _message
 from servers.faulty import Act, FaultyServer, Talk
 from servers.scripted import closed_port
 
@@ -379,3 +381,24 @@ def test_a_proxy_that_cannot_be_used_is_no_passing_fault(monkeypatch: pytest.Mon
     monkeypatch.setenv("http_proxy", "gopher://lab:70")
     caught, _ = asked(lambda talk: None, "http://lab.example/v1")
     assert isinstance(caught, ModelSetupError)
+
+
+def test_words_are_looked_for_in_so_many_layers_only():
+    """Each layer holds words, and the next one as OpenRouter's servers nest them."""
+
+    def nested(kind: str) -> object:
+        body: object = {"message": "innermost"}
+        for number in reversed(range(100)):
+            layers = {
+                "raw": {"message": f"w{number}.", "metadata": {"raw": body}},
+                "text": {"message": f"w{number}.", "metadata": {"raw": json.dumps(body)}},
+                "error": {"error": body},
+                "list": [{"error": body}],
+            }
+            body = layers["raw" if kind == "text" and number < 90 else kind]
+        return body
+
+    assert _message(nested("raw")).split(": ") == [f"w{k}." for k in range(_MOST_LAYERS - 1)]
+    for kind in ("error", "list"):
+        assert _message(nested(kind)) == ""
+    assert "innermost" not in _message(nested("text"))
