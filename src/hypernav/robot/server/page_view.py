@@ -248,7 +248,7 @@ class PageView:
     def add(
         self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
     ) -> None:
-        """Show a step; see `hypernav.core.view.View`."""
+        """Show a step; see `hypernav.core.trace.View`."""
         if observation is None:
             self._search.add(step, grid, None)
             return
