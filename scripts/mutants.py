@@ -55,7 +55,7 @@ from numba.core.dispatcher import Dispatcher
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "src"
-ROOMS = ("core", "mapping", "perception", "planning", "agents", "models")
+ROOMS = ("core", "io", "search")
 OPERATORS = tuple(
     f"core/{name}"
     for name in (
