@@ -10,6 +10,7 @@ from hypernav.app.build.presets import HyPerNavConfig, preset
 from hypernav.app.cli.command_line import run_command
 from hypernav.app.cli.options.agent import AgentOptions
 from hypernav.core.errors import ConfigError
+from hypernav.lab.datasets.benchmarks import BENCHMARKS
 from hypernav.search.perception.visual_prompts.proposals import MOST_MOVE_M, ArrowsConfig
 
 NATIVE = ("vlfm", "navvlm", "vlmnav", "pivot")
@@ -31,11 +32,13 @@ def test_goals_count_as_reached_where_they_do_in_common_mode(agent):
         ("pivot", 131.0, 1.5, 0.17, True),
     ],
 )
-def test_every_method_has_its_own_robot(agent, hfov, height, step, sliding):
-    config = native_config(agent, HyPerNavConfig())
-    camera, motion = config.embodiment.camera, config.embodiment.motion
-    assert (camera.hfov_deg, camera.height_m) == (hfov, height)
-    assert (motion.forward_m, config.world.sliding) == (step, sliding)
+def test_every_method_has_its_own_robot_on_every_benchmark(agent, hfov, height, step, sliding):
+    for base in (HyPerNavConfig(), HyPerNavConfig(embodiment=BENCHMARKS["ovon"].embodiment)):
+        config = native_config(agent, base)
+        camera, motion = config.embodiment.camera, config.embodiment.motion
+        assert (camera.hfov_deg, camera.height_m) == (hfov, height)
+        assert camera.width > camera.height
+        assert (motion.forward_m, config.world.sliding) == (step, sliding)
 
 
 def test_no_forty_moves_take_more_steps_than_the_limit():

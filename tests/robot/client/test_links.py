@@ -1,5 +1,7 @@
 """Addresses of servers, as people write them."""
 
+import os
+
 import pytest
 
 from hypernav.core.errors import RobotLinkError
@@ -31,3 +33,10 @@ def test_a_token_is_sent_and_never_shown(tmp_path):
     address = ServerAddress.of("http://a:1", tmp_path / "token")
     assert address.headers == {"Authorization": "Bearer secret"}
     assert "secret" not in str(address) + repr(address)
+
+
+def test_a_token_is_read_from_a_regular_file_only(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    for path in (tmp_path / "pipe", tmp_path, tmp_path / "missing"):
+        with pytest.raises(RobotLinkError, match="cannot read the token"):
+            ServerAddress.of("http://a:1", path)

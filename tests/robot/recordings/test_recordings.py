@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import shutil
 from pathlib import Path
 
@@ -317,3 +318,10 @@ def test_a_replay_is_recorded_for_the_viewers_as_a_search_is(tmp_path):
         len(POSES)
     }
     assert images_in(tmp_path / "a.rrd") == len(POSES)
+
+
+@pytest.mark.parametrize("name", ["a.bag", "a.mcap"])
+def test_a_pipe_is_no_recording(name, tmp_path):
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(RecordingError, match="cannot be read"):
+        open_recording(tmp_path / name)

@@ -41,7 +41,13 @@ _NAVVLM: dict[str, Any] = {
 
 def _vlfm(base: HyPerNavConfig) -> dict[str, Any]:
     return {
-        "embodiment": {"motion": {"forward_m": 0.25, "turn_angle_deg": 30.0}},
+        "embodiment": {
+            "camera": {
+                **{"width": 640, "height": 480, "hfov_deg": 79.0},
+                **{"height_m": 0.88, "pitch_deg": 0.0},
+            },
+            "motion": {"forward_m": 0.25, "turn_angle_deg": 30.0},
+        },
         "world": {"sliding": False},
         "search": {
             "look_around_at_start": True,

@@ -22,9 +22,12 @@ from hypernav.core.errors import (
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import StepTrace
 from hypernav.io.bounded_http import Deadline, Session
+from hypernav.io.reading import read_file, text_of
 from hypernav.robot.wire.replies import ErrorBody, Reply, SearchOpened, Status, StreamMessage
 from hypernav.robot.wire.requests import ROBOTS, CloseRequest, GivenGoal, OpenSearch, StopRequest
 from hypernav.robot.wire.values import SEARCHES
+
+_MOST_TOKEN_BYTES = 10_000
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,7 @@ class ServerAddress:
         token = None
         if token_file is not None:
             try:
-                token = token_file.read_text(encoding="utf-8").strip()
+                token = text_of(read_file(token_file, most=_MOST_TOKEN_BYTES)).strip()
             except (OSError, UnicodeDecodeError) as error:
                 raise RobotLinkError(f"{token_file}: cannot read the token: {error}") from error
         return ServerAddress(

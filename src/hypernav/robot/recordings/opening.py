@@ -7,6 +7,7 @@ never comes back to the last digit, and a frame drawn there would spoil the map.
 """
 
 import math
+import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -18,6 +19,7 @@ from jaxtyping import Float32, Float64
 from hypernav.core.errors import RecordingError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
+from hypernav.io.reading import check_file
 from hypernav.robot.recordings.bag import is_bag, read_bag
 from hypernav.robot.recordings.frame_files import (
     is_matched_frames,
@@ -235,7 +237,8 @@ def open_recording(
         MissingExtraError: The package that reads bags is not installed.
     """
     try:
-        path.stat()
+        if not path.is_dir():
+            check_file(path, most=sys.maxsize)
     except OSError as error:
         raise RecordingError(f"{path} cannot be read ({error.strerror})") from error
     recording = without_lost_poses(_read(path, topics or CameraTopics()))

@@ -76,6 +76,7 @@ def test_what_is_no_lack_of_memory_is_a_crash(error, tmp_path):
         ImportError("libblas.so: failed to map segment from shared object"),
         OSError(errno.ENOMEM, "refused"),
         RuntimeError("can't start new thread"),
+        RuntimeError("(-4:Insufficient memory) Failed to allocate 8294400 bytes"),  # OpenCV
     ],
 )
 def test_neither_is_memory_that_the_system_refuses_to_a_library(error, tmp_path):

@@ -158,6 +158,17 @@ def test_names_of_building_models_become_words(name: str, category: str) -> None
         "Windows 2:900:7",
         "M_Concrete-Rectangular-Column:300 x 450mm:8",
         "Opening Double:900:9",
+        "M_Fixed with Trim:0915 x 1220mm:234567",
+        "Double Hung with Trim:36in:10",
+        "M_Slider with Trim:0915:11",
+        "M_Awning-with trim:12:12",
+        "Archtop with Trim:13:13",
+        "Curtain Wall Dbl Glass:14:14",
+        "Single-Raised Panel with Sidelights:15:15",
+        "M_Sliding-Closet:16:16",
+        "Overhead-Sectional:17:17",
+        "Garage Door:18:18",
+        "Baluster - Round:19:19",
     ],
 )
 def test_a_building_model_says_what_is_the_building(name: str) -> None:

@@ -41,9 +41,9 @@ class ExitStatus(IntEnum):
 CRASH_FILE = "crash.txt"
 _NO_MEMORY = re.compile(
     r"failed to map segment from shared object(?!: Operation not permitted)"
-    "|[Cc]annot allocate memory|can't start new thread"
+    "|[Cc]annot allocate memory|can't start new thread|Insufficient memory"
 )
-"""What the loader of shared libraries and Python say where the system refuses memory."""
+"""What the loader of shared libraries, Python and OpenCV say where the system refuses memory."""
 
 
 class ReportedCrashError(HyPerNavError):

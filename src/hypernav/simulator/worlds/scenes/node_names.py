@@ -45,7 +45,8 @@ _FAMILIES_OF_THE_BUILDING = re.compile(
     r"""
     (?:basic|stacked|curtain|retaining)\ wall | .*\bwall\ foundation | foundation\ slab
     | (?:basic|sloped)\ (?:roof|glazing) | (?:basic|compound)\ ceiling | floor | roof | pad
-    | (?:.*\ )?(?:railing|handrail|top\ rail|baluster|stairs?|landing|mullion|slab\ edge)
+    | (?:.*\ )?(?:railing|handrail|top\ rail|stairs?|landing|mullion|slab\ edge)
+    | (?:.*\ )?baluster.* | curtain\ wall\ .*
     | (?:non-)?monolithic\ run | system\ panel | ramp | gutter | fascia | roof\ soffit
     | topography | toposolid | surface | wall\ sweep | curtain\ system
     | (?:door|window|skylight|column|beam|opening)s?(?:[\s\d]*[^\w\s].*|_.*|\s*\d.*)?
@@ -54,8 +55,11 @@ _FAMILIES_OF_THE_BUILDING = re.compile(
         |flush|glazed|glass|single|double|sliding|bifold|fixed|round|square|rectangular|concrete
         |steel|timber|wood
     )(?:\ [\d\W].*)?
-    | (?:single|double|bifold|sliding|overhead|curtain\ wall)-(?:flush|panel|glass|\d).*
-    | fixed | casement.* | double\ hung | .*-(?:door|window|column|beam)\b.*
+    | (?:single|double|bifold|sliding|overhead|curtain\ wall)-(?:
+        flush|panel|raised\ panel|glass|closet|sectional|\d
+    ).*
+    | fixed | casement.* | (?:double|single)\ hung | slider | awning.* | archtop
+    | .*[-\ ]doors? | .*-(?:door|window|column|beam)\b.*
     """,
     re.VERBOSE | re.IGNORECASE,
 )
@@ -134,7 +138,10 @@ def is_of_the_building(name: str) -> bool:
     if (found := _CLASS.match(name)) is not None:
         return found[1].lower() in _CLASSES_OF_THE_BUILDING
     family = _family_in(name)
-    if family is None or _FAMILIES_OF_THE_BUILDING.fullmatch(family) is None:
+    if family is None:
+        return False
+    family = _REST.sub("", family).strip()
+    if _FAMILIES_OF_THE_BUILDING.fullmatch(family) is None:
         return False
     noun = _PARTS.split(family)[0].strip().lower()  # Refrigerator-Two-Door
     return kind_shape(noun) is None or noun.split()[-1].rstrip("s") in _KINDS_OF_THE_BUILDING
