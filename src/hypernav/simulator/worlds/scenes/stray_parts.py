@@ -74,6 +74,8 @@ def without_surroundings(parts: Sequence[MeshPart]) -> tuple[list[MeshPart], lis
         "NAME (why)".
     """
     may_be_ground = np.array([_is_ground(part) for part in parts], dtype=bool)
+    if not may_be_ground.any():
+        return without_stray_parts(parts)
     others = [part for part, is_ground in zip(parts, may_be_ground, strict=True) if not is_ground]
     building = without_stray_parts(others)[0] if others else []
     if not building or not any(_area(part) for part in building):
