@@ -5,6 +5,7 @@ detail; this module removes them.
 """
 
 import re
+from functools import lru_cache
 
 from hypernav.core.text.unicode_words import composed, is_single_letter, words_within
 from hypernav.worlds.scenes.bim_names import is_of_the_building, plain_name
@@ -60,6 +61,7 @@ _SMALL_HOUSES = frozenset({"doll", "dog", "cat", "bird", "play", "toy"})
 """Words before "house" that make a thing of it."""
 
 
+@lru_cache(maxsize=4096)
 def words_of(name: str) -> tuple[str, ...]:
     """The words in a node's name, lower case, without additions of tools.
 
