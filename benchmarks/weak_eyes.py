@@ -21,6 +21,7 @@ from typing import Literal
 
 import numpy as np
 import tyro
+from many_searches import GOALS, SMALL_HOUSE
 from scipy.stats import bootstrap
 
 from hypernav.app.build.component_specs import ComponentSpecs, PresetName
@@ -32,7 +33,6 @@ from hypernav.io.layered_config import layered
 from hypernav.lab.evaluation.record import EpisodeRecord
 from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.search.models.yolox import COCO_CLASSES
-from search import GOALS, SMALL_HOUSE
 
 KINDS = ("houses", "offices", "shops")
 SetName = Literal["known", "any"]

@@ -30,7 +30,7 @@ spl = [0.4, 0.35, 0.45]
 
 [[rows]]
 name = "two"
-command = "python benchmarks/search.py"
+command = "python benchmarks/many_searches.py"
 against = "one"
 commit = "abcdef1"
 date = 2026-11-29
@@ -109,7 +109,7 @@ def test_a_value_that_is_not_there_is_an_error(asked, results, tables):
         ("spl = 0.6", "speed = 0.6", r"row 'two' has cells of no column: \['speed'\]"),
         ('against = "one"', 'against = "three"', "'three', which is no row"),
         ('name = "two"', 'name = "one"', "more than one row is named one"),
-        ('command = "python benchmarks/search.py"\n', "", "no command that gives them"),
+        ('command = "python benchmarks/many_searches.py"\n', "", "no command that gives them"),
         ("date = 2026-11-29\nn = 1000", "n = 1000", "row 'one' has a command, and no commit or no"),
         ("n = 1000", 'n = 1000\ncheck = "a tenth"', "check: String should match"),
         ('measure = "spl", ', "", "column 'spl' has numbers to repeat, and no measure"),

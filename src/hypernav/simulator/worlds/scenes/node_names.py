@@ -10,6 +10,7 @@ first. Sources: IFC 4.3 (ISO 16739-1), and the families of Revit's templates.
 """
 
 import re
+from functools import lru_cache
 
 from hypernav.core.kind_shapes import kind_shape
 from hypernav.core.words import composed, is_single_letter, words_within
@@ -171,6 +172,7 @@ def _of_family(name: str) -> str | None:
     return " ".join((*first, noun)) if noun else " ".join(kinds)
 
 
+@lru_cache(maxsize=4096)
 def words_of(name: str) -> tuple[str, ...]:
     """The words in a node's name, lower case, without additions of tools.
 
