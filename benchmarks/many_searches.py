@@ -1,6 +1,6 @@
 """Run many searches in one building and print the table.
 
-Run: python benchmarks/many_searches.py --scene small_house/scene.glb --goals bed sofa tv [--seeds 5]
+Run: python benchmarks/many_searches.py --scene small_house/scene.glb --goals bed sofa tv
 
 Every search is what `hypernav find GOAL --scene SCENE --agent AGENT --seed SEED` does, without
 video and page. Lines come as the searches end; the table follows.
