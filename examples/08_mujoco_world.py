@@ -21,8 +21,7 @@ import numpy as np
 import trimesh
 
 import hypernav
-from hypernav import HyPerNavConfig, PinholeCamera, SimulatedWorld, Transform
-from hypernav.core.world import RenderedView
+from hypernav import HyPerNavConfig, PinholeCamera, RenderedView, SimulatedWorld, Transform
 
 if sys.platform == "linux":
     os.environ.setdefault("MUJOCO_GL", "egl")  # draws without a screen
@@ -71,7 +70,7 @@ def shapes(model: Any) -> hypernav.Scene:
 
 
 class MujocoCamera:
-    """MuJoCo's pictures, as `hypernav.core.world.Renderer` asks for them."""
+    """MuJoCo's pictures, as `hypernav.Renderer` asks for them."""
 
     def __init__(self, model: Any, scene: hypernav.Scene) -> None:
         self.colours = True

@@ -11,11 +11,11 @@ from typing import Any
 from hypernav.core.config import RoomConfig
 
 SOURCE = Path(__file__).parents[1] / "src"
-ROOMS = ("core", "mapping", "perception", "planning", "agents", "models")
+ROOMS = ("core", "search")
 SETTINGS = Path(__file__).with_name("settings.json")
 
 CHANGING = {
-    *("SearchMemory", "Floor", "KeyImages", "LookedOver", "LedgerRow"),
+    *("SearchMemory", "Floor", "KeyImages", "CoverageMask", "LedgerRow"),
     *("_Forgotten", "_Notes"),
     # Components, which keep counts and caches.
     *("YesNoAsker", "RandomReasoner", "NoisyReasoner", "VlmReasoner", "ImageRanking"),

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from hypernav.core.goal import Goal
     from hypernav.core.observation import Observation
     from hypernav.core.trace import StepTrace
+    from hypernav.core.world import RenderedView, Renderer
     from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
     from hypernav.lab.evaluation.checks.contracts import check_agent, check_world
     from hypernav.lab.evaluation.evaluate import evaluate
@@ -127,6 +128,8 @@ __all__ = [
     "PinholeCamera",
     "Pose2",
     "PresenceCheck",
+    "RenderedView",
+    "Renderer",
     "Robot",
     "RobotClient",
     "RoomConfig",
@@ -206,6 +209,8 @@ _MODULES = {
     "Goal": "hypernav.core.goal",
     "Observation": "hypernav.core.observation",
     "StepTrace": "hypernav.core.trace",
+    "RenderedView": "hypernav.core.world",
+    "Renderer": "hypernav.core.world",
     "check_agent": "hypernav.lab.evaluation.checks.contracts",
     "BoxRoom": "hypernav.simulator.worlds.box_room",
     "check_world": "hypernav.lab.evaluation.checks.contracts",

@@ -40,12 +40,12 @@ def test_importing_the_package_loads_no_other():
 
 def test_a_robot_that_writes_no_video_loads_nothing_that_draws_pages_or_reads_scenes():
     parts = (
-        "cli.serve",
-        "cli.robots.ros2",
-        "cli.robots.replay",
+        "app.cli.serve",
+        "app.cli.robots.ros2",
+        "app.cli.robots.replay",
         "robot.server.serving",
         "robot.client.robot_client",
-        "build.agents",
+        "app.build.agents",
     )
     loaded = loaded_by("import " + ", ".join(f"hypernav.{part}" for part in parts))
     assert "numpy" in loaded

@@ -26,8 +26,9 @@ NAY = [*PERFECT[:3], checked("there", "no"), checked("not there", "no"), chose(1
 
 @pytest.fixture(autouse=True)
 def two_rooms_only(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(searches, "open_world", lambda *_, **__: two_rooms())
-    monkeypatch.setattr(type(two_rooms()), "close", lambda _: None)
+    world = two_rooms.__wrapped__()  # not the one that other tests share
+    monkeypatch.setattr(searches, "open_world", lambda *_, **__: world)
+    monkeypatch.setattr(type(world), "close", lambda _: None)
 
 
 def ran(folder: Path, confusion: Confusion, episodes: int = 1) -> list[SearchedEpisode]:

@@ -165,9 +165,9 @@ def test_names_of_building_models_become_words(name: str, category: str) -> None
         "Archtop with Trim:13:13",
         "Curtain Wall Dbl Glass:14:14",
         "Single-Raised Panel with Sidelights:15:15",
-        "M_Sliding-Closet:16:16",
-        "Overhead-Sectional:17:17",
-        "Garage Door:18:18",
+        "M_Sliding-Closet:1830 x 2134mm:16",
+        "Overhead-Sectional:2438 x 2134mm:17",
+        "Garage Door:2440 x 2130mm:18",
         "Baluster - Round:19:19",
     ],
 )

@@ -66,7 +66,7 @@ _FAMILIES_OF_THE_BUILDING = re.compile(
 )
 """Revit's system families, and the doors, windows, columns and beams of its templates. The last
 word of an English compound says what it is: a ``Door mat`` is no door."""
-_KINDS_OF_THE_BUILDING = frozenset({"door", "window", "column"})
+_KINDS_OF_THE_BUILDING = frozenset({"door", "window", "column", "wall"})
 _FILE_SUFFIX = re.compile(
     r"\.(?:fbx|obj|dae|gltf|glb|blend|stl|ply|usdz?|cleaner.*)\b", re.IGNORECASE
 )
@@ -145,7 +145,8 @@ def is_of_the_building(name: str) -> bool:
     if _FAMILIES_OF_THE_BUILDING.fullmatch(family) is None:
         return False
     noun = _PARTS.split(family)[0].strip().lower()  # Refrigerator-Two-Door
-    return kind_shape(noun) is None or noun.split()[-1].rstrip("s") in _KINDS_OF_THE_BUILDING
+    words = {word.rstrip("s") for word in noun.split()}  # curtain wall dbl glass
+    return kind_shape(noun) is None or not words.isdisjoint(_KINDS_OF_THE_BUILDING)
 
 
 def _family_in(name: str) -> str | None:
