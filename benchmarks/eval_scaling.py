@@ -37,8 +37,9 @@ from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.lab.evaluation.choices import SaveChoice
 from hypernav.lab.evaluation.runner import RunProgress, run_episodes
 from hypernav.lab.evaluation.store.run_store import RunStore
+from hypernav.lab.evaluation.workers.job import Job
 from hypernav.lab.evaluation.workers.process_pool import ProcessPool
-from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.lab.evaluation.workers.worker import EpisodeWorker
 from hypernav.lab.evaluation.workers.worker_pool import cpu_seconds_of_ended_workers
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from hypernav.simulator.worlds.surface.goal_regions import random_start

@@ -24,7 +24,8 @@ from hypernav.app.build.presets import HyPerNavConfig, preset
 from hypernav.core.episode import Episode
 from hypernav.io.layered_config import layered
 from hypernav.lab.evaluation.record import EpisodeRecord
-from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.lab.evaluation.workers.job import Job
+from hypernav.lab.evaluation.workers.worker import EpisodeWorker
 from hypernav.simulator.houses.building import Building
 from hypernav.simulator.houses.episodes.building_truth import CLIMBING_BODY
 from hypernav.simulator.houses.house_cache import cached_building

@@ -30,7 +30,7 @@ from rich.console import Console
 from rich.table import Table
 
 from hypernav.app.build.agents import build_search
-from hypernav.app.build.data.scenes import building_of, load_scene
+from hypernav.app.build.data.scenes import load_scene
 from hypernav.app.build.data.sources import DATA_SOURCES, DatasetRequest
 from hypernav.app.build.presets import preset
 from hypernav.core.episode import Episode
@@ -42,6 +42,7 @@ from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.search.perception.local.ground_truth import GroundTruthDetector, visible_objects
 from hypernav.simulator.houses.generator import plan_of
+from hypernav.simulator.houses.named_scenes import building_of
 from hypernav.simulator.houses.plan.floor_plan import FloorPlan
 from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.simulator.worlds.simulation import SimulatedWorld

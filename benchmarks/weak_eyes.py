@@ -31,7 +31,8 @@ from hypernav.core.episode import Episode
 from hypernav.core.labels import same_name
 from hypernav.io.layered_config import layered
 from hypernav.lab.evaluation.record import EpisodeRecord
-from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.lab.evaluation.workers.job import Job
+from hypernav.lab.evaluation.workers.worker import EpisodeWorker
 from hypernav.search.models.yolox import COCO_CLASSES
 
 KINDS = ("houses", "offices", "shops")

@@ -6,13 +6,13 @@ import sys
 import pytest
 
 from box_scenes import room_glb
-from hypernav.app.build.data.scenes import building_of
 from hypernav.app.cli.main import main
 from hypernav.app.cli.screen.search_lines import no_such_object_line
 from hypernav.core.goal import Goal
 from hypernav.io.folder_lock import folder_lock
 from hypernav.simulator.houses.building import NOUNS
 from hypernav.simulator.houses.generator import storeys_of
+from hypernav.simulator.houses.named_scenes import building_of
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
 

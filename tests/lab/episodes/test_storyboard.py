@@ -21,7 +21,8 @@ from hypernav.lab.episodes.recorder import EpisodeRecorder
 from hypernav.lab.episodes.storyboard import Storyboard
 from hypernav.lab.evaluation.choices import SaveChoice
 from hypernav.lab.evaluation.failures import Failure
-from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.lab.evaluation.workers.job import Job
+from hypernav.lab.evaluation.workers.worker import EpisodeWorker
 from small_episodes import episode_from
 from small_worlds import InScenes, small_config
 

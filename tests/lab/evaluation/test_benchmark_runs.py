@@ -22,7 +22,8 @@ from hypernav.lab.datasets.benchmark_files import scene_number
 from hypernav.lab.evaluation.report.report_text import protocol_lines, warnings
 from hypernav.lab.evaluation.report.run_data import load_runs
 from hypernav.lab.evaluation.run_plan import RunPlan, Selection
-from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.lab.evaluation.workers.job import Job
+from hypernav.lab.evaluation.workers.worker import EpisodeWorker
 from scan_writers.buildings import STOREY_M
 from scan_writers.episodes import HASH, SCENE
 from small_worlds import small_config

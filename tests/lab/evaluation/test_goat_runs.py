@@ -6,7 +6,6 @@ import pytest
 
 from certainty import certain
 from eval_runs import SMALL, apart, record
-from hypernav.app.build.data.scenes import building_of
 from hypernav.app.cli.main import main
 from hypernav.core.goal import Goal
 from hypernav.lab.datasets.benchmarks import BENCHMARKS
@@ -17,6 +16,7 @@ from hypernav.lab.evaluation.run_plan import RunPlan
 from hypernav.lab.evaluation.store.run_store import RunStore, read_configuration, read_records
 from hypernav.simulator.houses.export.building_files import export_building
 from hypernav.simulator.houses.house_cache import cached_building
+from hypernav.simulator.houses.named_scenes import building_of
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from scan_writers.goat import goat_life, goat_object, write_goat
 

@@ -12,7 +12,8 @@ from box_houses import box_house
 from eval_runs import write_room
 from hypernav.app.build.data.datasets import fingerprint, load_episodes
 from hypernav.core.errors import EpisodeError
-from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.lab.evaluation.workers.job import Job
+from hypernav.lab.evaluation.workers.worker import EpisodeWorker
 from hypernav.simulator.houses.building import Building
 from hypernav.simulator.houses.episodes import splits
 from hypernav.simulator.houses.episodes.splits import load_split

@@ -17,8 +17,8 @@ from hypernav.app.build.data.datasets import load_episodes
 from hypernav.core.episode import Life
 from hypernav.lab.evaluation.runner import ATTEMPTS, run_episodes
 from hypernav.lab.evaluation.store.run_store import RunStore, read_records
+from hypernav.lab.evaluation.workers.job import Job
 from hypernav.lab.evaluation.workers.process_pool import ProcessPool
-from hypernav.lab.evaluation.workers.worker import Job
 from hypernav.lab.evaluation.workers.worker_pool import Done, Lost, Ready
 from small_worlds import small_config
 from tired import SlowAgent
@@ -118,7 +118,7 @@ def started_worker(folder):
     script.write_text(
         "import time; from pathlib import Path\n"
         "from hypernav.lab.evaluation.workers.process_pool import ProcessPool\n"
-        "from hypernav.lab.evaluation.workers.worker import Job\n"
+        "from hypernav.lab.evaluation.workers.job import Job\n"
         "if __name__ == '__main__':\n"
         f"    pool = ProcessPool(Job(Path({str(folder)!r})))\n"
         "    pool.start(0)\n"

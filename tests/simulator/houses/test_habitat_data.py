@@ -17,7 +17,8 @@ from hypernav.app.cli.main import main
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.lab.datasets.habitat_format import positions_from_habitat
-from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.lab.evaluation.workers.job import Job
+from hypernav.lab.evaluation.workers.worker import EpisodeWorker
 from hypernav.simulator.houses.building import house
 from hypernav.simulator.houses.episodes import splits
 from hypernav.simulator.houses.episodes.building_truth import HouseGroundTruth

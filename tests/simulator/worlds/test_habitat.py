@@ -22,7 +22,8 @@ from hypernav.app.cli.main import main
 from hypernav.core.errors import MissingExtraError, SceneError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.world import Simulator
-from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.lab.evaluation.workers.job import Job
+from hypernav.lab.evaluation.workers.worker import EpisodeWorker
 from hypernav.lab.evaluation.world_comparison import compare_worlds
 from hypernav.simulator.worlds.habitat import (
     HabitatRenderer,

@@ -16,8 +16,9 @@ from gymnasium import spaces
 from jaxtyping import UInt8
 from pydantic import Field
 
+from hypernav.app.build.our_worlds import in_our_own
 from hypernav.app.build.presets import HyPerNavConfig
-from hypernav.app.build.worlds import in_our_own, open_world
+from hypernav.app.build.worlds import open_world
 from hypernav.core.config import MOST_STEPS, RoomConfig
 from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.episode import SUCCESS_DISTANCE_M, Episode

@@ -4,8 +4,9 @@ import numpy as np
 
 from hypernav.app.build.agents import build_agent
 from hypernav.app.build.built_agent import BuiltAgent
+from hypernav.app.build.our_worlds import in_our_own
 from hypernav.app.build.presets import HyPerNavConfig
-from hypernav.app.build.worlds import in_our_own, open_world
+from hypernav.app.build.worlds import open_world
 from hypernav.core.components.door import through_door
 from hypernav.core.components.protocols import Agent
 from hypernav.core.config import MOST_SEED, MOST_STEPS, check_option

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from hypernav.app.build.data.scenes import load_scene
+from hypernav.app.build.our_worlds import in_habitat, in_our_own
 from hypernav.app.build.presets import preset
-from hypernav.app.build.worlds import in_habitat, in_our_own
 from hypernav.app.cli.options.agent import check_steps_and_seed
 from hypernav.app.cli.options.commands import CompareOptions
 from hypernav.app.cli.screen.terminal import Terminal

@@ -51,9 +51,9 @@ from hypernav.lab.evaluation.statistics import (
 )
 from hypernav.lab.evaluation.store.run_store import RUN_FILES, RunStore
 from hypernav.lab.evaluation.store.scene_files import SCENES_FILE, keep_scenes
+from hypernav.lab.evaluation.workers.job import Job
 from hypernav.lab.evaluation.workers.process_pool import ProcessPool
 from hypernav.lab.evaluation.workers.ray_pool import RayPool
-from hypernav.lab.evaluation.workers.worker import Job
 from hypernav.lab.evaluation.workers.worker_pool import WorkerPool
 
 _MOST_REASONS = 3

@@ -6,7 +6,6 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from hypernav.app.build.data.scenes import building_of
 from hypernav.app.cli.guards.crashes import ExitStatus
 from hypernav.app.cli.guards.outputs import check_file, check_folder
 from hypernav.app.cli.options.commands import Episodes, Export, Show, Splits
@@ -25,6 +24,7 @@ from hypernav.simulator.houses.export.habitat_data import (
     is_file_name,
     write_split,
 )
+from hypernav.simulator.houses.named_scenes import building_of
 
 
 def run(options: Show | Export | Episodes | Splits) -> int:

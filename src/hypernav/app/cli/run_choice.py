@@ -19,7 +19,6 @@ from hypernav.lab.datasets.goat import goal_type_words, goal_types_in
 from hypernav.lab.evaluation.run_plan import RunPlan, Selection
 from hypernav.lab.evaluation.runner import available_cores
 from hypernav.search.models.chat.vlm_spec import parse_vlm_spec
-from hypernav.simulator.worlds.habitat import require_habitat
 
 
 def worker_count(options: EvalOptions) -> int:
@@ -44,6 +43,8 @@ def check(options: EvalOptions) -> None:
     if options.workers is not None:
         check_option("--workers", options.workers, (1, MOST_THREADS), "at least one is needed")
     if options.world == "habitat":
+        from hypernav.simulator.worlds.habitat import require_habitat
+
         require_habitat()
     _check_published_networks(options)
     if options.who.record is not None:

@@ -13,9 +13,9 @@ from hypernav.lab.evaluation.run_plan import RunPlan
 from hypernav.lab.evaluation.runner import RunProgress, begin_again, run_episodes
 from hypernav.lab.evaluation.store.run_store import RunStore
 from hypernav.lab.evaluation.store.scene_files import keep_scenes
+from hypernav.lab.evaluation.workers.job import Job
 from hypernav.lab.evaluation.workers.process_pool import ProcessPool
 from hypernav.lab.evaluation.workers.searcher import factory_name
-from hypernav.lab.evaluation.workers.worker import Job
 
 
 def evaluate(

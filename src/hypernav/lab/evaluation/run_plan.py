@@ -20,8 +20,6 @@ from hypernav.core.episode import MAX_STEPS, SUCCESS_DISTANCE_M, Episode
 from hypernav.lab.datasets.benchmarks import benchmark_of
 from hypernav.lab.datasets.goat import RUNNABLE, of_types
 from hypernav.lab.evaluation.protocol import StopRule
-from hypernav.simulator.worlds.navmesh.robot_navmesh import is_computed
-from hypernav.simulator.worlds.scans.scan_loading import ScanFiles
 
 
 @dataclass(frozen=True)
@@ -179,7 +177,16 @@ class RunPlan:
         Raises:
             NavmeshError: A scan's mesh can't be used.
         """
-        scans = [ScanFiles.of(Path(scene)) for scene in {e.scene_id for e in episodes}]
+        files = [
+            path for scene in {e.scene_id for e in episodes} if (path := Path(scene)).is_file()
+        ]
+        if not files:
+            return {}
+        # imported here: a run of generated buildings reads no scans
+        from hypernav.simulator.worlds.navmesh.robot_navmesh import is_computed
+        from hypernav.simulator.worlds.scans.scan_loading import ScanFiles
+
+        scans = [ScanFiles.of(file) for file in files]
         meshes = [scan.navmesh for scan in scans if scan is not None and scan.navmesh is not None]
         body, choice = self.config.embodiment.body, self.config.world.navmesh
         computed = sum(is_computed(mesh, body, choice) for mesh in meshes)

@@ -14,7 +14,8 @@ from hypernav.core.embodiment import Action
 from hypernav.core.episode import Life, Outcome
 from hypernav.core.errors import ModelUnavailableError, WorldError
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.lab.evaluation.workers.job import Job
+from hypernav.lab.evaluation.workers.worker import EpisodeWorker
 from small_episodes import episode_from
 from small_worlds import small_config
 

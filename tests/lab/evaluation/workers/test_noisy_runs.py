@@ -13,7 +13,8 @@ from hypernav.app.build.component_specs import ComponentSpecs, PresetName
 from hypernav.core.errors import TruthMissingError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.lab.episodes.episode_run import EpisodeRun
-from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.lab.evaluation.workers.job import Job
+from hypernav.lab.evaluation.workers.worker import EpisodeWorker
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 

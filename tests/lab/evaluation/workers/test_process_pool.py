@@ -5,8 +5,8 @@ from eval_runs import write_room
 from hypernav.app.build.data.datasets import load_episodes
 from hypernav.app.build.data.scenes import load_scene
 from hypernav.core.episode import Life
+from hypernav.lab.evaluation.workers.job import Job
 from hypernav.lab.evaluation.workers.process_pool import ProcessPool
-from hypernav.lab.evaluation.workers.worker import Job
 from hypernav.lab.evaluation.workers.worker_pool import Done
 from small_worlds import InScenes, small_config
 

@@ -12,9 +12,9 @@ from hypernav.core.episode import lives_of
 from hypernav.core.errors import HyPerNavError, RunFolderError
 from hypernav.lab.evaluation.runner import run_episodes
 from hypernav.lab.evaluation.store.run_store import RunStore
+from hypernav.lab.evaluation.workers.job import Job
 from hypernav.lab.evaluation.workers.process_pool import ProcessPool
 from hypernav.lab.evaluation.workers.ray_pool import RayPool
-from hypernav.lab.evaluation.workers.worker import Job
 from hypernav.lab.evaluation.workers.worker_pool import Done, Lost
 from small_worlds import small_config
 

@@ -18,7 +18,8 @@ from hypernav.core.errors import (
 )
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.lab.evaluation.failures import Failure
-from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.lab.evaluation.workers.job import Job
+from hypernav.lab.evaluation.workers.worker import EpisodeWorker
 from small_episodes import episode_from
 from small_worlds import InScenes, small_config, two_rooms
 

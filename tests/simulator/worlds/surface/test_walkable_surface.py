@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from box_scenes import Box, room_boxes, scene_of
-from hypernav.app.build.data.sources import DatasetRequest, scene_episodes
+from hypernav.app.build.data.drawn_starts import scene_episodes
+from hypernav.app.build.data.sources import DatasetRequest
 from hypernav.core.embodiment import BodyConfig, Embodiment
 from hypernav.simulator.worlds.config import SimulationConfig
 from hypernav.simulator.worlds.navmesh.navmesh_surface import NavmeshSurface

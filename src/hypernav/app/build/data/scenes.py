@@ -3,32 +3,29 @@
 import difflib
 import os
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.errors import SceneError
 from hypernav.core.words import is_whole_number
-from hypernav.simulator.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
-from hypernav.simulator.houses.house_cache import cached_building
 from hypernav.simulator.worlds.config import SimulationConfig
-from hypernav.simulator.worlds.scans.scan_loading import open_scene
-from hypernav.simulator.worlds.scenes.scene import Scene
 
-SCENES: Registry[Callable[..., Scene]] = Registry(
+if TYPE_CHECKING:
+    from hypernav.simulator.worlds.scenes.scene import Scene
+
+_BUILDINGS = "hypernav.simulator.houses.named_scenes"
+
+SCENES: Registry[Callable[..., "Scene"]] = Registry(
     "scene",
     "hypernav.scenes",
     [
-        Entry("builtin", "hypernav.app.build.data.scenes:builtin_house"),
-        Entry("houses", "hypernav.app.build.data.scenes:numbered_house", form="houses:N"),
-        Entry("offices", "hypernav.app.build.data.scenes:numbered_office", form="offices:N"),
-        Entry("shops", "hypernav.app.build.data.scenes:numbered_shop", form="shops:N"),
-        Entry(
-            "crowded", "hypernav.app.build.data.scenes:numbered_crowded_office", form="crowded:N"
-        ),
-        Entry(
-            "storeys", "hypernav.app.build.data.scenes:numbered_storeyed_building", form="storeys:N"
-        ),
+        Entry("builtin", f"{_BUILDINGS}:builtin_house"),
+        Entry("houses", f"{_BUILDINGS}:numbered_house", form="houses:N"),
+        Entry("offices", f"{_BUILDINGS}:numbered_office", form="offices:N"),
+        Entry("shops", f"{_BUILDINGS}:numbered_shop", form="shops:N"),
+        Entry("crowded", f"{_BUILDINGS}:numbered_crowded_office", form="crowded:N"),
+        Entry("storeys", f"{_BUILDINGS}:numbered_storeyed_building", form="storeys:N"),
     ],
 )
 """Scenes that are not files: functions of the text after the name."""
@@ -39,7 +36,7 @@ def is_no_file(spec: str) -> bool:
     return SCENES.knows(spec.partition(":")[0])
 
 
-def load_scene(spec: str | Path, simulation: SimulationConfig | None = None) -> Scene:
+def load_scene(spec: str | Path, simulation: SimulationConfig | None = None) -> "Scene":
     """Load a scene by name.
 
     Args:
@@ -56,6 +53,9 @@ def load_scene(spec: str | Path, simulation: SimulationConfig | None = None) -> 
     if not is_no_file(spec):
         if not os.path.exists(spec):  # unlike Path.exists, it accepts any name
             _refuse_other_names(spec)
+        # imported here: who names scenes, as the program that gives them to workers, reads none
+        from hypernav.simulator.worlds.scans.scan_loading import open_scene
+
         return open_scene(Path(spec), up=up, scale=scale)
     if up is not None or scale is not None:
         raise SceneError(f"{spec}: is no file; leave world.file_up and world.file_scale out")
@@ -81,57 +81,3 @@ def _refuse_other_names(spec: str) -> None:
         raise SceneError(
             f"there is no scene '{spec:.40}'; did you mean '{close[0]}{colon}{number:.20}'?"
         )
-
-
-def builtin_house() -> Scene:
-    """The house that comes with this package."""
-    return cached_building(house(BUILTIN_HOUSE))
-
-
-def numbered_building(kind: str, number: str) -> Scene:
-    """A generated building.
-
-    Raises:
-        SceneError: The text is no number of a building.
-    """
-    return cached_building(building_of(f"{kind}:{number}"))
-
-
-numbered_house = partial(numbered_building, "houses")
-"""House of a number."""
-
-numbered_office = partial(numbered_building, "offices")
-"""Office of a number."""
-
-numbered_shop = partial(numbered_building, "shops")
-"""Shop of a number."""
-
-numbered_crowded_office = partial(numbered_building, "crowded")
-"""Crowded office of a number."""
-
-numbered_storeyed_building = partial(numbered_building, "storeys")
-"""Home or office of two or three storeys of a number."""
-
-
-def building_of(scene: str) -> Building:
-    """The generated building that a scene's name means.
-
-    Args:
-        scene: For example ``offices:7``; a number alone, such as ``7``, is that of a house.
-
-    Raises:
-        SceneError: The text names no generated building.
-    """
-    kind, colon, number = scene.rpartition(":")
-    kind = kind if colon else "houses"
-    if kind not in NOUNS:
-        raise SceneError(
-            f"there are no generated '{kind:.40}'; expected {', '.join(f'{k}:N' for k in NOUNS)}"
-        )
-    if not is_whole_number(number):
-        noun = NOUNS[kind].replace("-", " ")
-        raise SceneError(
-            f"there is no {noun} '{number:.40}'; expected a whole number of at most nine digits, "
-            f"for example {kind}:1234"
-        )
-    return Building(kind, int(number))

@@ -1,25 +1,20 @@
 """The data sets that episodes come from, by name.
 
 A data set is written ``NAME[:ARGUMENT][#PART]``. A further one is an entry in `DATA_SOURCES`, or an
-entry point ``hypernav.lab.datasets`` of another package.
+entry point ``hypernav.datasets`` of another package.
 """
 
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
-import numpy as np
-
-from hypernav.app.build.data.scenes import is_no_file, load_scene
+from hypernav.app.build.data.scenes import is_no_file
 from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError
-from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.goal import Goal
-from hypernav.core.words import is_whole_number
 from hypernav.io.reading import back_slashes
 from hypernav.lab.datasets.benchmark_files import (
     SCENES_FOLDER,
@@ -33,15 +28,6 @@ from hypernav.lab.datasets.building_splits import SPLITS, numbers_of
 from hypernav.lab.datasets.habitat_files import episodes_of, read_split
 from hypernav.lab.datasets.shipped import shipped_split
 from hypernav.simulator.worlds.config import SimulationConfig
-from hypernav.simulator.worlds.navmesh.navmesh_surface import NavmeshSurface
-from hypernav.simulator.worlds.surface.goal_regions import random_start
-from hypernav.simulator.worlds.surface.walkable_surface import WalkableSurface
-from hypernav.simulator.worlds.survey import SurveyedScene
-
-STARTS_PER_GOAL = 5
-"""Default number of starts per goal of ``scene:`` data sets."""
-
-_MOST_STARTS = 10_000
 
 Progress = Callable[[int, int], None]
 """A function that is called with the numbers of finished parts and of all parts."""
@@ -89,50 +75,6 @@ def split_episodes(split: str, request: DatasetRequest) -> list[Episode]:
 
     numbers = None if not request.part else numbers_of(split, request.part)
     return episodes_of(load_split(split, numbers=numbers, progress=request.progress))
-
-
-def scene_episodes(request: DatasetRequest) -> list[Episode]:
-    """All goals of one scene, each from several drawn starts."""
-    scene, starts = request.argument, request.part
-    if starts and not (is_whole_number(starts) and 0 < int(starts) <= _MOST_STARTS):
-        raise EpisodeError(
-            f"scene:{scene}#{starts:.20}: expected the number of starts per goal after the #, 1 to "
-            f"{_MOST_STARTS:,}, or the whole path of a file"
-        )
-    count = int(starts) if starts else STARTS_PER_GOAL
-    loaded = load_scene(scene, request.simulation)
-    survey = SurveyedScene(loaded, request.simulation, request.embodiment)
-    return _goals_and_starts(scene, survey, count, request)
-
-
-def _goals_and_starts(
-    scene: str, survey: SurveyedScene, count: int, request: DatasetRequest
-) -> list[Episode]:
-    """Every goal of a scene from several drawn starts, on the storeys in turn."""
-    goals = survey.goals()
-    if not goals:
-        raise EpisodeError(f"scene:{scene}: no labelled object in it can be reached")
-    episodes = []
-    floors = _floors_of(survey.walkable)
-    numbers = {goal: number for number, goal in enumerate(goals)}
-    for done, goal in enumerate(goals):
-        request.tell(done, len(goals))
-        region = survey.goal_truth(Goal(goal))
-        for number in range(count):
-            spec = Episode(scene, f"{goal}-{number}", Goal(goal), Pose2(0.0, 0.0, 0.0))
-            rng = np.random.default_rng(spec.seed(0))
-            walkable, z = floors[number % len(floors)]
-            start = random_start(walkable, rng, region, z=z)
-            spec = replace(spec, start=start, start_z=z)
-            episodes.append(replace(spec, object_category=goal, category_ids=numbers))
-    return episodes
-
-
-def _floors_of(walkable: WalkableSurface) -> list[tuple[WalkableSurface, float | None]]:
-    """The surface on each storey that the robot can reach, with its height; None for one alone."""
-    if isinstance(walkable, NavmeshSurface) and len(walkable.storeys_z) > 1:
-        return [(walkable.on_storey(z), z) for z in walkable.storeys_z]
-    return [(walkable, None)]
 
 
 def habitat_episodes(request: DatasetRequest) -> list[Episode]:
@@ -204,7 +146,11 @@ DATA_SOURCES: Registry[DataSource] = Registry(
             )
             for name, split in SPLITS.items()
         ),
-        Entry("scene", scene_episodes, form="scene:SCENE[#STARTS]"),
+        Entry(
+            "scene",
+            "hypernav.app.build.data.drawn_starts:scene_episodes",
+            form="scene:SCENE[#STARTS]",
+        ),
         Entry("habitat", habitat_episodes, form="habitat:FILE"),
         *(
             Entry(name, partial(benchmark_episodes, name), form=f"{name}:DIR[#SPLIT]")

@@ -19,8 +19,6 @@ from hypernav.io.parsing import parse_json
 from hypernav.io.reading import read_file
 from hypernav.lab.evaluation.store.record_file import write_whole
 from hypernav.lab.evaluation.store.run_store import RunStore
-from hypernav.simulator.worlds.scans.scan_loading import ScanFiles
-from hypernav.simulator.worlds.scenes.loading import OBJECTS_FILE
 
 SCENES_FILE = "scenes.json"
 
@@ -109,6 +107,10 @@ def _remembered(files: Any) -> _SceneFiles:
 
 def _files_of(mesh: Path) -> list[Path]:
     """The existing files of a scene, its mesh first."""
+    # imported here: a run of generated buildings reads no scans
+    from hypernav.simulator.worlds.scans.scan_loading import ScanFiles
+    from hypernav.simulator.worlds.scenes.loading import OBJECTS_FILE
+
     scan = ScanFiles.of(mesh)
     beside = (
         (mesh.with_name(OBJECTS_FILE),)

@@ -22,8 +22,7 @@ from hypernav.app.build.choosing import choose_components
 from hypernav.core.episode import Life
 from hypernav.core.errors import ComponentError, HyPerNavError
 from hypernav.core.interruptions import interruptions_of_kernels
-from hypernav.lab.evaluation.workers.searcher import factory_name
-from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
+from hypernav.lab.evaluation.workers.job import Job, factory_name
 from hypernav.lab.evaluation.workers.worker_pool import (
     Crashed,
     Done,
@@ -164,6 +163,9 @@ def _work(job: Job, pipe: Connection, log: Path) -> None:
     It sends None when it is ready, records with the warnings that came with them, and a message if
     the run can't go on.
     """
+    # imported here: the owner of the pool needs neither agents nor simulator
+    from hypernav.lab.evaluation.workers.worker import EpisodeWorker
+
     gc.freeze()  # what was imported is no garbage; the last search among it would take the longest
     _die_with_owner()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # for systems where it cannot be blocked

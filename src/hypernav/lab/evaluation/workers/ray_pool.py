@@ -13,8 +13,8 @@ from hypernav.core.components.registry import require
 from hypernav.core.episode import Life
 from hypernav.core.errors import ComponentError, HyPerNavError, RunFolderError
 from hypernav.lab.evaluation.record import EpisodeRecord
+from hypernav.lab.evaluation.workers.job import Job
 from hypernav.lab.evaluation.workers.process_pool import ONE_THREAD
-from hypernav.lab.evaluation.workers.worker import EpisodeWorker, Job
 from hypernav.lab.evaluation.workers.worker_pool import (
     Crashed,
     Done,
@@ -126,6 +126,9 @@ class _Worker:
         self._job = job
 
     def begin(self) -> str | Crashed | None:
+        # imported here: the owner of the pool needs neither agents nor simulator
+        from hypernav.lab.evaluation.workers.worker import EpisodeWorker
+
         try:
             self._episode_worker = EpisodeWorker(self._job)
         except ComponentError as error:

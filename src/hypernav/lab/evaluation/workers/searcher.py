@@ -11,6 +11,7 @@ from hypernav.core.components.abilities import looks_at_colours
 from hypernav.core.components.door import calling, through_door
 from hypernav.core.components.protocols import Agent
 from hypernav.core.episode import EpisodeTruth
+from hypernav.lab.evaluation.workers.job import factory_name
 
 
 @dataclass(frozen=True)
@@ -61,8 +62,3 @@ def searcher_of(
         "segmenter": parts.segmenter.words,
     }
     return Searcher(parts.agent, words, parts.looks_at_colours, parts, parts.truth)
-
-
-def factory_name(make_agent: Callable[[], Agent]) -> str:
-    """The name of a factory for people: that of its function or class."""
-    return getattr(make_agent, "__name__", type(make_agent).__name__)

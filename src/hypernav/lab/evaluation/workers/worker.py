@@ -3,20 +3,17 @@
 import hashlib
 import re
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from hypernav.app.build.component_specs import ComponentSpecs
-from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.build.worlds import open_world
 from hypernav.core.components.abilities import BeginsMemory, Closes, PlansSteps, remembers
 from hypernav.core.components.door import SIMULATOR_ERRORS
-from hypernav.core.components.protocols import Agent
 from hypernav.core.episode import Episode, Life, Outcome
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.trace import Ending, StepTrace
@@ -25,45 +22,14 @@ from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeRun, Episode
 from hypernav.lab.episodes.object_distance import object_distance
 from hypernav.lab.episodes.recorder import EpisodeRecorder
 from hypernav.lab.episodes.storyboard import Image, Storyboard
-from hypernav.lab.evaluation.choices import SaveChoice
 from hypernav.lab.evaluation.failure_evidence import FailureEvidence, decisive_step
 from hypernav.lab.evaluation.failures import Verdict, classify
 from hypernav.lab.evaluation.record import EpisodeRecord, unmeasured_record
+from hypernav.lab.evaluation.workers.job import Job
 from hypernav.lab.evaluation.workers.searcher import searcher_of
 from hypernav.search.perception.exchanges import unusable_answers
 
 SAVED_FOLDER = "episodes"
-
-
-OpenWorld = Callable[[str, HyPerNavConfig], Simulator]
-"""Opens the scene of a name for a robot."""
-
-
-@dataclass(frozen=True)
-class Job:
-    """How a worker runs the episodes of a run. It can be pickled for another process.
-
-    Attributes:
-        folder: Folder of the run, for pages and videos.
-        config: Values of the method, the robot and the camera.
-        specs: Specifications of agent, model, detector, reasoner and segmenter.
-        seed: Seed of all noise.
-        save: Choice of episodes that keep page and video.
-        make_agent: Factory of an agent of your own, in place of the configured one.
-        world: Name of the simulator that scenes are opened in, or a function like those of
-            `hypernav.app.build.worlds.WORLDS` for scenes of your own.
-        fresh_memory: Whether every goal of a life begins without memory.
-    """
-
-    folder: Path
-    config: HyPerNavConfig = field(default_factory=HyPerNavConfig)
-    specs: ComponentSpecs = field(default_factory=ComponentSpecs)
-    seed: int = 0
-    save: SaveChoice = "none"
-    make_agent: Callable[[], Agent] | None = None
-    world: str | OpenWorld = "native"
-    fresh_memory: bool = False
-
 
 _NO_STEPS_LEFT = "the steps of its life had been used up before this goal"
 
