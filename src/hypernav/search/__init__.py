@@ -7,9 +7,11 @@ Rooms in reading order:
   stairs, and a memory of things (`mapping.memory`), which can be kept in a folder.
 - ``models``: vision-language models and networks, local or on a server, and what their answers say.
 - ``perception``: is the goal in the image (`perception.local`), and in which block would it be
-  (`perception.explorers`)? Published rivals answer the second question in their own ways.
+  (`perception.explorers.map_question`)? Published rivals answer the second question in their own
+  ways.
 - ``planning``: paths on the map, and the next action on a path.
-- ``agents``: one step after the other: explore, approach, verify, STOP (`agents.search`).
+- ``agents``: one step after the other (`agents.search`): explore, approach, verify; whether the
+  robot stops at the goal is decided in `agents.verify`.
 
 May import: ``core``, ``io``, and what draws maps (``app.show``).
 """

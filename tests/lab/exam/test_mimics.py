@@ -86,7 +86,7 @@ def test_a_perfect_box_stays_perfect_about_every_other_thing(corner, size):
     (x, y), (w, h) = corner, size
     true = Box(x, y, x + w, y + h)
     perfect = answer_to(boxed("near", TRUE_BOX))
-    box = perfect.about(true, width, height)
+    box = perfect.same_error_on(true, width, height)
     assert box is not None
     assert box.iou(true) == pytest.approx(1.0)
 
@@ -94,10 +94,10 @@ def test_a_perfect_box_stays_perfect_about_every_other_thing(corner, size):
 def test_a_box_elsewhere_stays_where_it_was_in_the_image():
     wrong = answer_to(boxed("near", ELSEWHERE))
     assert wrong.is_elsewhere
-    box = wrong.about(Box(0.0, 0.0, 5.0, 5.0), *SIZE)
+    box = wrong.same_error_on(Box(0.0, 0.0, 5.0, 5.0), *SIZE)
     assert box is not None
     assert (box.x_min, box.y_min, box.x_max, box.y_max) == pytest.approx(ELSEWHERE)
-    assert BoxAnswer().about(Box(0.0, 0.0, 5.0, 5.0), *SIZE) is None
+    assert BoxAnswer().same_error_on(Box(0.0, 0.0, 5.0, 5.0), *SIZE) is None
 
 
 def test_goals_are_missed_as_often_as_in_the_exam():

@@ -26,7 +26,7 @@ class _Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="ignore", allow_inf_nan=False)
 
 
-class Worth(_Part):
+class Calibration(_Part):
     """What is told, and what it is worth. A curve is empty if too few answers tell.
 
     Attributes:
@@ -91,7 +91,7 @@ class ExamFile(_Part):
     version: Literal[2]
     model: str
     who: dict[str, str]
-    worth: Worth
+    worth: Calibration
     predictions: tuple[Predicted, ...] = ()
     costs: dict[str, Cost] = {}
 

@@ -141,7 +141,7 @@ class MimicDetector:
         fit, seen = ("fit", *key), ("fit", *view)
         box_level = _level((fit, sight.box_by_thing), (seen, 1.0 - sight.box_by_thing))
         answer = sight.answer(asked, level, box_level)
-        box = answer.about(true.box, width, height)
+        box = answer.same_error_on(true.box, width, height)
         return None if box is None else Detection(box, answer.score, goal.thing)
 
     def _of_other(

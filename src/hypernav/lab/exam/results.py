@@ -16,12 +16,12 @@ from hypernav.core.errors import OutputError
 from hypernav.io.writing import write_whole
 from hypernav.lab.evaluation.checks.findings import Finding, State
 from hypernav.lab.evaluation.statistics import Comparison, compare, holm
+from hypernav.lab.exam.calibration import calibration_of
 from hypernav.lab.exam.faults import faults_of
 from hypernav.lab.exam.marks import TypeMarks, costs_of, marks_of
 from hypernav.lab.exam.pictures import picture_of
 from hypernav.lab.exam.prediction import Prediction
 from hypernav.lab.exam.questions import KINDS, STRATA, Answered
-from hypernav.lab.exam.worth import worth_of
 from hypernav.search.models.chat.answer_parsing import unwrapped
 
 PAGE, RESULT = "index.html", "exam.json"
@@ -108,7 +108,7 @@ def write_results(
         **asdict(examined),
         "count": len(answers),
         "questions": questions,
-        "worth": worth_of(answers).model_dump(mode="json"),
+        "worth": calibration_of(answers).model_dump(mode="json"),
         "predictions": [asdict(one) | {"leave_out": one.leave_out} for one in predictions],
         "costs": {kind: one.model_dump() for kind, one in costs_of(answers).items()},
         "types": [asdict(one) | {"verdict": one.verdict} for one in marks],

@@ -56,7 +56,7 @@ class BoxAnswer:
         """Whether there is a box, and it leads to the goal."""
         return self.edges is not None and not self.is_elsewhere
 
-    def about(self, true: Box, width: int, height: int) -> Box | None:
+    def same_error_on(self, true: Box, width: int, height: int) -> Box | None:
         """The box with the same error, for another true box and image; None for no box."""
         if self.edges is None:
             return None

@@ -71,16 +71,16 @@ def in_unit(recording: Recording, per_metre: float) -> Recording:
 def unit_doubt(recording: Recording) -> list[str]:
     """The note that another unit fits the depth better than the recording's; or none.
 
-    Where the camera moved, two looks at the same things agree in the right unit only. Elsewhere,
+    Where the camera moved, two views of the same things agree in the right unit only. Elsewhere,
     things that are all too near or too far for a robot in a room make a note.
 
     Raises:
         RecordingError: A depth image cannot be read.
     """
     per_metre = recording.depth_per_metre
-    depths, looks = _looks(recording)
+    depths, view_pairs = _depths_and_view_pairs(recording)
     units = dict.fromkeys((per_metre, *_USUAL))
-    apart = {unit: _difference(recording.camera, looks, per_metre / unit) for unit in units}
+    apart = {unit: _difference(recording.camera, view_pairs, per_metre / unit) for unit in units}
     best = min(apart, key=lambda unit: apart[unit])
     if best == per_metre and apart[best] < _WRONG:
         return []
@@ -113,15 +113,15 @@ def unit_doubt(recording: Recording) -> list[str]:
 
 
 _Depth = Float32[np.ndarray, "height width"]
-_Looks = list[tuple[Transform, _Depth, _Depth]]
-"""For two looks at the same things from different places the transform from the first camera to the
+_ViewPairs = list[tuple[Transform, _Depth, _Depth]]
+"""For two views of the same things from different places the transform from the first camera to the
 second, and the depth of both."""
 
 
-def _looks(recording: Recording) -> tuple[list[_Depth], _Looks]:
-    """Depth spread over the recording, and second looks."""
+def _depths_and_view_pairs(recording: Recording) -> tuple[list[_Depth], _ViewPairs]:
+    """Depth spread over the recording, and pairs of views of the same things."""
     frames = recording.frames
-    depths, looks = [], []
+    depths, view_pairs = [], []
     for i in range(0, len(frames), max(len(frames) // _MOST_FRAMES, 1)):
         first, depth = frames[i], frames[i].depth()
         depths.append(depth)
@@ -129,19 +129,19 @@ def _looks(recording: Recording) -> tuple[list[_Depth], _Looks]:
         second = next((one for one in frames[i:] if _moved_m(one, here) >= _MOVED_M), None)
         if second is not None:
             first_to_second = second.camera_to_world.inverse() @ first.camera_to_world
-            looks.append((first_to_second, depth, second.depth()))
-    return depths, looks
+            view_pairs.append((first_to_second, depth, second.depth()))
+    return depths, view_pairs
 
 
 def _moved_m(frame: RecordedFrame, here: Float64[np.ndarray, "3"]) -> float:
     return float(np.linalg.norm(frame.camera_to_world.translation - here))
 
 
-def _difference(camera: PinholeCamera, looks: _Looks, scale: float) -> float:
-    """By how much second looks differ from first ones, relatively, if depth is scaled."""
+def _difference(camera: PinholeCamera, view_pairs: _ViewPairs, scale: float) -> float:
+    """By how much second views differ from first ones, relatively, if depth is scaled."""
     stride = max(camera.width // _COLUMNS, 1)
     found = [np.zeros(0)]
-    for first_to_second, depth, second in looks:
+    for first_to_second, depth, second in view_pairs:
         rows, columns = stride * np.array(np.nonzero(depth[::stride, ::stride] > 0.0))
         points = camera.unproject_pixels(rows, columns, depth[rows, columns].astype(float) * scale)
         seen = first_to_second.apply(points)

@@ -151,7 +151,7 @@ def _turn_of_the_look_around(step: Step, memory: Memory, plan: Plan) -> Action |
         return None
     if plan.full_turn or gaze is None:
         return Action.TURN_LEFT
-    return gaze.worthwhile_turn(step.to_explore(memory), step.robot, memory.search.looked)
+    return gaze.worthwhile_turn(step.exploration_grid(memory), step.robot, memory.search.looked)
 
 
 def _next_destination(step: Step, memory: Memory) -> Destination | None:
@@ -223,7 +223,7 @@ def _without_finished(step: Step, memory: Memory, plan: Plan) -> Plan:
         config.drop_explored
         and not destination.is_sighting
         and not destination.holds
-        and len(unexplored_boundary(step.to_explore(memory), destination.xy, _AROUND_M)) == 0
+        and len(unexplored_boundary(step.exploration_grid(memory), destination.xy, _AROUND_M)) == 0
     ):
         return _ended("destination explored", step, memory, plan)
     return plan
@@ -353,7 +353,7 @@ def _look_across(step: Step, memory: Memory, plan: Plan) -> Action | None:
         or robot.distance_to(*destination.xy) >= _arrival_m(destination, step)
     ):
         return None
-    grid = step.to_explore(memory)
+    grid = step.exploration_grid(memory)
     if step.components.gaze is not None:
         return step.components.gaze.worthwhile_turn(grid, robot, memory.search.looked)
     points = unexplored_boundary(grid, destination.xy, _AROUND_M)

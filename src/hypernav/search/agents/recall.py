@@ -63,7 +63,7 @@ def path_to_thing(
         thing that is farther away, both in metres.
     """
     for nearest_m, farthest_m in ((0.0, _BESIDE_M), (_BESIDE_M, _IN_SIGHT_M)):
-        away_m = _away_m(thing, reach.grid)
+        away_m = _cell_distances_m(thing, reach.grid)
         near = (away_m > nearest_m) & (away_m <= farthest_m) & (reach.reachable > 0)
         rows, columns = np.nonzero(near)
         points = reach.grid.centres_of(np.column_stack([rows, columns]))
@@ -103,7 +103,7 @@ def _in_sight(
     return is_clear & thing.was_seen_from(points)
 
 
-def _away_m(thing: Thing, grid: OccupancyGrid) -> Float64[np.ndarray, "rows columns"]:
+def _cell_distances_m(thing: Thing, grid: OccupancyGrid) -> Float64[np.ndarray, "rows columns"]:
     """Distance of the middles of a grid's cells from a thing's box, metres."""
     (left, bottom), size = grid.origin, grid.resolution_m
     x = left + (np.arange(grid.cells.shape[1]) + 0.5) * size

@@ -188,7 +188,7 @@ class Step:
         """Length of a step and angle of a turn."""
         return self.components.embodiment.motion
 
-    def to_explore(self, memory: Memory) -> OccupancyGrid:
+    def exploration_grid(self, memory: Memory) -> OccupancyGrid:
         """The map that exploration goes by: where it looks again, the rest counts as unknown."""
         search = memory.search
         if search.revisits and search.coverage is not None:
@@ -202,7 +202,7 @@ class Step:
         return ExplorationView(
             goal=self.goal,
             observation=self.observation,
-            grid=self.to_explore(memory),
+            grid=self.exploration_grid(memory),
             trajectory=floor.trajectory,
             visits=floor.search.visits,
             things=floor.sightings.things,

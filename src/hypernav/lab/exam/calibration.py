@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import isotonic_regression
 
-from hypernav.app.build.exam_file import Worth
+from hypernav.app.build.exam_file import Calibration
 from hypernav.core.config import Curve
 from hypernav.lab.exam.questions import Answered
 
@@ -19,7 +19,7 @@ _NO_BOX = -1.0
 """Score of an answer without a box: less than that of any box."""
 
 
-def worth_of(answers: Sequence[Answered]) -> Worth:
+def calibration_of(answers: Sequence[Answered]) -> Calibration:
     """What the probabilities and scores of a model are worth."""
     checks = [
         (_yes(one), "yes" in one.right)
@@ -28,7 +28,7 @@ def worth_of(answers: Sequence[Answered]) -> Worth:
     ]
     boxes = _true_probabilities(_boxes(answers))
     log_odds = tuple((score, round(math.log(p / (1.0 - p)), 3)) for score, p in boxes)
-    return Worth(presence=_true_probabilities(checks), boxes=log_odds)
+    return Calibration(presence=_true_probabilities(checks), boxes=log_odds)
 
 
 def _yes(answered: Answered) -> float:

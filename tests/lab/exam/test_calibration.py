@@ -6,7 +6,7 @@ from answers import TRUE_BOX, boxed, checked
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.lab.exam.worth import worth_of
+from hypernav.lab.exam.calibration import calibration_of
 
 ELSEWHERE = (100.0, 10.0, 140.0, 40.0)
 told = st.lists(st.tuples(st.floats(0.0, 1.0), st.booleans()), min_size=16, max_size=60)
@@ -14,7 +14,7 @@ told = st.lists(st.tuples(st.floats(0.0, 1.0), st.booleans()), min_size=16, max_
 
 @given(told)
 def test_a_higher_probability_never_counts_less(answers):
-    curve = worth_of(
+    curve = calibration_of(
         [checked("there" if there else "not there", "yes", p) for p, there in answers]
     ).presence
     xs, ys = [x for x, _ in curve], [y for _, y in curve]
@@ -27,20 +27,20 @@ def test_a_higher_probability_never_counts_less(answers):
 def test_who_is_always_right_is_nearly_believed_and_more_so_after_more_questions():
     def believed(count: int) -> float:
         right = [checked("there", "yes"), checked("not there", "no")] * count
-        return worth_of(right).presence[-1][1]
+        return calibration_of(right).presence[-1][1]
 
     assert 0.9 < believed(10) < believed(100) < 1.0
 
 
 def test_who_always_says_yes_tells_nothing():
-    curve = worth_of([checked("there", "yes"), checked("not there", "yes")] * 20).presence
+    curve = calibration_of([checked("there", "yes"), checked("not there", "yes")] * 20).presence
     assert [y for _, y in curve] == [pytest.approx(0.5)]
 
 
 @pytest.mark.parametrize("others", [8, 20, 40])
 def test_who_always_says_yes_tells_nothing_however_many_questions_of_either_side(others: int):
     answers = [checked("there", "yes")] * 10 + [checked("not there", "yes")] * others
-    assert [y for _, y in worth_of(answers).presence] == [pytest.approx(0.5)]
+    assert [y for _, y in calibration_of(answers).presence] == [pytest.approx(0.5)]
 
 
 def test_a_model_that_is_surer_than_right_is_brought_down():
@@ -49,7 +49,7 @@ def test_a_model_that_is_surer_than_right_is_brought_down():
     answers += [
         checked("not there", "yes" if rng.random() < 0.5 else "no", 0.99) for _ in range(60)
     ]
-    assert worth_of(answers).presence[-1][1] == pytest.approx(2.0 / 3.0, abs=0.08)
+    assert calibration_of(answers).presence[-1][1] == pytest.approx(2.0 / 3.0, abs=0.08)
 
 
 def test_a_box_without_a_score_counts_for_how_seldom_there_is_a_false_one():
@@ -57,7 +57,7 @@ def test_a_box_without_a_score_counts_for_how_seldom_there_is_a_false_one():
         answers = [boxed("near", TRUE_BOX)] * 20
         answers += [boxed("absent", ELSEWHERE)] * false_boxes
         answers += [boxed("absent", None)] * (20 - false_boxes)
-        ((score, log_odds),) = worth_of(answers).boxes
+        ((score, log_odds),) = calibration_of(answers).boxes
         assert score == 1.0
         return log_odds
 
@@ -66,19 +66,19 @@ def test_a_box_without_a_score_counts_for_how_seldom_there_is_a_false_one():
 
 
 def test_boxes_that_miss_the_goal_are_false_ones():
-    good = worth_of([boxed("near", TRUE_BOX), boxed("absent", None)] * 20).boxes[0][1]
-    bad = worth_of([boxed("near", ELSEWHERE), boxed("absent", None)] * 20).boxes[0][1]
+    good = calibration_of([boxed("near", TRUE_BOX), boxed("absent", None)] * 20).boxes[0][1]
+    bad = calibration_of([boxed("near", ELSEWHERE), boxed("absent", None)] * 20).boxes[0][1]
     assert good > 2.0
     assert bad == pytest.approx(0.0)  # no box never counts for more, and it tells nothing here
 
 
 def test_low_scores_that_miss_the_goal_speak_against_it():
     answers = [boxed("near", TRUE_BOX, 0.9), boxed("near", ELSEWHERE, 0.3), boxed("absent", None)]
-    low, high = worth_of(answers * 20).boxes
+    low, high = calibration_of(answers * 20).boxes
     assert low[1] < -0.5
     assert high[1] > 2.0
 
 
 def test_few_answers_tell_nothing():
     few = [boxed("near", TRUE_BOX), boxed("absent", None), checked("there", "yes")] * 7
-    assert (worth_of(few).boxes, worth_of(few).presence) == ((), ())
+    assert (calibration_of(few).boxes, calibration_of(few).presence) == ((), ())
