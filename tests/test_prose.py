@@ -49,3 +49,27 @@ def test_a_commit_and_an_odd_phrase_are_found_in_sentences_alone():
     assert len(list(faults("Such an edge counts\nfor none, as at commit 1234."))) == 2
     hidden = "Run `git show efb53201`.\n\n```\nefb53201\n```\n\n<!-- efb53201 -->"
     assert not list(faults(f"{hidden}\n[a page](https://x.org/efb53201) of 16777216 in defaced"))
+
+
+CODE = re.compile(r"`([^`\n]+)`")
+FILE = re.compile(r"(?<![\w./-])(?:src/|hypernav/)*([a-z]+/[\w./-]*\w/?)")
+HOMES = (ROOT, ROOT / "src", ROOT / "src" / "hypernav")
+OURS = {one.name for home in (HOMES[0], HOMES[2]) for one in home.iterdir() if one.is_dir()}
+
+
+def lost_files(text: str) -> list[str]:
+    """The files and folders of this repository that a page names, and that don't exist."""
+    named = {name for code in CODE.findall(text) for name in FILE.findall(code)}
+    ours = {name for name in named if name.partition("/")[0] in OURS}
+    return sorted(name for name in ours if not any((home / name).exists() for home in HOMES))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_a_page_names_files_that_exist(page: Path):
+    assert lost_files(page.read_text("utf-8")) == []
+
+
+def test_a_file_that_was_moved_is_missed():
+    assert lost_files("see `pytest tests/nowhere/test_x.py`, `tests/search/` and `/map`") == [
+        "tests/nowhere/test_x.py"
+    ]

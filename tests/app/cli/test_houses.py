@@ -118,7 +118,7 @@ def test_a_scene_that_is_no_house_is_one_line(number, capsys):
 
 
 def test_houses_are_scenes_by_name(monkeypatch):
-    monkeypatch.setattr("hypernav.app.build.data.scenes.cached_building", box_house)
+    monkeypatch.setattr("hypernav.simulator.houses.named_scenes.cached_building", box_house)
     assert load_scene("houses:1234").name == "houses:1234"
     assert load_scene("builtin").name == "houses:0"
 
@@ -186,7 +186,7 @@ def test_other_buildings_are_shown_by_the_name_of_their_scene(tmp_path, monkeypa
 
 
 def test_offices_and_shops_are_scenes_by_name(monkeypatch):
-    monkeypatch.setattr("hypernav.app.build.data.scenes.cached_building", box_house)
+    monkeypatch.setattr("hypernav.simulator.houses.named_scenes.cached_building", box_house)
     assert load_scene("offices:7").name == "offices:7"
     assert load_scene("shops:1234").name == "shops:1234"
 

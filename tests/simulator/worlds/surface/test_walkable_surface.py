@@ -144,7 +144,7 @@ def test_storeys_are_found_in_the_triangles():
 
 def test_a_robot_that_climbs_goes_from_storey_to_storey_of_an_unknown_building(monkeypatch):
     scene = with_slopes(scene_of(*TWO_STOREYS), *gable(5.4, 6.8, overhang=3.0))
-    monkeypatch.setattr("hypernav.app.build.data.sources.load_scene", lambda *_: scene)
+    monkeypatch.setattr("hypernav.app.build.data.drawn_starts.load_scene", lambda *_: scene)
     config = SimulationConfig()
     assert isinstance(SimulatedWorld(scene, config).walkable, WalkableGrid)
     climbs = Embodiment(body=CLIMBS)
