@@ -30,7 +30,6 @@ from rich.table import Table
 from hypernav.app.build.agents import build_explorer, build_search
 from hypernav.app.build.data.scenes import load_scene
 from hypernav.app.build.presets import preset
-from hypernav.app.show.drawing.question_map import draw_question_map
 from hypernav.core.components.abilities import Learns
 from hypernav.core.embodiment import Action, BodyConfig
 from hypernav.core.episode import Episode
@@ -42,6 +41,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.io.layered_config import layered
+from hypernav.search.drawing.question_map import draw_question_map
 from hypernav.search.mapping.blocks import blocks_of
 from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.reachable_area import ReachableArea, find_frontiers

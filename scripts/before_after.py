@@ -13,8 +13,8 @@ import av
 import tyro
 from PIL import Image, ImageDraw, ImageOps
 
-from hypernav.app.show.drawing.palette import INK
-from hypernav.app.show.drawing.text import font
+from hypernav.search.drawing.palette import INK
+from hypernav.search.drawing.text import font
 
 _STATE, _MAP = (680, 0, 1264, 40), (680, 76, 1264, 690)
 """Parts of a frame, pixels (left, top, right, bottom): what the robot does at which step, and

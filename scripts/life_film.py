@@ -17,8 +17,8 @@ import av
 import tyro
 from PIL import Image, ImageDraw
 
-from hypernav.app.show.drawing.text import font
 from hypernav.core.trace import Mode, StepTrace
+from hypernav.search.drawing.text import font
 
 _SIZE = (800, 450)
 _STRIP_PX = 62

@@ -9,6 +9,5 @@ Rooms in reading order:
 - ``warmup``: compiles what is slow at first, while something else is waited for.
 
 ``cli`` stands on everything. ``build`` stands on search, simulator and episodes, and serves
-laboratory, robot and commands alike. ``show`` draws what it is given and stands on ``core`` and
-``io`` alone.
+laboratory, robot and commands alike. ``show`` draws what it is given, with ``search.drawing``.
 """

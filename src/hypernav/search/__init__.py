@@ -9,9 +9,10 @@ Rooms in reading order:
 - ``perception``: is the goal in the image (`perception.local`), and in which block would it be
   (`perception.explorers.map_question`)? Published rivals answer the second question in their own
   ways.
+- ``drawing``: the map as an image, as a model is shown it (`drawing.question_map`).
 - ``planning``: paths on the map, and the next action on a path.
 - ``agents``: one step after the other (`agents.search`): explore, approach, verify; whether the
   robot stops at the goal is decided in `agents.verify`.
 
-May import: ``core``, ``io``, and what draws maps (``app.show``).
+May import: ``core`` and ``io``.
 """

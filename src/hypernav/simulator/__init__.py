@@ -8,5 +8,5 @@ Everybody else knows a world by `hypernav.core.world` only, and opens one by its
   ``worlds.navmesh.recast_detour``, which computes them as Recast and Detour do.
 - ``houses``: furnished buildings drawn from a number, and episodes in them.
 
-May import: ``core``, ``io``, and ``lab.datasets``, the format of episodes.
+May import: ``core``, ``io``, ``lab.datasets`` (the format of episodes); for its page ``app.show``.
 """

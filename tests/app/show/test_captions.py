@@ -3,9 +3,9 @@ import math
 import pytest
 
 from hypernav.app.show import captions
-from hypernav.app.show.drawing import palette
 from hypernav.app.show.video_frame import EpisodeInfo
 from hypernav.core.trace import DetectionRecord, Exchange, Mode, StepTrace
+from hypernav.search.drawing import palette
 
 
 def test_the_gist_of_a_long_prompt_is_its_question() -> None:

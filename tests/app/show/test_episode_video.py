@@ -10,7 +10,6 @@ import pytest
 from certainty import certain
 from hypernav.app.show import episode_video
 from hypernav.app.show.climbs import climbs, stairs_on
-from hypernav.app.show.drawing import palette
 from hypernav.app.show.episode_video import EpisodeVideo
 from hypernav.app.show.video_frame import (
     ENDING_FRAMES,
@@ -25,6 +24,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord, Mode, StepTrace
+from hypernav.search.drawing import palette
 
 MakeStep = Callable[..., StepTrace]
 

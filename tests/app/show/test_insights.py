@@ -2,11 +2,7 @@
 
 import numpy as np
 
-from hypernav.app.show.drawing import palette
-from hypernav.app.show.drawing.map_images import draw_graph, draw_values
-from hypernav.app.show.drawing.map_painter import MapPainter
-from hypernav.app.show.drawing.map_view import MapView
-from hypernav.app.show.drawing.shapes import ArrowStyle, draw_arrows, foot_pixel
+from hypernav.app.show.map_images import draw_graph, draw_values
 from hypernav.app.show.video_frame import draw_insight
 from hypernav.core.exploring.insight import (
     ImageMark,
@@ -18,6 +14,10 @@ from hypernav.core.exploring.insight import (
 )
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.search.drawing import palette
+from hypernav.search.drawing.map_painter import MapPainter
+from hypernav.search.drawing.map_view import MapView
+from hypernav.search.drawing.shapes import ArrowStyle, draw_arrows, foot_pixel
 
 GREY = np.full((240, 320, 3), 120, np.uint8)
 CAMERA = PinholeCamera.from_hfov(320, 240, 79.0)

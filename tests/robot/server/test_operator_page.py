@@ -19,7 +19,6 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
-from hypernav.app.show.drawing.palette import STAIRS
 from hypernav.app.show.video_frame import EpisodeInfo
 from hypernav.core.embodiment import Action
 from hypernav.core.errors import LinkLostError
@@ -39,6 +38,7 @@ from hypernav.robot.server.searches.searches import Searches
 from hypernav.robot.simulation.base import SimulatedBase
 from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
+from hypernav.search.drawing.palette import STAIRS
 from hypernav.simulator.worlds.box_room import BoxRoom
 from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.simulator.worlds.simulation import SimulatedWorld

@@ -18,15 +18,14 @@ from hypernav.app.cli.guards.crashes import ExitStatus
 from hypernav.app.cli.guards.outputs import check_file
 from hypernav.app.cli.options.commands import MemoryOptions
 from hypernav.app.cli.screen.terminal import Terminal
-from hypernav.app.show.climbs import StairsMark
-from hypernav.app.show.drawing.map_painter import MapPainter
-from hypernav.app.show.drawing.map_view import MapView
 from hypernav.app.show.templating import data_uri, image_uri, page_environment
 from hypernav.core.errors import ConfigError, MemoryFolderError, OutputError
 from hypernav.core.labels import canonical, names_of, same_name
 from hypernav.core.words import megabytes, number_of
 from hypernav.io.folder_lock import LOCK_NAME, folder_lock
 from hypernav.io.writing import write_whole
+from hypernav.search.drawing.map_painter import MapPainter, StairsMark
+from hypernav.search.drawing.map_view import MapView
 from hypernav.search.mapping.memory.floor import Floor
 from hypernav.search.mapping.memory.key_images import KeyImage
 from hypernav.search.mapping.memory.memory import Memory

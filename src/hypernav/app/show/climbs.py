@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from statistics import median
 
 from hypernav.core.trace import Mode, StepTrace, floor_of
+from hypernav.search.drawing.map_painter import StairsMark
 
 _SAME_STAIRS_M = 1.0
 """Distance between two ends of stairs on a floor, metres, that count as the same."""
@@ -37,19 +38,6 @@ class Climb:
     given_up: bool
     ends: tuple[tuple[float, float], tuple[float, float]]
     heights_m: tuple[float, float] = (0.0, 0.0)
-
-
-@dataclass(frozen=True)
-class StairsMark:
-    """An end of stairs on the map of a floor.
-
-    Attributes:
-        position: Position ``(x, y)``, ``map`` frame, metres.
-        words: Where they lead, in a few words.
-    """
-
-    position: tuple[float, float]
-    words: str
 
 
 def climbs(steps: Iterable[StepTrace]) -> list[Climb]:

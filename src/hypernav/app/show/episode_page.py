@@ -19,11 +19,11 @@ from hypernav.app.show.climbs import (
     names_floors,
     whereabouts,
 )
-from hypernav.app.show.drawing import palette
-from hypernav.app.show.drawing.map_images import draw_result, final_view
+from hypernav.app.show.map_images import draw_result, final_view
 from hypernav.app.show.templating import data_uri, image_uri, mode_name, page_environment, plain
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import Mode, StepTrace, floor_of
+from hypernav.search.drawing import palette
 
 EMBED_LIMIT_BYTES = 20_000_000
 _MAP_SIZE = 960

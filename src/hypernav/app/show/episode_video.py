@@ -16,10 +16,7 @@ from hypernav.app.show.climbs import (
     names_floors,
     stairs_on,
 )
-from hypernav.app.show.drawing import palette, shapes
-from hypernav.app.show.drawing.map_images import draw_map, draw_result
-from hypernav.app.show.drawing.map_view import SteadyView
-from hypernav.app.show.drawing.text import draw_text, wrapped
+from hypernav.app.show.map_images import draw_map, draw_result
 from hypernav.app.show.video_frame import (
     ENDING_FRAMES,
     FRAMES_PER_SECOND,
@@ -38,6 +35,9 @@ from hypernav.core.exploring.insight import ThingGraph, ValueImage
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Mode, StepTrace, floor_of, on_last_floor
+from hypernav.search.drawing import palette, shapes
+from hypernav.search.drawing.map_view import SteadyView
+from hypernav.search.drawing.text import draw_text, wrapped
 
 if TYPE_CHECKING:
     import av

@@ -12,13 +12,13 @@ from foxglove import messages as fg
 from scipy.spatial.transform import Rotation
 
 from hypernav.app.show import captions
-from hypernav.app.show.drawing import palette
 from hypernav.app.show.frame_data import Line, at_height, cloud, colour_jpeg, map_colors
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord, Exchange, StepTrace
+from hypernav.search.drawing import palette
 
 MAP, BASE, CAMERA = "map", "base_link", "camera"
 

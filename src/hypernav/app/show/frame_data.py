@@ -7,11 +7,11 @@ import cv2
 import numpy as np
 from jaxtyping import Float32, UInt8
 
-from hypernav.app.show.drawing import palette
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode, StepTrace, floor_of
+from hypernav.search.drawing import palette
 
 _MOST_POINTS = 6000
 """Points of a cloud: every eighth pixel of an image of 640 × 480, 70 kB a step."""

@@ -17,7 +17,6 @@ from rerun import blueprint as rrb
 from scipy.spatial.transform import Rotation
 
 from hypernav.app.show import captions
-from hypernav.app.show.drawing import palette
 from hypernav.app.show.frame_data import (
     FloorHeights,
     Line,
@@ -34,6 +33,7 @@ from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord, Exchange, Mode, StepTrace
 from hypernav.io.writing import OutputFile
+from hypernav.search.drawing import palette
 
 TIMELINE = "step"
 

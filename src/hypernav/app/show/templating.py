@@ -12,9 +12,9 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from PIL import Image
 
 from hypernav.app.show import captions
-from hypernav.app.show.drawing import palette
 from hypernav.core.trace import Mode
 from hypernav.core.words import visible
+from hypernav.search.drawing import palette
 
 
 def page_environment(*packages: str) -> Environment:

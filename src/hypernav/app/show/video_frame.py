@@ -9,12 +9,12 @@ import numpy as np
 from jaxtyping import UInt8
 
 from hypernav.app.show import captions
-from hypernav.app.show.drawing import palette, shapes
-from hypernav.app.show.drawing.legend import Layer, draw_legend
-from hypernav.app.show.drawing.shapes import ArrowStyle, draw_arrows
-from hypernav.app.show.drawing.text import draw_text, shortened, text_width, wrapped
+from hypernav.app.show.legend import Layer, draw_legend
 from hypernav.core.exploring.insight import Insight
 from hypernav.core.trace import BlockRecord, DetectionRecord, Exchange, StepTrace
+from hypernav.search.drawing import palette, shapes
+from hypernav.search.drawing.shapes import ArrowStyle, draw_arrows
+from hypernav.search.drawing.text import draw_text, shortened, text_width, wrapped
 
 WIDTH, HEIGHT = 1280, 720
 MAP_SIZE = 568

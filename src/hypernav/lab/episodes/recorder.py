@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from jaxtyping import UInt8
 
-from hypernav.app.show.drawing.map_images import write_map_png
 from hypernav.app.show.episode_page import write_page
 from hypernav.app.show.episode_video import EpisodeVideo
+from hypernav.app.show.map_images import write_map_png
 from hypernav.core.errors import OutputError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation

@@ -7,11 +7,11 @@ import numpy as np
 from jaxtyping import UInt8
 from PIL import Image
 
-from hypernav.app.show.drawing import palette
 from hypernav.core.exploring.guidance import GuideView
 from hypernav.core.exploring.overview import Overview
 from hypernav.core.observation import Observation
 from hypernav.lab.exam.questions import Answered, ExamQuestion
+from hypernav.search.drawing import palette
 from hypernav.search.perception.image_recall import sheet_of
 
 _WIDTH = 420

@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from jaxtyping import UInt8
 
-from hypernav.app.show.drawing import palette
 from hypernav.app.show.video_frame import draw_camera
 from hypernav.core.geometry.grid import OccupancyGrid as Grid
 from hypernav.core.geometry.transforms import Pose2
@@ -34,6 +33,7 @@ from hypernav.robot.ros2.idl_types import (
 )
 from hypernav.robot.ros2.network import Quality, Ros2Network
 from hypernav.robot.wire.replies import StartInMemory
+from hypernav.search.drawing import palette
 from hypernav.search.mapping.ros_map import occupancy
 
 

@@ -16,7 +16,6 @@ from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
 from hypernav.app.show.captions import MODES, QUESTIONS
-from hypernav.app.show.drawing import palette
 from hypernav.app.show.templating import page_environment
 from hypernav.core.embodiment import Action
 from hypernav.core.errors import MemoryFolderError, RequestRefusedError
@@ -38,6 +37,7 @@ from hypernav.robot.wire.requests import (
     ThingName,
     WaitingRobot,
 )
+from hypernav.search.drawing import palette
 from hypernav.search.mapping.stairs.floor_exits import routes
 from hypernav.search.mapping.storage.memory_index import Index
 from hypernav.search.mapping.storage.memory_reader import read_index

@@ -15,7 +15,7 @@ from fastapi.responses import JSONResponse, Response, StreamingResponse
 from PIL import Image
 from starlette.concurrency import run_in_threadpool
 
-from hypernav.app.show.climbs import StairsMark, floor_words, stairs_by_step, typical_steps
+from hypernav.app.show.climbs import floor_words, stairs_by_step, typical_steps
 from hypernav.core.errors import RequestRefusedError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace, floor_of
@@ -24,6 +24,7 @@ from hypernav.robot.server.searches.threads import Bell
 from hypernav.robot.wire.replies import Health, MapExtent, Status
 from hypernav.robot.wire.requests import StopRequest
 from hypernav.robot.wire.values import LONGEST_WAIT_S, SEARCHES
+from hypernav.search.drawing.map_painter import StairsMark
 from hypernav.search.mapping.ros_map import occupancy, save_ros_map
 
 _COLORS = np.array([[128, 128, 128, 0], [255, 255, 255, 255], [30, 30, 30, 255]], dtype=np.uint8)

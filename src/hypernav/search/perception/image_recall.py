@@ -20,14 +20,14 @@ import numpy as np
 from jaxtyping import Float32, Float64
 from pydantic import Field
 
-from hypernav.app.show.drawing import palette, shapes
-from hypernav.app.show.drawing.text import draw_text
 from hypernav.core.chat import Image, Question
 from hypernav.core.components.protocols import ChatModel, ImageTextModel
 from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ContractError
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
+from hypernav.search.drawing import palette, shapes
+from hypernav.search.drawing.text import draw_text
 from hypernav.search.mapping.memory.key_images import KeyImage
 from hypernav.search.models.chat.answer_parsing import final_answer
 from hypernav.search.perception.exchanges import exchange_of

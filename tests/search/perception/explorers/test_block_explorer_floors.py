@@ -9,13 +9,13 @@ import pytest
 from certainty import certain
 from chat_models import Parrot
 from exploration_views import exploration_view
-from hypernav.app.show.drawing.question_map import QuestionStyle
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.floors import Drop, KnownFloor, WayOut
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog
+from hypernav.search.drawing.question_map import QuestionStyle
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.perception.explorers.block_explorer import BlockExplorer, OverviewConfig
 from hypernav.search.perception.explorers.floor_panels import FloorPanel, draw_floors

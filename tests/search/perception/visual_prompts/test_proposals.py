@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from arrow_views import CAMERA, HERE, room_with_wall
 from drawn_grids import drawn
 from exploration_views import exploration_view
-from hypernav.app.show.drawing.shapes import ArrowStyle
 from hypernav.core.embodiment import Embodiment
+from hypernav.search.drawing.shapes import ArrowStyle
 from hypernav.search.perception.visual_prompts.arrow_sight import ArrowSight, mark_of
 from hypernav.search.perception.visual_prompts.pivot import GaussianProposer
 from hypernav.search.perception.visual_prompts.proposals import (

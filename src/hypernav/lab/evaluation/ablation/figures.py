@@ -4,12 +4,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hypernav.app.show.drawing import palette
 from hypernav.app.show.templating import data_uri
 from hypernav.lab.evaluation.ablation.study import Axis, StudyResults, VariantResult
 from hypernav.lab.evaluation.report import report_text
 from hypernav.lab.evaluation.report.report_text import SIGNIFICANT, drawn
 from hypernav.lab.evaluation.statistics import Comparison, Estimate
+from hypernav.search.drawing import palette
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

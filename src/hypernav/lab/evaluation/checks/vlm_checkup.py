@@ -10,7 +10,6 @@ from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
 
-from hypernav.app.show.drawing.question_map import draw_question_map
 from hypernav.core.chat import Answer, Image, Question
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.errors import ChatError, ConfigError, ModelRejectedError, ModelSetupError
@@ -20,6 +19,7 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.lab.evaluation.checks.findings import Finding, State
+from hypernav.search.drawing.question_map import draw_question_map
 from hypernav.search.models.chat.answer_parsing import final_answer, shortened
 from hypernav.search.models.chat.server.dialects import ServerInfo
 from hypernav.search.models.chat.server.refusals import CONSTRAINTS

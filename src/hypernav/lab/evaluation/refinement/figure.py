@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from hypernav.app.show.drawing import palette
 from hypernav.lab.evaluation.refinement.area_record import MaskSource
 from hypernav.lab.evaluation.refinement.summary import MEASURES, Row, drawn_in
+from hypernav.search.drawing import palette
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -13,7 +13,6 @@ import numpy as np
 from jaxtyping import Float64, Int64, UInt8
 from pydantic import Field
 
-from hypernav.app.show.drawing.question_map import draw_question_map
 from hypernav.core.components.protocols import Guide
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
@@ -25,6 +24,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
+from hypernav.search.drawing.question_map import draw_question_map
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.reachable_area import ReachableArea
 from hypernav.search.perception.explorers.frontier_explorers import NearestFrontierExplorer

@@ -13,7 +13,6 @@ import numpy as np
 from jaxtyping import Float64, UInt8
 from pydantic import Field
 
-from hypernav.app.show.drawing.question_map import QuestionStyle, draw_question_map
 from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.components.protocols import BlockReasoner
 from hypernav.core.config import RoomConfig
@@ -22,6 +21,7 @@ from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.floors import KnownFloor, WayOut
 from hypernav.core.exploring.overview import Block, FloorBlocks, Overview
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.search.drawing.question_map import QuestionStyle, draw_question_map
 from hypernav.search.mapping.blocks import CLIMB_M, blocks_of, drop_blocks, stairs_blocks
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.reachable_area import ReachableArea, fresh_frontiers, frontiers_of

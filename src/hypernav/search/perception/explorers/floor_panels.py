@@ -7,16 +7,16 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64, UInt8
 
-from hypernav.app.show.drawing import palette, shapes
-from hypernav.app.show.drawing.label_placement import Label, placed_labels
-from hypernav.app.show.drawing.map_painter import MapPainter
-from hypernav.app.show.drawing.map_view import Bounds, MapView, explored_bounds
-from hypernav.app.show.drawing.question_map import QuestionStyle, question_painter
-from hypernav.app.show.drawing.text import draw_text, text_width
 from hypernav.core.exploring.floors import KnownFloor, WayOut
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Mode
+from hypernav.search.drawing import palette, shapes
+from hypernav.search.drawing.label_placement import Label, placed_labels
+from hypernav.search.drawing.map_painter import MapPainter
+from hypernav.search.drawing.map_view import Bounds, MapView, explored_bounds
+from hypernav.search.drawing.question_map import QuestionStyle, question_painter
+from hypernav.search.drawing.text import draw_text, text_width
 
 LEGEND = (
     ". Each part of the image is one floor of the building; what lies above one another in the "

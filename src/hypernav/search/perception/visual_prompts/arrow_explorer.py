@@ -13,7 +13,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from hypernav.app.show.drawing.shapes import ArrowStyle
 from hypernav.core.components.protocols import ArrowReasoner
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import Destination, ExplorationView
@@ -23,6 +22,7 @@ from hypernav.core.exploring.insight import RememberedThing, ThingGraph
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import normalise, same_name
+from hypernav.search.drawing.shapes import ArrowStyle
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.reachable_area import ReachableArea
 from hypernav.search.perception.room_table import room_table

@@ -8,13 +8,13 @@ from functools import partial
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.app.show.drawing.shapes import ArrowStyle, draw_arrows, foot_pixel
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.guidance import Arrow, ArrowView
 from hypernav.core.exploring.insight import ImageMark, Insight
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
+from hypernav.search.drawing.shapes import ArrowStyle, draw_arrows, foot_pixel
 from hypernav.search.perception.visual_prompts.proposals import (
     ArrowsConfig,
     FreeDirections,

@@ -11,12 +11,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.app.show.drawing.shapes import ArrowStyle
 from hypernav.core.components.protocols import ArrowReasoner
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.guidance import TURN_AROUND, Arrow
 from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.search.drawing.shapes import ArrowStyle
 from hypernav.search.perception.visual_prompts.arrow_sight import ArrowSight
 from hypernav.search.perception.visual_prompts.proposals import (
     MOST_MOVE_M,

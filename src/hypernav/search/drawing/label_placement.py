@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import cv2
 
-from hypernav.app.show.drawing.map_view import CellColors, MapView, rasterize_map
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.search.drawing.map_view import CellColors, MapView, rasterize_map
 
 _ROWS = (0.0, -1.0, 1.0, -2.0, 2.0)
 _SAME_NAME_ROWS = 6.0

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Float32, UInt8
 from PIL import Image, ImageDraw, ImageFont
 
-from hypernav.app.show.drawing.palette import INK, Rgb
+from hypernav.search.drawing.palette import INK, Rgb
 
 _ELLIPSIS = "…"
 _LONGEST = 2000

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from drawn_grids import drawn
-from hypernav.app.show.drawing import palette
-from hypernav.app.show.drawing.map_view import MapView
-from hypernav.app.show.drawing.question_map import QuestionStyle, draw_question_map, filled
 from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.search.drawing import palette
+from hypernav.search.drawing.map_view import MapView
+from hypernav.search.drawing.question_map import QuestionStyle, draw_question_map, filled
 
 STRONG = QuestionStyle(**{field.name: True for field in fields(QuestionStyle)})
 ROOM = drawn(

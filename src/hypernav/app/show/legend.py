@@ -7,9 +7,9 @@ from enum import StrEnum
 import numpy as np
 from jaxtyping import UInt8
 
-from hypernav.app.show.drawing import palette, shapes
-from hypernav.app.show.drawing.shapes import draw_robot
-from hypernav.app.show.drawing.text import draw_text, text_width
+from hypernav.search.drawing import palette, shapes
+from hypernav.search.drawing.shapes import draw_robot
+from hypernav.search.drawing.text import draw_text, text_width
 
 _Drawing = Callable[[UInt8[np.ndarray, "_ _ 3"], float, float, float], None]
 """Draws a sample into a box: image, left, middle, side, all in pixels."""

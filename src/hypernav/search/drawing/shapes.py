@@ -11,11 +11,11 @@ import cv2
 import numpy as np
 from jaxtyping import Bool, Float64, Int32, UInt8
 
-from hypernav.app.show.drawing import palette
-from hypernav.app.show.drawing.palette import Rgb
-from hypernav.app.show.drawing.text import draw_text, text_width
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
+from hypernav.search.drawing import palette
+from hypernav.search.drawing.palette import Rgb
+from hypernav.search.drawing.text import draw_text, text_width
 
 _SHIFT = 4
 # OpenCV measures from the centre of the first pixel, and draws with 32-bit integers.

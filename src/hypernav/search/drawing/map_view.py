@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 from jaxtyping import Float, Float64, Int64, UInt8
 
-from hypernav.app.show.drawing.palette import FREE, OCCUPIED, UNKNOWN, Rgb, blend
 from hypernav.core.geometry.grid import Cell, OccupancyGrid, is_within
+from hypernav.search.drawing.palette import FREE, OCCUPIED, UNKNOWN, Rgb, blend
 
 _SMALLEST_M = 4.0
 _EMPTY = (math.inf, math.inf, -math.inf, -math.inf)

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.app.show.drawing.map_view import MapView, SteadyView, explored_bounds
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.search.drawing.map_view import MapView, SteadyView, explored_bounds
 
 metres = st.floats(-500.0, 500.0)
 views = st.builds(

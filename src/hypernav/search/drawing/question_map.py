@@ -7,13 +7,13 @@ import cv2
 import numpy as np
 from jaxtyping import Float64, UInt8
 
-from hypernav.app.show.drawing import palette
-from hypernav.app.show.drawing.map_painter import XY, MapPainter
-from hypernav.app.show.drawing.map_view import CellColors, MapView
 from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.search.drawing import palette
+from hypernav.search.drawing.map_painter import XY, MapPainter
+from hypernav.search.drawing.map_view import CellColors, MapView
 
 _STRONG = CellColors(palette.UNKNOWN_STRONG, palette.FREE, palette.OCCUPIED_STRONG)
 _LARGEST_INSIDE_M2 = 3.0

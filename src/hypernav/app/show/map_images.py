@@ -9,23 +9,22 @@ from jaxtyping import UInt8
 from PIL import Image
 
 from hypernav.app.show.climbs import (
-    StairsMark,
     climbs,
     floor_heights_m,
     floor_words,
     names_floors,
     stairs_on,
 )
-from hypernav.app.show.drawing import palette, shapes
-from hypernav.app.show.drawing.legend import Layer, draw_legend
-from hypernav.app.show.drawing.map_painter import XY, MapPainter, NumberedSquare
-from hypernav.app.show.drawing.map_view import MapView
-from hypernav.app.show.drawing.text import draw_text, text_width
+from hypernav.app.show.legend import Layer, draw_legend
 from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.exploring.insight import ThingGraph, ValueImage
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import StepTrace, floor_of, on_floor, on_last_floor
+from hypernav.search.drawing import palette, shapes
+from hypernav.search.drawing.map_painter import XY, MapPainter, NumberedSquare, StairsMark
+from hypernav.search.drawing.map_view import MapView
+from hypernav.search.drawing.text import draw_text, text_width
 
 _MAP_SIZE = 1200
 _LEGEND_HEIGHT = 56

@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.app.show.drawing import palette
-from hypernav.app.show.drawing.text import draw_text, shortened, text_width, wrapped
+from hypernav.search.drawing import palette
+from hypernav.search.drawing.text import draw_text, shortened, text_width, wrapped
 
 texts = st.text(st.characters(codec="utf-8"), max_size=200)
 

@@ -1,14 +1,19 @@
 """Paints the map as an image, layer by layer."""
 
 from collections.abc import Collection, Iterable, Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 from jaxtyping import Float64, UInt8
 
-from hypernav.app.show.climbs import StairsMark
-from hypernav.app.show.drawing import palette, shapes
-from hypernav.app.show.drawing.label_placement import (
+from hypernav.core.exploring.floors import SeenThing
+from hypernav.core.exploring.overview import Block
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.trace import BlockRecord
+from hypernav.search.drawing import palette, shapes
+from hypernav.search.drawing.label_placement import (
     Disc,
     HiddenWeight,
     Label,
@@ -20,14 +25,9 @@ from hypernav.app.show.drawing.label_placement import (
     number_size,
     placed_labels,
 )
-from hypernav.app.show.drawing.map_view import CellColors, MapView, rasterize_map
-from hypernav.app.show.drawing.shapes import draw_robot
-from hypernav.app.show.drawing.text import draw_text, text_width
-from hypernav.core.exploring.floors import SeenThing
-from hypernav.core.exploring.overview import Block
-from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.trace import BlockRecord
+from hypernav.search.drawing.map_view import CellColors, MapView, rasterize_map
+from hypernav.search.drawing.shapes import draw_robot
+from hypernav.search.drawing.text import draw_text, text_width
 
 _SHADES_OF_TIME = 24
 _SCALE_BARS_M = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0)
@@ -38,6 +38,19 @@ XY = tuple[float, float]
 
 NumberedSquare = Block | BlockRecord
 """A block, from an overview or from a trace."""
+
+
+@dataclass(frozen=True)
+class StairsMark:
+    """An end of stairs on the map of a floor.
+
+    Attributes:
+        position: Position ``(x, y)``, ``map`` frame, metres.
+        words: Where they lead, in a few words.
+    """
+
+    position: tuple[float, float]
+    words: str
 
 
 class MapPainter:

@@ -10,17 +10,17 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from hypernav.app.show.climbs import StairsMark
-from hypernav.app.show.drawing import map_painter, palette
-from hypernav.app.show.drawing.label_placement import Disc, Square, number_position
-from hypernav.app.show.drawing.map_images import draw_map, draw_result, write_map_png
-from hypernav.app.show.drawing.map_painter import MapPainter
-from hypernav.app.show.drawing.map_view import MapView, rasterize_map
-from hypernav.app.show.drawing.question_map import draw_question_map
-from hypernav.app.show.drawing.text import text_width
+from hypernav.app.show.map_images import draw_map, draw_result, write_map_png
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import BlockRecord, StepTrace
+from hypernav.search.drawing import map_painter, palette
+from hypernav.search.drawing.label_placement import Disc, Square, number_position
+from hypernav.search.drawing.map_painter import MapPainter
+from hypernav.search.drawing.map_view import MapView, rasterize_map
+from hypernav.search.drawing.question_map import draw_question_map
+from hypernav.search.drawing.text import text_width
 
 
 def pixels_near(image: np.ndarray, color: palette.Rgb, tolerance: int = 40) -> np.ndarray:

@@ -3,7 +3,7 @@ from itertools import combinations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.app.show.drawing.label_placement import Label, placed_labels
+from hypernav.search.drawing.label_placement import Label, placed_labels
 
 HEIGHT = 16.0
 PIXELS = st.floats(0.0, 400.0)

@@ -1,1 +1,0 @@
-"""Drawing of maps, legends and letters."""
