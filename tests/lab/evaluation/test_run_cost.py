@@ -4,7 +4,7 @@ import pytest
 
 from hypernav.app.build.choosing import choose_components
 from hypernav.app.build.component_specs import ComponentSpecs
-from hypernav.app.build.exam_file import Cost, ExamFile, Predicted, Calibration
+from hypernav.app.build.exam_file import Calibration, Cost, ExamFile, Predicted
 from hypernav.app.build.presets import preset, with_changes
 from hypernav.core.errors import ConfigError
 from hypernav.lab.evaluation.run_cost import (

@@ -82,7 +82,7 @@ def in_steps(models):
     """What models of a data set hold, with numbers in thousandths."""
     return json.loads(
         json.dumps([one.model_dump() for one in models]),
-        parse_float=lambda text: int(in_thousandths(float(text))),
+        parse_float=lambda text: int(in_thousandths(np.array([float(text)]))[0]),
     )
 
 

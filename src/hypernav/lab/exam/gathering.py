@@ -31,7 +31,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.core.world import SceneTruth, Simulator
+from hypernav.core.world import Instance, Simulator
 from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.lab.episodes.true_paths import true_paths
 from hypernav.lab.exam.bank import VIEWS, Sheet
@@ -68,7 +68,7 @@ def questions_of(sheet: Sheet, config: HyPerNavConfig) -> list[ExamQuestion]:
     world = open_world(sheet.scene, base)
     truth = world.truth
     rng = np.random.default_rng((_SEED, sheet.number, int(sheet.scene.partition(":")[2])))
-    goals = _goals(sheet.scene, truth)
+    goals = _goals(sheet.scene, truth.instances)
     found: list[ExamQuestion] = []
     try:
         for text in rng.permutation(goals).tolist():
@@ -106,9 +106,9 @@ def _base(config: HyPerNavConfig) -> HyPerNavConfig:
     return preset("default").model_copy(update=robot)
 
 
-def _goals(scene: str, truth: SceneTruth) -> list[str]:
+def _goals(scene: str, instances: Sequence[Instance]) -> list[str]:
     """Names of the goals for this kind of building that this one holds."""
-    labels = [one.label for one in truth.instances if one.label is not None]
+    labels = [one.label for one in instances if one.label is not None]
     names = RULES[scene.partition(":")[0]].categories
     return [name for name in names if any(label.satisfies(Goal(name)) for label in labels)]
 
