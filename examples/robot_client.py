@@ -1,4 +1,4 @@
-"""Connect a robot of your own: two methods that you write, and a search drives it.
+"""Connect a robot of your own: three methods that you write, and a search drives it.
 
 `Robot` asks for `observe`, `execute` and `stop`. Everything else (numbers, lost answers, the
 watchdog, the stop button) is the client's. The robot here is a stand-in in a room with a door; put

@@ -3,6 +3,7 @@
 import pytest
 
 from eval_runs import record
+from hypernav.app.build.registries import REASONERS, SCORERS
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.report.report_page import write_report
 from hypernav.lab.evaluation.report.report_text import warnings
@@ -48,13 +49,16 @@ def test_more_calls_are_further_to_the_right_and_none_at_the_left(tmp_path):
     assert "Against model calls an episode" in page
 
 
-def test_a_reader_is_told_of_what_stands_in_for_a_model(tmp_path):
+@pytest.mark.parametrize(
+    "reasoner", [SCORERS.find("truth").words(), REASONERS.find("noisy:1").words()]
+)
+def test_a_reader_is_told_of_what_stands_in_for_a_model(tmp_path, reasoner):
     folder = tmp_path / "told"
-    who = {"agent": "vlfm", **WHO, "reasoner": "the truth in view (stand-in)"}
+    who = {"agent": "vlfm", **WHO, "reasoner": reasoner}
     with RunStore(folder, RunPlan("houses-val", who=who).configuration([])) as store:
         store.add(record("0"))
     (warning,) = [one for one in warnings(load_runs([folder])) if "in place of a model" in one]
-    assert "vlfm reasons by the truth in view (stand-in)" in warning
+    assert f"vlfm reasons by {reasoner}" in warning
 
 
 def test_without_any_call_there_is_nothing_to_draw(tmp_path):

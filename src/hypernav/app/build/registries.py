@@ -119,7 +119,7 @@ REASONERS: Registry[Factory] = Registry(
             "noisy",
             "hypernav.search.perception.explorers.noisy_reasoner:NoisyReasoner",
             form="noisy:P",
-            words="noisy ({files} truly best)",
+            words="noisy stand-in ({files} truly best)",
             section="block_choice",
         ),
         Entry(
