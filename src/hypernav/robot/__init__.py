@@ -6,6 +6,6 @@ robot asks and acts), ``driving`` (actions become velocities, safely), ``ros`` a
 ``ros2`` (without ROS installed), ``recordings`` (a drive is replayed), ``simulation`` (a robot of
 ours in a building, for trying all this), and field trials.
 
-May import: ``core``, ``io``, ``search``, ``app.build``, ``app.show``; only ``simulation`` knows a
-world, by `hypernav.core.world`.
+May import: ``core``, ``io``, ``search``, ``app.build``, ``app.show``; only ``simulation`` imports
+from the simulator, and knows a world by `hypernav.core.world`.
 """
