@@ -99,7 +99,7 @@ class EvalOptions:
     else 500."""
     success_distance: float | None = None
     """Distance to a view point that counts as reached, metres, by default the benchmark's, else
-    0.1; reports show all others, too."""
+    0.1; reports show 0.1, 0.2, 0.25, 0.3 and 1.0, too."""
     seed: int = 0
     """Seed of all noise."""
     fresh_memory: bool = False
