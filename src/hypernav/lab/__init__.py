@@ -9,5 +9,6 @@ Rooms in reading order:
   README and docs come from ``docs/results/data``, drawn by ``scripts/result_tables.py``.
 - ``exam``: questions with known answers for a model, and what its answers are worth in a search.
 
-May import: ``core``, ``io``, ``search``, ``app.build``, ``app.show``; a simulator only by its name.
+May import: ``core``, ``io``, ``search``, ``simulator``, ``app.build``, ``app.show``. Worlds
+are opened by their names.
 """

@@ -2,10 +2,10 @@
 
 Rooms in reading order: ``wire`` (what is said between robot and server), ``server`` (every image
 with depth and pose is checked in `server.searches.sensing`, then searched with), ``client`` (a
-robot asks and acts), ``motion`` and ``driving`` (actions become velocities, safely), ``ros`` and
+robot asks and acts), ``driving`` (actions become velocities, safely), ``ros`` and
 ``ros2`` (without ROS installed), ``recordings`` (a drive is replayed), ``simulation`` (a robot of
 ours in a building, for trying all this), and field trials.
 
-May import: ``core``, ``io``, ``search``, ``app.build``, ``app.show``; only ``simulation`` knows a
-world, by `hypernav.core.world`.
+May import: ``core``, ``io``, ``search``, ``app.build``, ``app.show``; only ``simulation`` imports
+from the simulator, and knows a world by `hypernav.core.world`.
 """

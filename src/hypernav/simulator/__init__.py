@@ -1,6 +1,6 @@
 """The simulator: worlds to search in, and what is true of them. A guest of the others.
 
-Everybody else knows a world by `hypernav.core.world` only, and opens one by its name
+A search knows a world by `hypernav.core.world` only, and opens one by its name
 (`hypernav.app.build.worlds`). Rooms in reading order:
 
 - ``worlds``: scenes read from files, drawn, and walked on (`worlds.simulation.SimulatedWorld`,
@@ -8,5 +8,6 @@ Everybody else knows a world by `hypernav.core.world` only, and opens one by its
   ``worlds.navmesh.recast_detour``, which computes them as Recast and Detour do.
 - ``houses``: furnished buildings drawn from a number, and episodes in them.
 
-May import: ``core``, ``io``, ``lab.datasets`` (the format of episodes); for its page ``app.show``.
+May import: ``core``, ``io``, ``lab.datasets`` (the format of episodes), one kernel of
+``search.mapping``; for its page ``app.show``.
 """

@@ -99,7 +99,7 @@ class EvalOptions:
     else 500."""
     success_distance: float | None = None
     """Distance to a view point that counts as reached, metres, by default the benchmark's, else
-    0.1; reports show all others, too."""
+    0.1; reports show 0.1, 0.2, 0.25, 0.3 and 1.0, too."""
     seed: int = 0
     """Seed of all noise."""
     fresh_memory: bool = False
@@ -283,12 +283,12 @@ class Episodes:
     """Write the episodes of a split in Habitat's ObjectNav format."""
 
     split: tyro.conf.Positional[str]
-    """houses-val, houses-ovon (phrases), houses-train (for tuning), or -val and -train of
-    offices and shops."""
+    """A split that hypernav houses splits lists, such as houses-val; -train is for tuning."""
     out: Path
     """File to write (.json.gz or .json), or a folder for a file per building, as in Habitat."""
     houses: str | None = None
-    """Only the buildings FIRST:END (END is not included); any numbers for a -train split."""
+    """Only the buildings FIRST:END (END is not included); for an open split any that belong to no
+    other."""
     count: int | None = None
     """Number of episodes, counted from the first; all by default."""
     quiet: bool = False
@@ -308,8 +308,8 @@ class Export:
     """
 
     what: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID|SPLIT")]
-    """Number of a house, for example 1234; or offices:N, shops:N; or houses-val, or some buildings
-    of a split: houses-val#1000:1004."""
+    """Number of a house, for example 1234; or offices:N, shops:N, crowded:N, storeys:N; or
+    houses-val, or some buildings of a split: houses-val#1000:1004."""
     out: Path | None = None
     """Folder to write to; runs/house-ID, runs/office-ID … by default. Habitat's data folder for a
     split; runs/SPLIT by default."""
@@ -322,7 +322,7 @@ class Show:
     """Make a page about a building: a walk through its plan, views, list of objects."""
 
     building: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
-    """Number of a house, for example 1234; or offices:N, shops:N."""
+    """Number of a house, for example 1234; or offices:N, shops:N, crowded:N or storeys:N."""
     out: Path | None = None
     """The page (.html), or the folder for it; runs/house-ID, runs/office-ID … by default."""
     quiet: bool = False
