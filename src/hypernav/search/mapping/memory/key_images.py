@@ -1,4 +1,4 @@
-"""Key images: few frames that together show every surface that the robot has seen.
+"""Key images: few frames that together show most of what the robot has seen.
 
 A frame is kept if it shows enough surface that no key image shows, or a thing that none shows.
 Beyond the bound the image is forgotten first whose surfaces the others show, too.
