@@ -1,6 +1,6 @@
 """How many small faults in what the robot runs would a test notice?
 
-Draws mutants of the six rooms that run on the robot (one comparison, sign, number, condition or
+Draws mutants of the districts that run on the robot (one comparison, sign, number, condition or
 loop changed), by the operators of cosmic-ray, and runs for each the tests that execute its line,
 cheapest first, until one fails: those of the file that mirrors the module
 (``tests/search/mapping/memory/test_floor.py`` for ``mapping/memory/floor.py``), then those of its
