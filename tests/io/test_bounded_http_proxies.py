@@ -17,9 +17,12 @@ def proxied(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize(
     "host",
-    ["localhost", "LOCALHOST", "localhost.", "vlm.localhost", "127.0.0.1", "127.1.2.3", "[::1]"],
+    [
+        *("localhost", "LOCALHOST", "localhost.", "vlm.localhost"),
+        *("127.0.0.1", "127.1.2.3", "[::1]", "[::ffff:127.0.0.1]"),
+    ],
 )
-def test_this_machine_is_never_asked_through_a_proxy(host: str):
+def test_a_loopback_address_is_never_asked_through_a_proxy(host: str):
     assert environment_proxy(f"http://{host}:8000/v1") is None
     assert is_loopback(host.strip("[]"))
 

@@ -61,7 +61,7 @@ def test_references_out_of_the_folder_and_impossible_ones_are_refused(tmp_path, 
 
 def test_an_allowance_holds_for_everything_together():
     allowance = Allowance()
-    allowance.take(MOST_BYTES - 10, "this")
-    allowance.take(10, "that")
+    allowance.spend(MOST_BYTES - 10, "this")
+    allowance.spend(10, "that")
     with pytest.raises(OSError, match=r"one more would take .* MB, all of a file at most 2,000 MB"):
-        allowance.take(1, "one more")
+        allowance.spend(1, "one more")

@@ -40,8 +40,8 @@ def is_loopback(host: str) -> bool:
 def environment_proxy(url: str) -> str | None:
     """The proxy that the environment names (``http_proxy``, ``https_proxy``, ``no_proxy``).
 
-    This machine is never asked through a proxy. ``no_proxy`` may hold names and networks
-    (``10.0.0.0/8``).
+    Loopback addresses are never asked through a proxy; this machine's own name or network address
+    is, unless ``no_proxy`` holds it. That may hold names and networks (``10.0.0.0/8``).
 
     Raises:
         ValueError: The proxy cannot be used.
@@ -105,9 +105,10 @@ def _is_excepted(host: str, exceptions: str) -> bool:
 
 def _address(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
     try:
-        return ipaddress.ip_address(host)
+        address = ipaddress.ip_address(host)
     except ValueError:
         return None
+    return getattr(address, "ipv4_mapped", None) or address
 
 
 class Deadline:

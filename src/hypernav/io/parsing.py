@@ -58,7 +58,7 @@ def check_json_size(text: bytes, allowance: Allowance) -> None:
         OSError: They would take too much.
     """
     size = 2 * len(text) + sum(text.count(mark) * memory for mark, memory in _MEMORY.items())
-    allowance.take(size, "what its JSON says")
+    allowance.spend(size, "what its JSON says")
 
 
 def _refuse_constant(name: str) -> NoReturn:
@@ -145,7 +145,7 @@ def parse_xml(content: bytes, allowance: Allowance) -> ElementTree.Element:
     """
     if b"<!ENTITY" in content.replace(b"\0", b""):  # also in UTF-16
         raise ValueError("it defines entities, which are not read")
-    allowance.take(content.count(b"<") * _BYTES_PER_TAG, "its elements")
+    allowance.spend(content.count(b"<") * _BYTES_PER_TAG, "its elements")
     try:
         root = ElementTree.fromstring(content.lstrip())
     except (ElementTree.ParseError, LookupError) as error:  # LookupError: an unknown encoding

@@ -42,7 +42,7 @@ class Allowance:
         """Create it with the whole of `MOST_BYTES`."""
         self._left = MOST_BYTES
 
-    def take(self, size: int, what: str) -> None:
+    def spend(self, size: int, what: str) -> None:
         """Account for memory that is about to be allocated.
 
         Args:

@@ -233,10 +233,10 @@ def test_a_reader_of_another_type_is_none(monkeypatch):
 def test_a_robot_has_arrived_when_it_stands_at_the_goal_or_stays_there():
     arrival, near, far = Arrival(0.1, 0.2), Pose2(0.05, 0.0, 0.1), Pose2(0.2, 0.0, 0.0)
     turned = Pose2(0.0, 0.0, 0.3)
-    assert arrival.is_at(ORIGIN, near, 0.1, is_standing=True)
-    assert not arrival.is_at(ORIGIN, far, 0.1, is_standing=True)
-    assert not arrival.is_at(ORIGIN, turned, 0.1, is_standing=True)
-    sways = [arrival.is_at(ORIGIN, near, 0.1, is_standing=False) for _ in range(30)]
+    assert arrival.has_settled_at(ORIGIN, near, 0.1, is_standing=True)
+    assert not arrival.has_settled_at(ORIGIN, far, 0.1, is_standing=True)
+    assert not arrival.has_settled_at(ORIGIN, turned, 0.1, is_standing=True)
+    sways = [arrival.has_settled_at(ORIGIN, near, 0.1, is_standing=False) for _ in range(30)]
     assert sways[:18] == [False] * 18
     assert sways[-1]
 

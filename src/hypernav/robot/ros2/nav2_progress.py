@@ -169,7 +169,9 @@ class Arrival:
         self._reached_m, self._reached_rad = reached_m, reached_rad
         self._there_s = 0.0
 
-    def is_at(self, goal: Pose2, robot: Pose2, seconds: float, *, is_standing: bool) -> bool:
+    def has_settled_at(
+        self, goal: Pose2, robot: Pose2, seconds: float, *, is_standing: bool
+    ) -> bool:
         """Look at the robot.
 
         Args:

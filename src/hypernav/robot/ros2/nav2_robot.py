@@ -135,7 +135,7 @@ class Nav2Robot(SensingRobot):
             if is_enough(aim.made):
                 return Executed.DONE
             is_standing = self.sensors.is_standing()
-            if arrival.is_at(motion.end, robot, TICK_S, is_standing=is_standing):
+            if arrival.has_settled_at(motion.end, robot, TICK_S, is_standing=is_standing):
                 return self._stand(Executed.DONE)
             idle_s = progress.idle_s(aim, TICK_S)
             self._has_progressed |= progress.is_made

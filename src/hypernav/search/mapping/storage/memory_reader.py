@@ -324,7 +324,7 @@ def _restore(floor: Floor, folder: Path, record: FloorRecord) -> dict[int, np.nd
     """Fill a floor from its file; returns the patches of its key images by number."""
     content = _content(folder, record.state)
     with zipfile.ZipFile(io.BytesIO(content)) as parts:
-        Allowance().take(sum(one.file_size for one in parts.infolist()), "a floor")
+        Allowance().spend(sum(one.file_size for one in parts.infolist()), "a floor")
     with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
         state = {name: arrays[name] for name in arrays.files}
     for name, kind, dimensions in _ARRAYS:

@@ -195,7 +195,7 @@ def _joined(parts: list[EpisodeDataset], count: int, split: BuildingSplit) -> Ep
     return EpisodeDataset.model_validate(
         {
             "goals_by_category": {key: goals[key] for key in used},
-            "episodes": [_renumbered(episode) for episode in episodes],
+            "episodes": [_with_unique_id(episode) for episode in episodes],
             "category_to_task_category_id": numbers,
             # Habitat's reader needs both tables, with the same names.
             "category_to_scene_annotation_category_id": dict(numbers),
@@ -224,7 +224,7 @@ def _in_rounds(
     ]
 
 
-def _renumbered(episode: ObjectNavEpisode) -> ObjectNavEpisode:
+def _with_unique_id(episode: ObjectNavEpisode) -> ObjectNavEpisode:
     """Episode with an id, and a life, that is unique in the split, not only in its building."""
     number = episode.scene_id.partition(":")[2]
     update: dict[str, Any] = {"episode_id": f"{number}-{episode.episode_id}"}

@@ -223,7 +223,7 @@ class _World:
     def _document(self, path: Path) -> ElementTree.Element:
         if path not in self._documents:
             content = read_file(path, most=_MOST_BYTES)
-            self.allowance.take(len(content), "its content")
+            self.allowance.spend(len(content), "its content")
             self._documents[path] = parse_xml(content, self.allowance)
         return self._documents[path]
 
@@ -372,7 +372,9 @@ class _World:
     def _add(self, part: MeshPart, place: _Place, node: str) -> None:
         if len(self.parts) == _MOST_PARTS:
             raise OSError(errno.EFBIG, f"it has more than {_MOST_PARTS:,} parts; join its meshes")
-        self.allowance.take(len(part.faces) * _BYTES_PER_TRIANGLE, f"{len(part.faces):,} triangles")
+        self.allowance.spend(
+            len(part.faces) * _BYTES_PER_TRIANGLE, f"{len(part.faces):,} triangles"
+        )
         self.parts.append(NamedPart((*place.names, node), placed(part, place.to_scene)))
 
 

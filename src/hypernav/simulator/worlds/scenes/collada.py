@@ -351,7 +351,7 @@ def read_collada(
     """
     content = read_file(path, most=_MOST_BYTES)
     # A number is at least one digit and a space.
-    allowance.take(len(content) // 2 * _BYTES_PER_NUMBER, "its numbers")
+    allowance.spend(len(content) // 2 * _BYTES_PER_NUMBER, "its numbers")
     root = parse_xml(content, allowance)
     if root.tag != "COLLADA":
         raise ValueError(f"begins with {root.tag:.40}, expected COLLADA")
@@ -453,7 +453,7 @@ class _Reader:
         telling = telling if is_meaningful(telling) else geometry.get("name") or telling or name
         for triangles in self._meshes[key]:
             target = symbols.get(triangles.symbol, triangles.symbol)
-            self._allowance.take(len(triangles.faces) * 150, f"{len(triangles.faces):,} triangles")
+            self._allowance.spend(len(triangles.faces) * 150, f"{len(triangles.faces):,} triangles")
             part = _part(name, telling, triangles, self._numbers.get(target, 0))
             self._parts.append(placed(part, to_scene @ bound))
 

@@ -202,7 +202,7 @@ def _is_image(file: GltfFile, number: int, content: bytes) -> bool:
             f"{file.path}: {what} is too large, at most {MOST_PIXELS:,} pixels are read; make it "
             "smaller"
         )
-    file.allowance.take(3 * width * height, what)
+    file.allowance.spend(3 * width * height, what)
     return True
 
 
@@ -401,7 +401,7 @@ def _take_memory(file: GltfFile, primitive: Primitive) -> None:
         if index is not None
     ]
     size = counts[0] * _BYTES_PER_VERTEX + counts[-1] * _BYTES_PER_CORNER
-    file.allowance.take(size, f"{counts[0]:,} vertices with {counts[-1]:,} corners")
+    file.allowance.spend(size, f"{counts[0]:,} vertices with {counts[-1]:,} corners")
 
 
 def _vectors(

@@ -340,7 +340,7 @@ class GltfFile:
         accessor = self.item(self.document.accessors, index, "accessor")
         width, dtype = _WIDTHS[accessor.type], np.dtype(_DTYPES[accessor.component_type])
         if accessor.buffer_view is None or accessor.sparse is not None:
-            self.allowance.take(accessor.count * width * dtype.itemsize, f"accessor {index}")
+            self.allowance.spend(accessor.count * width * dtype.itemsize, f"accessor {index}")
         if accessor.buffer_view is None:
             data = np.zeros((accessor.count, width), dtype=dtype)
         else:
@@ -362,7 +362,7 @@ class GltfFile:
         """The encoded bytes of an image."""
         if image.buffer_view is not None:
             data, _ = self._view(image.buffer_view)
-            self.allowance.take(len(data), "an image")
+            self.allowance.spend(len(data), "an image")
             return bytes(data)
         if image.uri is None:
             raise self.invalid("an image has neither bytes nor a file")
@@ -432,7 +432,7 @@ class GltfFile:
     def _fetch(self, uri: str) -> bytes:
         """Bytes of a data URI, or of a file beside this one or in a folder there."""
         if uri.startswith("data:"):
-            self.allowance.take(len(uri), "embedded data")
+            self.allowance.spend(len(uri), "embedded data")
             try:
                 return base64.b64decode(uri.partition(",")[2], validate=True)
             except binascii.Error as error:
@@ -446,7 +446,7 @@ class GltfFile:
                 f"({error.strerror or error}); put it beside the scene, or convert the scene to "
                 "one .glb"
             ) from error
-        self.allowance.take(len(data), f"the file {name[:80]!r}")
+        self.allowance.spend(len(data), f"the file {name[:80]!r}")
         return data
 
 
@@ -485,7 +485,7 @@ def _checked_length(path: Path, head: bytes, size: int) -> int:
 def _split(path: Path, allowance: Allowance) -> tuple[bytes, bytes | None]:
     """The JSON text and the binary chunk of a file."""
     data = read_file(path)
-    allowance.take(len(data), "its content")
+    allowance.spend(len(data), "its content")
     if data[:4] != _MAGIC and path.suffix.lower() != ".glb":
         return data, None
     length = _checked_length(path, data[:_LEAST_BYTES], len(data))

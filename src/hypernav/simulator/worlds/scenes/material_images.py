@@ -202,7 +202,7 @@ def materials_of(
         content = _content(path)
         size = image_size(content)
         if size is not None and size[0] * size[1] <= MOST_PIXELS:
-            allowance.take(3 * size[0] * size[1], f"the texture {path.name:.80}")
+            allowance.spend(3 * size[0] * size[1], f"the texture {path.name:.80}")
             contents[path] = content
     images = decode_images(contents)
     holes = {
