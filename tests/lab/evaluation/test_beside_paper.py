@@ -165,6 +165,12 @@ def test_the_robots_goals_stand_beside_the_same_goals_by_the_same_method(tmp_pat
     assert paper_results.ROBOT_SETTING in said(one)
 
 
+def test_the_benchmarks_row_beside_other_buildings_is_said_to_be_of_others(tmp_path):
+    others = "Other scenes: the paper's tables by scene are of HM3D and HM3D-OVON"
+    assert others in said(beside(tmp_path / "other", [found("0", "houses:1")]))
+    assert others not in said(beside(tmp_path / "own", [found("0", scan(802))]))
+
+
 def test_what_the_paper_has_no_row_of_is_beside_none(tmp_path):
     one = beside(tmp_path, [record("0", "houses:1", goal="sofa")], "houses-val")
     assert one.rows == []

@@ -224,6 +224,8 @@ def _of_scenes(run: RunData, printed: PaperRuns) -> Iterator[str]:
     if printed is paper_results.OVON and name and name != "val_unseen":
         yield f"Other episodes: the run's are of {name}, the paper's of {printed.split}."
     found = dict.fromkeys(scene_number(record.scene_id) for record in run.counted)
+    if set(printed.scenes).isdisjoint(found):
+        yield from _of_other_buildings(run)
     if missing := [scene for scene in printed.scenes if scene not in found]:
         yield f"Scenes of the paper that the run lacks: {', '.join(missing)}."
     if others := [
