@@ -23,6 +23,10 @@ CHANGING = {
 }
 """The data classes whose values change; all others are frozen."""
 NOT_ZERO = {
+    "ArrowStyle.disc_px": 34.0,
+    "ArrowStyle.shaft_px": 5.0,
+    "ArrowStyle.shafts": True,
+    "ArrowStyle.text_px": 44.0,
     "ArrowView.wanted": 1,
     "Candidate.needed": float("-inf"),
     "Climbing.farthest_m": float("-inf"),

@@ -47,7 +47,10 @@ def test_a_fitted_rectangle_is_visible_and_centred(
     assert centre == pytest.approx((size / 2, size / 2), abs=1e-3)
 
 
-def test_the_explored_area_of_a_room_has_its_true_bounds(room: OccupancyGrid) -> None:
+def test_the_explored_area_of_a_room_has_its_true_bounds() -> None:
+    cells = np.full((120, 140), Cell.UNKNOWN, dtype=np.uint8)
+    cells[20:80, 30:110] = Cell.OCCUPIED
+    room = OccupancyGrid(cells, 0.05, (-2.5, -3.0))
     assert explored_bounds(room) == pytest.approx((-1.0, -2.0, 3.0, 1.0))
     assert explored_bounds(room, [(5.0, -4.0)]) == pytest.approx((-1.0, -4.0, 5.0, 1.0))
 
