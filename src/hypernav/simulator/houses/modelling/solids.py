@@ -100,7 +100,7 @@ def tile(x: float, y: float, *, at: tuple[float, float, float] = (0.0, 0.0, 0.0)
     return Mesh(positions, normals, uv, np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int64))
 
 
-def _cushion_lines(half: float, radius: float, rounds: int, flats: int) -> list[float]:
+def _rounded_grid_lines(half: float, radius: float, rounds: int, flats: int) -> list[float]:
     inner = half - radius
     edge = [inner + radius * math.tan(math.pi / 4.0 * k / rounds) for k in range(1, rounds + 1)]
     middle = [-inner + 2.0 * inner * k / flats for k in range(flats + 1)]
@@ -142,8 +142,8 @@ def _cushion(
     sides = []
     for axis in range(3):
         u_axis, v_axis = _UV_AXES[axis]
-        u = np.array(_cushion_lines(float(half[u_axis]), radius, rounds, flats))
-        v = np.array(_cushion_lines(float(half[v_axis]), radius, rounds, flats))
+        u = np.array(_rounded_grid_lines(float(half[u_axis]), radius, rounds, flats))
+        v = np.array(_rounded_grid_lines(float(half[v_axis]), radius, rounds, flats))
         for sign in (-1.0, 1.0):
             grid = np.zeros((len(u), len(v), 3))
             grid[..., u_axis] = u[:, None]
