@@ -1,4 +1,4 @@
-"""Tests what the exam predicts: ten stand-ins sit it, and then search.
+"""Tests what the exam predicts: fourteen stand-ins sit it, and then search.
 
 Each stand-in answers the questions of an exam of the training bank. From the answers alone it is
 predicted what it reaches in searches; then it searches itself, in the same episodes.
