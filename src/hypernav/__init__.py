@@ -1,6 +1,6 @@
 """Zero-shot object-goal navigation with hybrid perception: camera image and top-down map.
 
-All that a user needs comes from this namespace. A name is loaded when it is asked for, so that
+Nearly all that a user needs comes from this namespace. A name is loaded when it is asked for, so that
 ``import hypernav`` stays light.
 """
 
