@@ -1,7 +1,7 @@
 """Zero-shot object-goal navigation with hybrid perception: camera image and top-down map.
 
-Nearly all that a user needs comes from this namespace. A name is loaded when it is asked for, so that
-``import hypernav`` stays light.
+Nearly all that a user needs comes from this namespace. A name is loaded when it is asked for, so
+that ``import hypernav`` stays light.
 """
 
 import importlib

@@ -103,6 +103,7 @@ def test_any_mapping_will_do_with_or_without_its_root():
         ("task.success_measure", "success", "success_measure 'success'"),
         ("environment.iterator_options", {"num_episode_sample": 5}, "num_episode_sample '5'"),
         ("environment.iterator_options", {"group_by_scene": False}, "group_by_scene 'False'"),
+        ("simulator.action_space_config", "pyrobotnoisy", "action_space_config 'pyrobotnoisy'"),
         ("simulator.turn_angle", 7, "must divide a circle"),
         ("simulator.turn_angle", "thirty", "habitat.simulator.turn_angle"),
         ("task", {}, r"habitat\.task\.actions: .*habitat.get_config"),

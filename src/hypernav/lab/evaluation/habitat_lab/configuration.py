@@ -35,6 +35,8 @@ _MEASURES = (
     "Collisions",
 )
 _TASK = "ObjectNav-v1"
+_EXACT_MOTION = ("v0", "v1")
+"""Habitat's sets of actions without noise of the motors."""
 _EVERYTHING = ["*"]
 _Vector = tuple[float, float, float]
 
@@ -77,6 +79,7 @@ class _Physics(_Part):
 class _Simulator(_Part):
     forward_step_size: float = 0.25
     turn_angle: float = 10.0
+    action_space_config: str = "v0"
     agents: dict[str, _Agent]
     habitat_sim_v0: _Physics = _Physics()
 
@@ -189,6 +192,7 @@ def _plan(habitat: _Habitat) -> RunPlan:
 
 
 def _robot(simulator: _Simulator) -> HyPerNavConfig:
+    _check("action_space_config", [simulator.action_space_config], _EXACT_MOTION)
     _check("number of agents", [str(len(simulator.agents))], ["1"])
     [agent] = simulator.agents.values()
     cameras = list(agent.sim_sensors.values())
