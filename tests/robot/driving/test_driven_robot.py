@@ -235,6 +235,31 @@ def test_what_came_too_near_to_be_measured_is_remembered():
     assert fresh > 0.05
 
 
+def low_box(x: float, robot: Pose2) -> DepthView:
+    """A floor with a wide box of 25 cm height, whose front is at x, as the camera measures it."""
+    view, ahead_m = seen(robot=robot, stamp_s=robot.x), x - robot.x
+    rays, eye_z = CAMERA.rays() @ view.camera_to_base.rotation.T, view.camera_to_base.translation[2]
+    front = ahead_m / rays[..., 0]
+    is_box = (front > 0.0) & (np.abs(eye_z + front * rays[..., 2] - 0.125) <= 0.125)
+    return replace(view, depth=np.where(is_box, front, view.depth).astype(np.float32))
+
+
+def test_what_slipped_below_the_image_is_remembered():
+    safety, box = DepthSafety(ROBOT), np.array([[1.1, 0.0]])
+    far, near = low_box(1.1, Pose2(0.0, 0.0, 0.0)), low_box(1.1, Pose2(0.5, 0.0, 0.0))
+    assert not np.array_equal(far.depth, seen().depth)
+    assert np.array_equal(near.depth, seen().depth)
+    assert safety.look(far).obstacles.distances(box)[0] < 0.05
+    assert safety.look(near).obstacles.distances(box)[0] < 0.05
+
+
+def test_what_is_gone_from_the_image_is_forgotten():
+    safety, box = DepthSafety(ROBOT), np.array([[1.1, 0.0]])
+    safety.look(low_box(1.1, Pose2(0.0, 0.0, 0.0)))
+    gone = replace(seen(), stamp_s=1.0)
+    assert safety.look(gone).obstacles.distances(box)[0] > 0.5
+
+
 def test_it_stops_before_the_head_of_stairs_although_the_edge_leaves_the_image():
     base = FloorBase(edge_x=2.2)
     robot = DrivenRobot(base, patience_s=20.0)  # longer than what is in its way is remembered

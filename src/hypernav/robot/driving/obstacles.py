@@ -9,7 +9,7 @@ from typing import Protocol, runtime_checkable
 
 import cv2
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float64, Int64
 from scipy.spatial import KDTree
 
 from hypernav.core.embodiment import Embodiment
@@ -103,7 +103,10 @@ class Ahead:
 
 
 class DepthSafety:
-    """Finds obstacles in depth images; remembers for a while those now too near to be seen.
+    """Finds obstacles in depth images; remembers for a while those that left the image.
+
+    What slips below the image, as a low box does when the robot comes near, is remembered as well
+    as what is now too near to be measured.
 
     Where the camera sees below the floor, the floor is missing: the head of stairs is an obstacle
     for a robot that can't climb. It is below the image before the robot is there, so it is
@@ -119,7 +122,7 @@ class DepthSafety:
         """
         self._body = embodiment.body
         self._nearest_m = embodiment.camera.min_depth_m
-        self._remembered = np.zeros((0, 2))
+        self._remembered = np.zeros((0, 3))
         self._ages = np.zeros(0, dtype=np.int64)
         self._drops = np.zeros((0, 2))
         self._stamp_s = math.nan
@@ -131,13 +134,14 @@ class DepthSafety:
         self._repeated = self._repeated + 1 if view.stamp_s == self._stamp_s else 0
         self._stamp_s = view.stamp_s
         rays = view.camera.rays() @ view.camera_to_base.rotation.T
-        now = robot.to_transform().apply(self._hindering(view, rays))[:, :2]
+        now = robot.to_transform().apply(self._hindering(view, rays))
         self._forget_seen(view)
         floor = _floor_depth(view, rays)
         self._drops = self._drops_around(view, rays, floor)
-        obstacles = PointObstacles(np.vstack([now, self._remembered, self._drops]))
+        known = np.vstack([now, self._remembered])[:, :2]
+        obstacles = PointObstacles(np.vstack([known, self._drops]))
         near = np.hypot(now[:, 0] - robot.x, now[:, 1] - robot.y) < _NEAR_M
-        kept = np.unique(np.round(now[near] / _APART_M), axis=0) * _APART_M
+        kept = _lowest(now[near])
         self._remembered = np.vstack([self._remembered, kept])
         self._ages = np.concatenate([self._ages, np.zeros(len(kept), dtype=np.int64)])
         is_blind = self._repeated > _MOST_REPEATED or self._sees_no_floor(view, rays, floor)
@@ -172,9 +176,7 @@ class DepthSafety:
         known = self._drops
         is_left = np.hypot(known[:, 0] - view.robot.x, known[:, 1] - view.robot.y) >= _REACH_M
         kept = known[~is_left & ~self._shows_floor(view, known, np.abs(z) <= uneven_m)]
-        cells = np.round(np.vstack([kept, now]) / _APART_M).astype(np.int64)
-        _, first = np.unique(cells[:, 0] * _ACROSS + cells[:, 1], return_index=True)
-        return cells[first] * _APART_M
+        return _apart(np.vstack([kept, now]))[0]
 
     def _shows_floor(
         self,
@@ -183,7 +185,8 @@ class DepthSafety:
         is_floor: Bool[np.ndarray, "height width"],
     ) -> Bool[np.ndarray, " n"]:
         """Whether an image shows floor at positions on the floor plan."""
-        pixels = view.camera.project(_in_camera(view, points, 0.0))
+        on_floor = np.column_stack([points, np.zeros(len(points))])
+        pixels = view.camera.project(_in_camera(view, on_floor))
         shows = view.camera.contains(pixels)
         u, v = pixels[shows].astype(np.intp).T
         shows[shows] = is_floor[v, u]
@@ -192,9 +195,9 @@ class DepthSafety:
     def _forget_seen(self, view: DepthView) -> None:
         """Keep only points outside the image or too near to be measured, and drop the old ones."""
         points = self._remembered
-        in_camera = _in_camera(view, points, float(view.camera_to_base.translation[2]))
-        columns = view.camera.project(in_camera)[:, 0]
-        is_seen = (in_camera[:, 2] > self._nearest_m) & view.camera.contains_columns(columns)
+        in_camera = _in_camera(view, points)
+        pixels = view.camera.project(in_camera)
+        is_seen = (in_camera[:, 2] > self._nearest_m) & view.camera.contains(pixels)
         kept = ~is_seen & (self._ages < _REMEMBERED_VIEWS)
         self._remembered, self._ages = points[kept], self._ages[kept] + 1
 
@@ -213,13 +216,26 @@ class DepthSafety:
         return bool(np.mean(~is_measured(view.depth[ahead])) > _BLIND_SHARE)
 
 
-def _in_camera(
-    view: DepthView, points: Float64[np.ndarray, "n 2"], height_m: float
-) -> Float64[np.ndarray, "n 3"]:
-    """Positions on the floor plan, taken at one height, in the optical frame."""
-    level = np.column_stack([points, np.full(len(points), height_m)])
-    in_base = view.robot.to_transform().inverse().apply(level)
+def _in_camera(view: DepthView, points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 3"]:
+    """Points in the optical frame."""
+    in_base = view.robot.to_transform().inverse().apply(points)
     return view.camera_to_base.inverse().apply(in_base)
+
+
+def _lowest(points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "m 3"]:
+    """The lowest point of each cell of the floor plan."""
+    rising = points[np.argsort(points[:, 2], kind="stable")]
+    positions, first = _apart(rising[:, :2])
+    return np.column_stack([positions, rising[first, 2]])
+
+
+def _apart(
+    points: Float64[np.ndarray, "n 2"],
+) -> tuple[Float64[np.ndarray, "m 2"], Int64[np.ndarray, " m"]]:
+    """One position for each cell of the floor plan, and the number of its first point."""
+    cells = np.round(points / _APART_M).astype(np.int64)
+    _, first = np.unique(cells[:, 0] * _ACROSS + cells[:, 1], return_index=True)
+    return cells[first] * _APART_M, first
 
 
 def _floor_depth(
