@@ -145,9 +145,9 @@ def test_a_shell_completes_commands_and_options(capsys):
 
 def test_a_shell_that_cannot_complete_is_named(capsys):
     with pytest.raises(SystemExit) as stop:
-        main(["--completion", "fish"])
+        main(["--completion", "tcsh"])
     assert stop.value.code == 2
-    assert "bash, zsh, tcsh" in capsys.readouterr().err
+    assert "bash, zsh" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -42,7 +42,7 @@ COMMANDS = {
 }
 _LEAST_MB = 1500
 """Least size of the address space in which libraries load."""
-_SHELLS = ("bash", "zsh", "tcsh")
+_SHELLS = ("bash", "zsh")
 _MOST_CHARACTERS = 500
 _LEAST_COLUMNS = 20
 """Narrowest terminal for which help and errors are laid out: tyro never ends in a narrower one."""
