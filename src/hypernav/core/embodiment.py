@@ -13,8 +13,8 @@ from hypernav.core.words import megabytes
 
 _BYTES_PER_PIXEL = 200
 """Memory per pixel: its ray, colours, depth, instance and point, bytes."""
-_MOST_BYTES = 1_000_000_000
-"""The limit for an image, bytes: five million pixels."""
+MOST_PIXELS = 5_000_000
+"""The largest image of a camera."""
 
 STAIR_CLIMB_M = 0.2
 """Height of steps, metres, from which a robot climbs stairs: Habitat's."""
@@ -108,11 +108,12 @@ class CameraConfig(RoomConfig):
     @model_validator(mode="after")
     def _images_fit_into_memory(self) -> "CameraConfig":
         size = self.width * self.height * _BYTES_PER_PIXEL
-        if size > _MOST_BYTES:
+        if self.width * self.height > MOST_PIXELS:
             raise ValueError(
                 f"an image of {self.width} × {self.height} pixels would take "
-                f"{megabytes(size)} to draw and to map, at most {megabytes(_MOST_BYTES)} are "
-                "allowed; make width or height smaller"
+                f"{megabytes(size)} to draw and to map, at most "
+                f"{megabytes(MOST_PIXELS * _BYTES_PER_PIXEL)} are allowed; make width or height "
+                "smaller"
             )
         return self
 

@@ -4,24 +4,27 @@ The system releases the lock of a killed process at once, so no stale lock is ev
 """
 
 import errno
+import fcntl
 import os
 import socket
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from filelock import FileLock, Timeout
-
 from hypernav.core.errors import RunFolderError
+from hypernav.io.foreign_folder import ForeignFolder
 
 LOCK_NAME = ".lock"
-_OWNER_NAME = ".lock.owner"  # not in the lock file, which others can't read on Windows
+_OWNER_NAME = ".lock.owner"  # replaced, never written in place: a link may share a stranger's file
+_MOST_OWNER_BYTES = 1000
+_EVERY_S = 0.05
 
 
 @contextmanager
 def folder_lock(
     folder: Path, *, option: str = "--out", patience_s: float = 0.0, to_read: bool = False
-) -> Iterator[None]:
+) -> Iterator[ForeignFolder]:
     """Hold the lock of a folder, which is created if missing, while the ``with`` block runs.
 
     Args:
@@ -31,34 +34,76 @@ def folder_lock(
         to_read: Whether the folder is only read: on a read-only file system, on which nobody writes
             it, no lock is needed then.
 
+    Yields:
+        The folder, open.
+
     Raises:
         RunFolderError: Another process holds it, or the folder can't be written.
     """
-    # No fallback for file systems without locks: a plain file would outlive a killed process.
-    lock = FileLock(
-        folder / LOCK_NAME, timeout=patience_s, thread_local=False, fallback_to_soft=False
-    )
-    owner = folder / _OWNER_NAME
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        lock.acquire()
-        owner.write_text(f"process {os.getpid()} on {socket.gethostname()}\n", encoding="utf-8")
-    except Timeout as error:
-        name = owner.read_text("utf-8", "replace").strip() if owner.is_file() else "owner unknown"
-        raise RunFolderError(
-            f"{folder} is in use by another run ({name or 'owner unknown'}); wait "
-            f"for it, stop it, or choose another {option}"
-        ) from error
+        home = ForeignFolder(folder)
     except OSError as error:
-        lock.release()
-        if to_read and error.errno == errno.EROFS:
-            yield
-            return
-        raise RunFolderError(
-            f"{folder} cannot be written ({error.strerror or error}); make that possible, or "
-            f"choose another {option}"
-        ) from error
+        raise _unusable(folder, option, error) from error
+    with home:
+        lock = None
+        try:
+            lock = home.descriptor_of(LOCK_NAME, os.O_RDWR | os.O_CREAT)
+            _acquire(lock, patience_s)
+            owner = f"process {os.getpid()} on {socket.gethostname()}\n"
+            home.write(_OWNER_NAME, owner, sync=False)
+        except BlockingIOError as error:
+            _close(lock)
+            raise RunFolderError(
+                f"{folder} is in use by another run ({_owner_of(home)}); wait for it, stop it, or "
+                f"choose another {option}"
+            ) from error
+        except OSError as error:
+            _close(lock)
+            if not (to_read and error.errno == errno.EROFS):
+                raise _unusable(folder, option, error) from error
+            lock = None
+        try:
+            yield home
+        finally:
+            _close(lock)
+
+
+def _acquire(lock: int, patience_s: float) -> None:
+    """Take the lock.
+
+    Raises:
+        BlockingIOError: Another process holds it for longer than the patience, seconds.
+        OSError: The file system has no locks. There is no fallback: a plain file would outlive a
+            killed process.
+    """
+    until_s = time.monotonic() + patience_s
+    while True:
+        try:
+            return fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if time.monotonic() >= until_s:
+                raise
+        time.sleep(_EVERY_S)
+
+
+def _close(lock: int | None) -> None:
+    """Release the lock at once, even if a process that was begun meanwhile has its file open."""
+    if lock is not None:
+        fcntl.flock(lock, fcntl.LOCK_UN)
+        os.close(lock)
+
+
+def _owner_of(home: ForeignFolder) -> str:
     try:
-        yield
-    finally:
-        lock.release()
+        name = home.read(_OWNER_NAME, most=_MOST_OWNER_BYTES).decode("utf-8", "replace")
+    except OSError:
+        name = ""
+    return name.strip() or "owner unknown"
+
+
+def _unusable(folder: Path, option: str, error: OSError) -> RunFolderError:
+    return RunFolderError(
+        f"{folder} cannot be written ({error.strerror or error}); make that possible, or choose "
+        f"another {option}"
+    )

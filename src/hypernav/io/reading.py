@@ -9,6 +9,7 @@ import os
 import stat
 import struct
 from pathlib import Path
+from typing import BinaryIO
 
 from hypernav.core.words import megabytes
 
@@ -21,12 +22,15 @@ _KINDS = (
     (stat.S_ISBLK, errno.EINVAL, "a device"),
     (stat.S_ISFIFO, errno.EINVAL, "a pipe"),
     (stat.S_ISSOCK, errno.EINVAL, "a socket"),
+    (stat.S_ISLNK, errno.ELOOP, "a link"),
 )
 
 MOST_PIXELS = 8192 * 4096
 """The largest image that is decoded."""
 
-_PNG, _JPEG, _RIFF, _WEBP = b"\x89PNG\r\n\x1a\n", b"\xff\xd8", b"RIFF", b"WEBP"
+PNG, JPEG = b"\x89PNG\r\n\x1a\n", b"\xff\xd8"
+"""How such images begin."""
+_RIFF, _WEBP = b"RIFF", b"WEBP"
 _MOST_CHUNKS = 1_000_000
 _START_OF_SCAN = b"\xff\xda"
 _MOST_SCANS = 100
@@ -36,11 +40,16 @@ _WITHOUT_LENGTH = frozenset({0x01, *range(0xD0, 0xD9)})
 
 
 class Allowance:
-    """The memory that one file may still make this program allocate."""
+    """The memory that one file, or one folder, may still make this program allocate."""
 
-    def __init__(self) -> None:
-        """Create it with the whole of `MOST_BYTES`."""
+    def __init__(self, whole: str = "a file") -> None:
+        """Create it with the whole of `MOST_BYTES`.
+
+        Args:
+            whole: What it is for, for the message.
+        """
         self._left = MOST_BYTES
+        self._whole = whole
 
     def spend(self, size: int, what: str) -> None:
         """Account for memory that is about to be allocated.
@@ -56,7 +65,7 @@ class Allowance:
         if self._left < 0:
             raise OSError(
                 errno.EFBIG,
-                f"{what} would take {megabytes(size)}, all of a file at most "
+                f"{what} would take {megabytes(size)}, all of {self._whole} at most "
                 f"{megabytes(MOST_BYTES)}",
             )
 
@@ -73,10 +82,20 @@ def read_file(path: Path, *, most: int = MOST_BYTES) -> bytes:
     """
     # An ordinary open would block on a pipe without a writer.
     with open(path, "rb", opener=_open_at_once) as file:
-        size = _checked_size(os.fstat(file.fileno()), most)
-        if size == 0 and file.read(1):
-            raise OSError(errno.EINVAL, "it is a file of the kernel, expected one on a disk")
-        return file.read(size)
+        return content_of(file, most=most)
+
+
+def content_of(file: BinaryIO, *, most: int) -> bytes:
+    """The content of an open file, as `read_file` has it."""
+    size = _checked_size(os.fstat(file.fileno()), most)
+    if size == 0 and file.read(1):
+        raise OSError(errno.EINVAL, "it is a file of the kernel, expected one on a disk")
+    return file.read(size)
+
+
+def kind_of(status: os.stat_result) -> tuple[int, str] | None:
+    """What is no regular file: the number of its error, and what it is; None for a file."""
+    return next(((code, kind) for is_kind, code, kind in _KINDS if is_kind(status.st_mode)), None)
 
 
 def text_of(content: bytes, *, errors: str = "strict") -> str:
@@ -132,9 +151,8 @@ def _open_at_once(path: str, flags: int) -> int:
 
 
 def _checked_size(status: os.stat_result, most: int) -> int:
-    for is_of_kind, code, kind in _KINDS:
-        if is_of_kind(status.st_mode):
-            raise OSError(code, f"it is {kind}, expected a file")
+    if (kind := kind_of(status)) is not None:
+        raise OSError(kind[0], f"it is {kind[1]}, expected a file")
     if status.st_size > most:
         raise OSError(
             errno.EFBIG,
@@ -153,9 +171,9 @@ def image_size(data: bytes) -> tuple[int, int] | None:
         None if it has another format, or its header is broken.
     """
     try:
-        if data.startswith(_PNG):
+        if data.startswith(PNG):
             return struct.unpack_from(">II", data, 16) if _holds_its_chunks(data) else None
-        if data.startswith(_JPEG):
+        if data.startswith(JPEG):
             return None if data.count(_START_OF_SCAN) > _MOST_SCANS else _jpeg_size(data)
         if data.startswith(_RIFF) and data[8:12] == _WEBP:
             return _webp_size(data)
@@ -166,7 +184,7 @@ def image_size(data: bytes) -> tuple[int, int] | None:
 
 def _holds_its_chunks(data: bytes) -> bool:
     """Whether no chunk of a PNG says that it is longer than the file: decoders allocate first."""
-    at = len(_PNG)
+    at = len(PNG)
     for _ in range(_MOST_CHUNKS):
         if at + 8 > len(data):
             return at <= len(data)

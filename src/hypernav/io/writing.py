@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from hypernav.core.errors import OutputError
+from hypernav.io.foreign_folder import ForeignFolder
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
@@ -19,15 +20,8 @@ def write_whole(path: Path, content: str | bytes) -> None:
     Raises:
         OSError: The disk is full, or the file can't be written.
     """
-    fresh = path.with_name(f".{path.name}.new")
-    try:
-        with fresh.open("wb") as file:
-            file.write(content.encode() if isinstance(content, str) else content)
-            file.flush()
-            os.fsync(file.fileno())
-        fresh.replace(path)
-    finally:
-        fresh.unlink(missing_ok=True)
+    with ForeignFolder(path.parent) as folder:
+        folder.write(path.name, content)
 
 
 class AppendOnlyFile:

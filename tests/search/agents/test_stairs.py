@@ -20,6 +20,7 @@ from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, Mode, StepTrace
+from hypernav.io.foreign_folder import ForeignFolder
 from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.memory.thing import Thing
 from hypernav.search.mapping.memory.things import Things
@@ -242,8 +243,9 @@ def test_a_robot_that_was_carried_is_not_on_its_way_over_stairs():
 
 
 def written_and_read(memory: Memory, folder: Path) -> Memory:
-    Writer(folder, None).write(memory, None, (), most_bytes=10**9)
-    contents = read_memory(folder, CONFIG.mapping, CONFIG.embodiment, most_bytes=10**9)
+    with ForeignFolder(folder) as home:
+        Writer(home, None).write(memory, None, (), most_bytes=10**9)
+        contents = read_memory(home, CONFIG.mapping, CONFIG.embodiment, most_bytes=10**9)
     assert contents is not None
     return contents.memory
 

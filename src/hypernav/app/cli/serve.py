@@ -123,10 +123,10 @@ def _check_memory(folder: Path) -> tuple[str, ...]:
     read_index(folder)  # refuses other files before the lock adds its own
     if not folder.exists():  # it begins with the first search
         return ()
-    with folder_lock(folder, option="--memory", patience_s=_PATIENCE_S):
+    with folder_lock(folder, option="--memory", patience_s=_PATIENCE_S) as home:
         index = read_index(folder)
         if index is None:
             return ()
         check_is_of_robot(folder, index.place)
-        contents = read_memory(folder, index.mapping, index.robot)
+        contents = read_memory(home, index.mapping, index.robot)
     return () if contents is None else contents.left_out

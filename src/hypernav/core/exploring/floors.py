@@ -13,7 +13,8 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
 
 _SAME_THING_M = 1.0
-_MOST_THINGS = 200
+MOST_SIGHTINGS = 200
+"""Number of things of one floor."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ def _joined(known: tuple[SeenThing, ...], things: Iterable[SeenThing]) -> tuple[
             one.label == new.label and math.dist(one.position, new.position) < _SAME_THING_M
             for one in known
         )
-        if not is_known and len(known) < _MOST_THINGS:
+        if not is_known and len(known) < MOST_SIGHTINGS:
             known = (*known, new)
     return known
 

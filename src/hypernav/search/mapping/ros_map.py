@@ -22,14 +22,7 @@ _OCCUPANCY = np.array([-1, 0, 100], dtype=np.int8)
 
 
 def save_ros_map(grid: OccupancyGrid, folder: Path, name: str = "map") -> Path:
-    """Write a map for Nav2's map_server.
-
-    Shades and thresholds are those of map_saver: free 254, occupied 0, unknown 205. The thresholds
-    0.65 and 0.196 read them back as the same three states; with map_saver's newer free threshold of
-    0.25, unknown cells would be read as free. The image's first row is the map's highest y. Each
-    file is replaced as a whole, never left half written.
-
-    Source: nav2_map_server, ``map_io.cpp``.
+    """Write a map for Nav2's map_server; see `ros_map_files`. Each file is replaced as a whole.
 
     Args:
         grid: The map.
@@ -40,9 +33,26 @@ def save_ros_map(grid: OccupancyGrid, folder: Path, name: str = "map") -> Path:
         Path of the YAML file.
     """
     folder.mkdir(parents=True, exist_ok=True)
+    for file, content in ros_map_files(grid, name).items():
+        write_whole(folder / file, content)
+    return folder / f"{name}.yaml"
+
+
+def ros_map_files(grid: OccupancyGrid, name: str = "map") -> dict[str, bytes]:
+    """The image and the YAML file of a map for Nav2's map_server, by name.
+
+    Shades and thresholds are those of map_saver: free 254, occupied 0, unknown 205. The thresholds
+    0.65 and 0.196 read them back as the same three states; with map_saver's newer free threshold of
+    0.25, unknown cells would be read as free. The image's first row is the map's highest y.
+
+    Source: nav2_map_server, ``map_io.cpp``.
+
+    Args:
+        grid: The map.
+        name: Name of both files, without ending.
+    """
     rows, columns = grid.cells.shape
     pixels = _SHADES[grid.cells[::-1]].tobytes()
-    write_whole(folder / f"{name}.pgm", f"P5\n{columns} {rows}\n255\n".encode() + pixels)
     facts = {
         "image": f"{name}.pgm",
         "mode": "trinary",
@@ -53,9 +63,10 @@ def save_ros_map(grid: OccupancyGrid, folder: Path, name: str = "map") -> Path:
         "free_thresh": FREE_THRESHOLD,
     }
     text = yaml.safe_dump(facts, sort_keys=False, default_flow_style=None)
-    path = folder / f"{name}.yaml"
-    write_whole(path, text)
-    return path
+    return {
+        f"{name}.pgm": f"P5\n{columns} {rows}\n255\n".encode() + pixels,
+        f"{name}.yaml": text.encode(),
+    }
 
 
 def occupancy(grid: OccupancyGrid) -> Int8[np.ndarray, "rows columns"]:

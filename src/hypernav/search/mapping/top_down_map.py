@@ -101,7 +101,7 @@ def enlarged(
 
 
 def arrays_of(state: Mapping[str, np.ndarray], band: HeightBand) -> MapArrays:
-    """Copies of the arrays in a file, by name.
+    """The arrays in a file, by name, which the map goes on to change.
 
     Raises:
         MapError: They are not those of a map with this height band.
@@ -117,7 +117,7 @@ def arrays_of(state: Mapping[str, np.ndarray], band: HeightBand) -> MapArrays:
         if found is None or found.shape != array.shape or found.dtype != array.dtype:
             what = "none" if found is None else f"{found.dtype} {found.shape}"
             raise MapError(f"expected {name} as {array.dtype} {array.shape}, found {what}")
-        array[:] = found
+        arrays = arrays._replace(**{name: found})
     if (arrays.cells > OCCUPIED).any():
         raise MapError("a cell of the map has a state that none can have")
     if "drops" not in state:

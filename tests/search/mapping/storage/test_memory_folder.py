@@ -20,6 +20,7 @@ from hypernav.core.errors import MemoryFolderError, MemoryStartError, RunFolderE
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
+from hypernav.io.foreign_folder import ForeignFolder
 from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.search.mapping.memory.key_images import KeyImages
 from hypernav.search.mapping.memory.memory import Memory
@@ -200,13 +201,13 @@ def test_an_index_that_is_cut_off_is_refused_in_words(home, size):
 
 @pytest.mark.parametrize("saves", [1, 2])
 def test_a_first_save_that_ends_while_one_reads_is_no_foreign_file(home, monkeypatch, saves):
-    def not_there_yet(path):
+    def not_there_yet(folder, path, **options):
         raise FileNotFoundError(path)
 
     for _ in range(saves - 1):  # removes the first map
         with open_memory(home, CONFIG) as memory:
             memory.save()
-    monkeypatch.setattr("hypernav.search.mapping.storage.memory_reader.read_file", not_there_yet)
+    monkeypatch.setattr(ForeignFolder, "read", not_there_yet)
     assert (home / "memory.json").exists()
     assert read_index(home) is None
 

@@ -24,7 +24,7 @@ _EVERY_PX = 16
 _BESIDE_M = 0.3
 """Radius around the robot within which the floor counts as looked at, metres."""
 
-_MOST_POSITIONS = 5000
+MOST_POSITIONS = 5000
 """Number of positions of earlier searches that a floor's trajectory keeps."""
 _NEW_VIEW_M = 0.75
 _NEW_VIEW_DEG = 45.0
@@ -251,7 +251,7 @@ class Floor:
             remembered=frozenset(one.number for one in self.things.known),
             coverage=CoverageMask.nothing(self.map.grid) if self.trajectory else None,
         )
-        del self.trajectory[:-_MOST_POSITIONS]
+        del self.trajectory[:-MOST_POSITIONS]
 
 
 def counted_from(z: float, observation: Observation) -> Observation:

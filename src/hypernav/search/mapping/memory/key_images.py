@@ -14,6 +14,7 @@ import numpy as np
 from jaxtyping import Float32, Float64, Int64, UInt8
 
 from hypernav.core.embodiment import CameraConfig
+from hypernav.core.errors import MemoryFolderError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
@@ -71,8 +72,19 @@ class KeyImage:
 
     @property
     def rgb(self) -> UInt8[np.ndarray, "height width 3"]:
-        """The colour image."""
-        return cv2.cvtColor(_decoded(self.jpeg, cv2.IMREAD_COLOR), cv2.COLOR_BGR2RGB)
+        """The colour image.
+
+        Raises:
+            MemoryFolderError: It can't be decoded.
+        """
+        try:
+            bgr = _decoded(self.jpeg, cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
+        except ValueError as error:
+            raise MemoryFolderError(
+                f"key image {self.number} of the memory is damaged ({error}); hypernav memory "
+                "FOLDER --forget-images forgets all"
+            ) from error
+        return cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB)
 
     @property
     def depth(self) -> Float32[np.ndarray, "rows columns"]:

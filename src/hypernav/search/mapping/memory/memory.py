@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.errors import MapError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
@@ -29,6 +30,9 @@ from hypernav.search.mapping.stairs.connectors import (
 from hypernav.search.mapping.stairs.footing import ANOTHER_M, Footing
 from hypernav.search.mapping.stairs.seen_connectors import connectors_in, reliable, without_sides
 from hypernav.search.mapping.top_down_map import TopDownMap
+
+MOST_FLOORS = 200
+"""Number of floors of a building."""
 
 
 class Memory:
@@ -330,7 +334,16 @@ class Memory:
         return self.add_floor(z) if known is None else known
 
     def add_floor(self, z: float) -> int:
-        """Add a floor of which nothing is known at a height, metres; return its number."""
+        """Add a floor of which nothing is known at a height, metres; return its number.
+
+        Raises:
+            MapError: There are as many as any building has.
+        """
+        if len(self.floors) == MOST_FLOORS:
+            raise MapError(
+                f"the robot would be on a new floor at {z:.1f} m, and {MOST_FLOORS} are known "
+                "already; is its height wrong?"
+            )
         self.floors.append(self._new_floor(z))
         return len(self.floors) - 1
 

@@ -37,7 +37,8 @@ _RECALL = (0.3, 0.95)
 """Limits of how often a detector is believed to see a thing that is there."""
 _REFUTED = 0.4
 """Share of the chance that is left of a thing that a search has rejected."""
-_MOST_VIEWS = 4
+MOST_VIEWS = 4
+"""Number of views of a thing."""
 APART_M = 1.0
 """Distance between two positions, metres, from which their images are different views."""
 _GONE = 0.2
@@ -233,7 +234,7 @@ def joined(known: list[Thing], new: Thing) -> Thing:
 
 
 def _views(first: View, others: list[View]) -> tuple[View, ...]:
-    """A view and others from elsewhere, the highest score of each; at most `_MOST_VIEWS`."""
+    """A view and others from elsewhere, the highest score of each; at most `MOST_VIEWS`."""
     kept = [first]
     for x, y, score in others:
         for k, (other_x, other_y, best) in enumerate(kept):
@@ -242,4 +243,4 @@ def _views(first: View, others: list[View]) -> tuple[View, ...]:
                 break
         else:
             kept.append((x, y, score))
-    return tuple(kept[:_MOST_VIEWS])
+    return tuple(kept[:MOST_VIEWS])

@@ -17,6 +17,8 @@ _STAYED_M = 1.0
 """Greatest length of the last action of a search, up or down stairs, metres."""
 _SIGHTINGS = 2
 """Images that must show a connector before the robot relies on it."""
+MOST_CONNECTORS = 1000
+"""Number of connectors in a building; once half are known, only those driven over are added."""
 
 
 class Passage(StrEnum):
@@ -119,7 +121,7 @@ def with_sightings(known: Sequence[Connector], seen: Sequence[Connector]) -> tup
     for one in seen:
         number = next((k for k, old in enumerate(connectors) if old.is_same(one)), None)
         if number is None:
-            connectors.append(one)
+            connectors += [one] if len(connectors) < MOST_CONNECTORS // 2 else []
             continue
         old = connectors[number]
         is_untried = old.passage is Passage.UNTRIED

@@ -23,7 +23,13 @@ from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.memory.key_images import MOST_BYTES, KeyImages
 from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.memory.start_check import StartCheck
-from hypernav.search.mapping.storage.memory_index import GoalRecord, Index, Place
+from hypernav.search.mapping.storage.memory_index import (
+    MOST_REFUTED,
+    MOST_SEARCHES,
+    GoalRecord,
+    Index,
+    Place,
+)
 from hypernav.search.mapping.storage.memory_reader import (
     Contents,
     check_not_inside_another,
@@ -34,8 +40,6 @@ from hypernav.search.mapping.storage.memory_writer import Writer
 
 SAVE_EVERY_S = 10.0
 """Least time between two saves during a search, seconds."""
-_MOST_GOALS = 1000
-"""Number of searches that the history keeps."""
 
 
 class MemoryFolder:
@@ -90,7 +94,7 @@ class MemoryFolder:
         most_bytes = None if most_megabytes is None else round(most_megabytes * 1e6)
         self._clock = clock
         with ExitStack() as opened:
-            opened.enter_context(
+            self._home = opened.enter_context(
                 folder_lock(folder, option="--memory", patience_s=patience_s, to_read=to_read)
             )
             self._load(mapping, embodiment, most_bytes)
@@ -98,7 +102,7 @@ class MemoryFolder:
 
     def _load(self, mapping: MappingConfig, embodiment: Embodiment, most_bytes: int | None) -> None:
         """Begin with what is in the folder, within a size in bytes or, by default, its own."""
-        contents = read_memory(self.folder, mapping, embodiment, most_bytes=most_bytes)
+        contents = read_memory(self._home, mapping, embodiment, most_bytes=most_bytes)
         if contents is None:
             most = most_bytes or MOST_BYTES
             memory = Memory(mapping, embodiment, images=KeyImages(most))
@@ -109,7 +113,7 @@ class MemoryFolder:
         self.history: list[GoalRecord] = list(contents.history)
         self.left_out: tuple[str, ...] = contents.left_out
         self._is_new = contents.index is None
-        self._writer = Writer(self.folder, contents.index, damaged=contents.damaged)
+        self._writer = Writer(self._home, contents.index, damaged=contents.damaged)
         self._saved_s = self._clock()
         self._is_searching = False
         self._start: StartCheck | None = None
@@ -199,7 +203,7 @@ class MemoryFolder:
                 began=datetime.now().astimezone().isoformat(timespec="seconds"),
             )
         )
-        del self.history[:-_MOST_GOALS]
+        del self.history[:-MOST_SEARCHES]
         return self.memory
 
     def check(self, observation: Observation) -> None:
@@ -248,14 +252,14 @@ class MemoryFolder:
             self.history.pop()
             return
         floor = self.memory.floor
-        candidates = floor.search.evidence.candidates
+        refuted = [one.area.centre for one in floor.search.evidence.candidates if one.is_refuted]
         self.history[-1] = self.history[-1].model_copy(
             update={
                 "outcome": outcome,
                 "steps": steps,
                 "end": floor.trajectory[-1] if floor.trajectory else None,
                 "floor": self.memory.number,
-                "refuted": tuple(one.area.centre for one in candidates if one.is_refuted),
+                "refuted": tuple(refuted[:MOST_REFUTED]),
             }
         )
         self.save()

@@ -1,29 +1,77 @@
-"""The index of a memory on disk, ``memory.json``: what is in it, and which files belong to it."""
+"""The index of a memory on disk, ``memory.json``: what is in it, and which files belong to it.
 
-from typing import ClassVar, Literal
+A memory may come from a stranger: every number, text and list has a bound, that of the writer.
+"""
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import Annotated, ClassVar, Literal, TypeVar
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, FailFast, Field, model_validator
+from pydantic_core import CoreSchema, core_schema
 
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploring.floors import SeenThing, Sightings
+from hypernav.core.exploring.floors import MOST_SIGHTINGS, SeenThing, Sightings
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.io.reading import MOST_BYTES
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.memory.key_images import KeyImage
-from hypernav.search.mapping.memory.thing import Thing
-from hypernav.search.mapping.memory.things import Things
-from hypernav.search.mapping.stairs.connectors import Connector, Passage, UnderWay
+from hypernav.search.mapping.memory.memory import MOST_FLOORS
+from hypernav.search.mapping.memory.thing import MOST_VIEWS, Thing
+from hypernav.search.mapping.memory.things import MOST_THINGS, Things
+from hypernav.search.mapping.stairs.connectors import (
+    MOST_CONNECTORS,
+    Connector,
+    Passage,
+    UnderWay,
+)
 
 FORMAT = "hypernav-memory"
 VERSION = 1
 """Version of the format; increased whenever older programs can't read it."""
+OURS = r"^(images/[0-9]{6,10}\.(jpg|png)|floor-[0-9]{1,4}/state-[0-9]{1,10}\.npz)$"
+"""Files of a memory besides its index."""
 
-_MOST = 1_000_000_000
-"""Largest number of an image or a save, for the names of files."""
+MOST_SEARCHES = 1000
+"""Number of searches that the history keeps."""
+MOST_REFUTED = 1000
+"""Number of refuted positions that it keeps of a search."""
+MOST_IMAGES = 100_000
+_MOST_NAMED = 100_000
+_MOST_COUNT = 1_000_000_000
+_MOST_PIXELS = 1e8
+MOST_METRES = 1e6
 
-Xy = tuple[float, float]
-Xyz = tuple[float, float, float]
+
+@dataclass(frozen=True)
+class _Counted:
+    """Bounds a count where it is read alone: a search counts on from there, and must not fail."""
+
+    least: int
+
+    def __get_pydantic_core_schema__(self, source: object, handler: object) -> CoreSchema:
+        return core_schema.json_or_python_schema(
+            core_schema.int_schema(ge=self.least, le=_MOST_COUNT),
+            core_schema.int_schema(ge=self.least),
+        )
+
+
+Count = Annotated[int, _Counted(0)]
+CountFromOne = Annotated[int, _Counted(1)]
+Score = Annotated[float, Field(ge=0.0, le=1.0)]
+Pixels = Annotated[float, Field(ge=0.0, le=_MOST_PIXELS)]
+Metres = Annotated[float, Field(ge=-MOST_METRES, le=MOST_METRES)]
+"""Also an angle in radians."""
+Xy = tuple[Metres, Metres]
+Xyz = tuple[Metres, Metres, Metres]
+View = tuple[Metres, Metres, Score]
+Label = Annotated[str, Field(max_length=32_768)]
+Words = Annotated[str, Field(max_length=1000)]
+
+_Item = TypeVar("_Item")
+Items = Annotated[tuple[_Item, ...], FailFast()]
 
 
 class _Record(BaseModel):
@@ -43,29 +91,29 @@ class FileRecord(_Record):
         sha256: Hash of its content.
     """
 
-    name: str
-    size: int = Field(ge=0)
-    sha256: str
+    name: Annotated[str, Field(pattern=OURS, max_length=100)]
+    size: int = Field(ge=0, le=MOST_BYTES)
+    sha256: str = Field(pattern="^[0-9a-f]{64}$")
 
 
 class ThingRecord(_Record):
     """A `Thing`, field by field."""
 
-    number: int = Field(ge=0)
-    label: str
-    score: float
+    number: Count
+    label: Label
+    score: Score
     low: Xyz
     high: Xyz
-    views: tuple[Xyz, ...] = Field(min_length=1)
-    pixels: float
-    first_search: int
-    last_search: int
-    seen: int = Field(ge=1)
-    missed: int = Field(ge=0)
-    overlooked: int = Field(ge=0)
-    image: int | None
-    image_pixels: float
-    refuted_in: int
+    views: Items[View] = Field(min_length=1, max_length=MOST_VIEWS)
+    pixels: Pixels
+    first_search: Count
+    last_search: Count
+    seen: CountFromOne
+    missed: Count
+    overlooked: Count
+    image: Count | None
+    image_pixels: Pixels
+    refuted_in: Count
 
     @staticmethod
     def of(thing: Thing) -> "ThingRecord":
@@ -80,7 +128,7 @@ class ThingRecord(_Record):
 class SightingRecord(_Record):
     """A `SeenThing` of the explorers' questions."""
 
-    label: str
+    label: Label
     position: Xy
 
 
@@ -98,12 +146,12 @@ class FloorRecord(_Record):
             don't tell.
     """
 
-    z: float
+    z: Metres
     state: FileRecord
-    things: tuple[ThingRecord, ...]
-    thing_count: int = Field(ge=0)
-    sightings: tuple[SightingRecord, ...]
-    named: tuple[int, ...]
+    things: Items[ThingRecord] = Field(max_length=MOST_THINGS)
+    thing_count: Count
+    sightings: Items[SightingRecord] = Field(max_length=MOST_SIGHTINGS)
+    named: Items[Count] = Field(max_length=_MOST_NAMED)
     was_explored: bool = False
 
     def all_things(self) -> Things:
@@ -119,13 +167,13 @@ class FloorRecord(_Record):
 class ConnectorRecord(_Record):
     """A `Connector`, field by field."""
 
-    floor: int = Field(ge=0)
+    floor: Count
     goes_up: bool
     end: Xy
-    axis: float
+    axis: Metres
     passage: Passage
-    other_floor: int | None = Field(ge=0)
-    sightings: int = Field(ge=0)
+    other_floor: Count | None
+    sightings: Count
 
     @staticmethod
     def of(connector: Connector) -> "ConnectorRecord":
@@ -152,12 +200,12 @@ class ImageRecord(_Record):
         robot: Pose ``(x, y, yaw)`` of the robot.
     """
 
-    number: int = Field(ge=0, le=_MOST)
-    floor: int = Field(ge=0)
-    search: int
+    number: Count
+    floor: Count
+    search: Count
     jpeg: FileRecord
     png: FileRecord
-    camera: tuple[int, int, float, float, float, float]
+    camera: tuple[Count, Count, Metres, Metres, Metres, Metres]
     rotation: tuple[Xyz, Xyz, Xyz]
     position: Xyz
     robot: Xyz
@@ -204,9 +252,9 @@ class Place(_Record):
         start_z: Height of the floor there, scene frame, metres.
     """
 
-    building: str
+    building: Annotated[str, Field(max_length=4096)]
     start: Xyz
-    start_z: float
+    start_z: Metres
 
     @staticmethod
     def of(building: str, map_to_scene: Transform) -> "Place":
@@ -223,7 +271,7 @@ class Place(_Record):
 class UnderWayRecord(_Record):
     """An `UnderWay`, field by field."""
 
-    connector: int = Field(ge=0)
+    connector: Count
     position: Xyz
 
     @staticmethod
@@ -252,14 +300,14 @@ class GoalRecord(_Record):
         refuted: Positions ``(x, y)`` on that floor of what looked like the goal and was not it.
     """
 
-    search: int
-    goal: str
-    began: str
-    outcome: str = ""
-    steps: int = 0
+    search: Count
+    goal: Words
+    began: Words
+    outcome: Words = ""
+    steps: Count = 0
     end: Xy | None = None
-    floor: int = 0
-    refuted: tuple[Xy, ...] = ()
+    floor: Count = 0
+    refuted: Items[Xy] = Field(default=(), max_length=MOST_REFUTED)
 
 
 class Index(_Record):
@@ -285,19 +333,19 @@ class Index(_Record):
 
     format: Literal["hypernav-memory"] = FORMAT
     version: Literal[1] = VERSION
-    saves: int = Field(ge=1, le=_MOST)
+    saves: CountFromOne
     robot: Embodiment
     mapping: MappingConfig
     place: Place | None
-    searches: int = Field(ge=0)
-    floor: int = Field(ge=0)
-    floors: tuple[FloorRecord, ...] = Field(min_length=1)
-    images: tuple[ImageRecord, ...]
-    image_count: int = Field(ge=0)
-    history: tuple[GoalRecord, ...]
-    connectors: tuple[ConnectorRecord, ...] = ()
+    searches: Count
+    floor: Count
+    floors: Items[FloorRecord] = Field(min_length=1, max_length=MOST_FLOORS)
+    images: Items[ImageRecord] = Field(max_length=MOST_IMAGES)
+    image_count: Count
+    history: Items[GoalRecord] = Field(max_length=MOST_SEARCHES)
+    connectors: Items[ConnectorRecord] = Field(default=(), max_length=MOST_CONNECTORS)
     under_way: UnderWayRecord | None = None
-    most_bytes: int | None = Field(default=None, ge=1)
+    most_bytes: int | None = Field(default=None, ge=1, le=10**12)
 
     @model_validator(mode="after")
     def _numbers_exist(self) -> "Index":
@@ -307,6 +355,10 @@ class Index(_Record):
             raise ValueError(f"floor {max(named)} is named, and there are {len(self.floors)}")
         if self.under_way is not None and self.under_way.connector >= len(self.connectors):
             raise ValueError(f"connector {self.under_way.connector} is named and does not exist")
+        files = Counter(one.state.name for one in self.floors)
+        files.update(file.name for one in self.images for file in (one.jpeg, one.png))
+        if len(files) < files.total():
+            raise ValueError(f"{files.most_common(1)[0][0]} is named twice")
         images = [one.number for one in self.images]
         if len(set(images)) < len(images) or max(images, default=-1) >= self.image_count:
             raise ValueError("the numbers of key images must differ and be below image_count")

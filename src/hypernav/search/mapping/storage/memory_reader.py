@@ -1,26 +1,29 @@
 """Reads a memory: refuses what it can't be sure of, and leaves out damaged parts by name."""
 
 import hashlib
-import io
 import json
-import zipfile
-import zlib
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from pydantic import ValidationError
 
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import MOST_PIXELS, Embodiment
 from hypernav.core.errors import CameraError, MapError, MemoryFolderError
+from hypernav.io.array_files import arrays_in
+from hypernav.io.foreign_folder import ForeignFolder, NotOwnError
 from hypernav.io.parsing import parse_json
-from hypernav.io.reading import Allowance, path_below, read_file
+from hypernav.io.reading import JPEG, PNG, Allowance, image_size, read_file
+from hypernav.io.reading import MOST_BYTES as MOST_BYTES_READ
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.floor import Floor
+from hypernav.search.mapping.memory.floor import MOST_POSITIONS, Floor
 from hypernav.search.mapping.memory.key_images import MOST_BYTES, KeyImages, with_patches
 from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.storage.memory_index import (
     FORMAT,
+    MOST_IMAGES,
+    MOST_METRES,
     VERSION,
     FileRecord,
     FloorRecord,
@@ -30,26 +33,31 @@ from hypernav.search.mapping.storage.memory_index import (
     Place,
 )
 from hypernav.search.mapping.storage.memory_writer import (
+    FLOOR,
+    IMAGES,
     INDEX_NAME,
     foreign_files,
     holds_later_save,
 )
-from hypernav.search.mapping.top_down_map import TopDownMap
+from hypernav.search.mapping.top_down_map import MapArrays, TopDownMap
 
-_UNDECODABLE = (
-    *(ValueError, KeyError, EOFError, RuntimeError, MapError),
-    *(zipfile.BadZipFile, zlib.error),
-)
-"""What zipfile, numpy and the map raise for content that isn't what was written."""
+_MOST_INDEX_BYTES = 100_000_000
+_MOST_STEPS = 1_000_000
+_BYTES_PER_PATCH = 120
+"""Memory that one patch of surface takes in the count of the images that show it."""
+_DEPTH_PNG = b"\x10\x00"
+"""Bits and colours in the header of a PNG of 16 bits without colours, after its size."""
 
-
-_ARRAYS = (
-    ("trajectory", np.float64, 2),
-    ("image_numbers", np.int64, 1),
-    ("patch_counts", np.int64, 1),
-    ("patches", np.int64, 1),
-)
-"""Name, type and number of dimensions of the arrays that aren't the map's."""
+_ARRAYS = {
+    "trajectory": (np.float64, 2, 16 * (MOST_POSITIONS + _MOST_STEPS)),
+    "image_numbers": (np.int64, 1, 8 * MOST_IMAGES),
+    "patch_counts": (np.int64, 1, 8 * MOST_IMAGES),
+    "patches": (np.int64, 1, MOST_BYTES_READ),
+}
+"""Type, number of dimensions and largest size in bytes of the arrays that aren't the map's."""
+_MOST_ARRAY_BYTES = dict.fromkeys(("first", *MapArrays._fields), MOST_BYTES_READ) | {
+    name: most for name, (_, _, most) in _ARRAYS.items()
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +84,7 @@ class Contents:
 
 
 def read_memory(
-    folder: Path,
+    home: ForeignFolder,
     mapping: MappingConfig,
     embodiment: Embodiment,
     *,
@@ -85,19 +93,22 @@ def read_memory(
     """What a folder holds; None if there is no memory in it yet.
 
     Args:
-        folder: The folder.
+        home: The folder, which may be a stranger's.
         mapping: Configuration of the maps, which must be the memory's.
         embodiment: The robot, whose body and camera height must be the memory's.
         most_bytes: Size that the folder may have from now on, bytes; None for what it has noted.
 
     Raises:
         MemoryFolderError: The index is broken, of another version, or of another robot; a file
-            can't be read now, damaged or not; or the folder holds something else.
+            can't be read now, damaged or not; all together would take too much memory; or the
+            folder holds something else, such as a link.
     """
-    index = read_index(folder)
+    allowance = Allowance("a memory")
+    index = _index_in(home, allowance)
     if index is None:
         return None
-    _check_robot(folder, index, mapping, embodiment)
+    _check_robot(home.path, index, mapping, embodiment)
+    _check_plain(home)
     most = most_bytes or index.most_bytes or MOST_BYTES
     images = KeyImages(most, count=index.image_count)
     memory = Memory(mapping, embodiment, images=images)
@@ -110,8 +121,8 @@ def read_memory(
     for number, record in enumerate(index.floors):
         floor = _floor_without_map(record, mapping, embodiment)
         try:
-            patches |= _restore(floor, folder, record)
-        except _UNDECODABLE as error:
+            patches |= _restore(floor, home, record, allowance)
+        except (ValueError, MapError) as error:
             floor = _floor_without_map(record, mapping, embodiment)
             damaged.append(record.state.name)
             left_out.append(
@@ -120,7 +131,7 @@ def read_memory(
             )
         memory.floors.append(floor)
     memory.number = index.floor
-    lost = [one for one in index.images if not _add_image(images, one, folder, patches)]
+    lost = [one for one in index.images if not _add_image(images, one, home, patches, allowance)]
     if lost:
         numbers = [one.number for one in lost]
         damaged += [file.name for one in lost for file in (one.jpeg, one.png)]
@@ -130,9 +141,9 @@ def read_memory(
         )
         for floor in memory.floors:
             floor.things = floor.things.without_images(numbers)
-    if left_out and not (folder / INDEX_NAME).exists():
+    if left_out and not (home.is_in_place() and home.holds(INDEX_NAME)):
         raise MemoryFolderError(
-            f"{folder} was moved or removed while it was read; name the folder where it is now"
+            f"{home.path} was moved or removed while it was read; name the folder where it is now"
         )
     return Contents(
         memory, index.place, index.history, tuple(left_out), tuple(damaged), index, most
@@ -156,6 +167,8 @@ def check_usable(folder: Path, mapping: MappingConfig, embodiment: Embodiment) -
     index = read_index(folder)
     if index is not None:
         _check_robot(folder, index, mapping, embodiment)
+        with ForeignFolder(folder) as home:
+            _check_plain(home)
 
 
 def read_index(folder: Path) -> Index | None:
@@ -165,16 +178,45 @@ def read_index(folder: Path) -> Index | None:
         MemoryFolderError: The index is broken or of another version, or can't be read now, or the
             folder holds something else.
     """
-    path = folder / INDEX_NAME
     try:
-        facts = parse_json(read_file(path))
+        with ForeignFolder(folder) as home:
+            return _index_in(home, Allowance("a memory"))
     except FileNotFoundError:
-        _check_empty(folder)
         return None
     except NotADirectoryError as error:
         raise MemoryFolderError(
             f"{folder} is no folder; name the folder of a memory, or a new one"
         ) from error
+    except OSError as error:
+        raise _unreadable(folder, error) from error
+
+
+def _check_plain(home: ForeignFolder) -> None:
+    """Refuse links, pipes and devices in a memory, before a search that could not be saved.
+
+    Raises:
+        MemoryFolderError: It holds one.
+    """
+    try:
+        for name in home.listing():
+            if name == IMAGES or FLOOR.fullmatch(name):
+                home.listing(name)
+    except OSError as error:
+        raise _unreadable(home.path, error) from error
+
+
+def _index_in(home: ForeignFolder, allowance: Allowance) -> Index | None:
+    """The index in a folder; None if the folder is empty.
+
+    Raises:
+        MemoryFolderError: As `read_index`.
+    """
+    path = home.path / INDEX_NAME
+    try:
+        facts = parse_json(home.read(INDEX_NAME, most=_MOST_INDEX_BYTES), allowance)
+    except FileNotFoundError:
+        _check_empty(home)
+        return None
     except OSError as error:
         raise _unreadable(path, error) from error
     except ValueError as error:
@@ -217,16 +259,17 @@ def check_not_inside_another(folder: Path) -> None:
             )
 
 
-def _check_empty(folder: Path) -> None:
+def _check_empty(home: ForeignFolder) -> None:
     """Refuse a folder in which something lies already."""
+    folder = home.path
     try:
-        others = foreign_files(folder)
-        is_later = holds_later_save(folder)
+        others = foreign_files(home)
+        is_later = holds_later_save(home)
+        # A first save may have ended since the index was found missing, and a second one, too.
+        if home.holds(INDEX_NAME):
+            return
     except OSError as error:
         raise _unreadable(folder, error) from error
-    # A first save may have ended since the index was found missing, and a second one, too.
-    if (folder / INDEX_NAME).exists():
-        return
     if is_later:
         raise MemoryFolderError(
             f"{folder} looks like a memory that lost its {INDEX_NAME}, without which it can't be "
@@ -247,6 +290,11 @@ def _broken(path: Path, why: str) -> str:
 
 
 def _unreadable(path: Path, error: OSError) -> MemoryFolderError:
+    if isinstance(error, NotOwnError):
+        return MemoryFolderError(
+            f"{path} can't be trusted ({error.strerror}); remove it, or use a copy of the memory "
+            "without links, pipes and devices"
+        )
     return MemoryFolderError(
         f"{path} cannot be read ({error.strerror or error}); it may be whole, and nothing is "
         "changed: see to it that it can be read, and try again"
@@ -284,23 +332,20 @@ def _check_robot(
         )
 
 
-def _content(folder: Path, record: FileRecord) -> bytes:
+def _content(home: ForeignFolder, record: FileRecord, allowance: Allowance) -> bytes:
     """The content of a file of the memory.
 
     Raises:
         ValueError: It is missing, or isn't the one that was written.
         MemoryFolderError: It can't be read now.
     """
+    _spend(home, allowance, record.size, record.name)
     try:
-        path = path_below(folder, record.name)
-    except OSError as error:
-        raise ValueError(f"{record.name}: {error.strerror}") from error
-    try:
-        content = read_file(path)
+        content = home.read(record.name)
     except FileNotFoundError:
         raise ValueError(f"{record.name} is missing") from None
     except OSError as error:
-        raise _unreadable(path, error) from error
+        raise _unreadable(home.path / record.name, error) from error
     if len(content) != record.size:
         raise ValueError(f"{record.name} has {len(content)} bytes, expected {record.size}")
     if hashlib.sha256(content).hexdigest() != record.sha256:
@@ -320,37 +365,79 @@ def _floor_without_map(
     )
 
 
-def _restore(floor: Floor, folder: Path, record: FloorRecord) -> dict[int, np.ndarray]:
+def _spend(home: ForeignFolder, allowance: Allowance, size: int, what: str) -> None:
+    """Account for memory.
+
+    Raises:
+        MemoryFolderError: The whole memory takes too much.
+    """
+    try:
+        allowance.spend(size, what)
+    except OSError as error:
+        raise MemoryFolderError(
+            f"{home.path} can't be opened: {error.strerror}; name another folder"
+        ) from error
+
+
+def _restore(
+    floor: Floor, home: ForeignFolder, record: FloorRecord, allowance: Allowance
+) -> dict[int, np.ndarray]:
     """Fill a floor from its file; returns the patches of its key images by number."""
-    content = _content(folder, record.state)
-    with zipfile.ZipFile(io.BytesIO(content)) as parts:
-        Allowance().spend(sum(one.file_size for one in parts.infolist()), "a floor")
-    with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
-        state = {name: arrays[name] for name in arrays.files}
-    for name, kind, dimensions in _ARRAYS:
-        array = state[name]
+    content = _content(home, record.state, allowance)
+    state = arrays_in(content, _MOST_ARRAY_BYTES, partial(_spend, home, allowance))
+    for name, (kind, dimensions, _) in _ARRAYS.items():
+        array = state.get(name)
+        if array is None:
+            raise ValueError(f"{name} is missing")
         if array.dtype != kind or array.ndim != dimensions:
             raise ValueError(f"{name} has the type {array.dtype} and the shape {array.shape}")
     trajectory, counts = state["trajectory"], state["patch_counts"]
-    if not np.isfinite(trajectory).all() or counts.sum() != len(state["patches"]):
-        raise ValueError("the trajectory isn't finite, or the patches are not as many as counted")
+    if trajectory.shape[1] != 2 or not (np.abs(trajectory) <= MOST_METRES).all():
+        raise ValueError("the trajectory leads nowhere")
+    if (counts < 0).any() or counts.sum() != len(state["patches"]):
+        raise ValueError("the patches are not as many as counted")
     pieces = np.split(state["patches"], np.cumsum(counts)[:-1]) if len(counts) else []
     patches = dict(zip(state["image_numbers"].tolist(), pieces, strict=True))
     floor.map.restore(state)
-    floor.trajectory = [(x, y) for x, y in trajectory.tolist()]
+    floor.trajectory = [(x, y) for x, y in trajectory[-MOST_POSITIONS:].tolist()]
     floor.was_explored = record.was_explored
     return patches
 
 
 def _add_image(
-    images: KeyImages, record: ImageRecord, folder: Path, patches: dict[int, np.ndarray]
+    images: KeyImages,
+    record: ImageRecord,
+    home: ForeignFolder,
+    patches: dict[int, np.ndarray],
+    allowance: Allowance,
 ) -> bool:
     """Add a key image; False if a file of it is damaged."""
-    known = patches.get(record.number)
+    known, shown = patches.get(record.number), len(images.showing)
     try:
-        jpeg, png = _content(folder, record.jpeg), _content(folder, record.png)
+        jpeg, png = (_content(home, one, allowance) for one in (record.jpeg, record.png))
+        _check_sizes(record, jpeg, png)
         image = record.image(jpeg, png, np.empty(0, np.int64) if known is None else known)
         images.add(image if known is not None else with_patches(image))
     except (ValueError, CameraError):
         return False
+    _spend(home, allowance, _BYTES_PER_PATCH * (len(images.showing) - shown), "what images show")
     return True
+
+
+def _check_sizes(record: ImageRecord, jpeg: bytes, png: bytes) -> None:
+    """Refuse images of other sizes than the camera's, by their headers.
+
+    Raises:
+        ValueError: One is larger, or in another format.
+    """
+    width, height = record.camera[:2]
+    is_depth = png.startswith(PNG) and png[24:26] == _DEPTH_PNG
+    depth = image_size(png) if is_depth else None
+    if (
+        width * height > MOST_PIXELS
+        or not jpeg.startswith(JPEG)
+        or image_size(jpeg) != (width, height)
+        or depth is None
+        or not (0 < depth[0] <= width and 0 < depth[1] <= height)
+    ):
+        raise ValueError("it is no image, or has another size than its camera")

@@ -3,19 +3,20 @@
 import errno
 import hashlib
 import io
-import os
 import re
-from pathlib import Path
+from fnmatch import fnmatch
 
 import numpy as np
 
 from hypernav.core.errors import OutputError
-from hypernav.io.writing import write_whole
+from hypernav.core.words import megabytes
+from hypernav.io.foreign_folder import ForeignFolder
 from hypernav.search.mapping.memory.floor import Floor
 from hypernav.search.mapping.memory.key_images import KeyImage
 from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.ros_map import save_ros_map
+from hypernav.search.mapping.ros_map import ros_map_files
 from hypernav.search.mapping.storage.memory_index import (
+    OURS,
     ConnectorRecord,
     FileRecord,
     FloorRecord,
@@ -30,14 +31,16 @@ from hypernav.search.mapping.storage.memory_index import (
 
 INDEX_NAME = "memory.json"
 IMAGES = "images"
-_FLOOR = re.compile(r"floor-\d+")
-_OURS = re.compile(r"(images/\d{6,}\.(jpg|png)|floor-\d+/state-\d+\.npz)")
-"""Files of a memory besides its index; no other is ever removed from its folder."""
+FLOOR = re.compile(r"floor-[0-9]{1,4}")
+_OURS = re.compile(OURS)
+"""No other file is ever removed from the folder."""
 _UNFINISHED = re.compile(r"(images|floor-\d+)/\..+\.new")
 _FOR_OTHERS = re.compile(r"floor-\d+/map\.(yaml|pgm)")
 _DAMAGED = ".damaged"
 _SLACK_BYTES = 4000
 """Size of the small files beside maps, index and images."""
+_MOST_MAPS_BYTES = 1_200_000_000
+"""Memory that all maps may take, bytes, so that the memory can be opened again."""
 
 
 class Writer:
@@ -48,17 +51,19 @@ class Writer:
         keeps_damaged_images: Whether damaged key images stay in the folder.
     """
 
-    def __init__(self, folder: Path, index: Index | None, *, damaged: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self, home: ForeignFolder, index: Index | None, *, damaged: tuple[str, ...] = ()
+    ) -> None:
         """Go on from what is in the folder.
 
         Args:
-            folder: The folder, locked.
+            home: The folder, locked.
             index: Its index; None if it is empty.
             damaged: Names of files that were left out; they get other names, and are kept.
         """
         self.index: Index | None = index
         self.keeps_damaged_images: bool = True
-        self._folder = folder
+        self._home = home
         self._damaged = damaged
         self._images = {} if index is None else {one.number: one for one in index.images}
         self._states: dict[int, tuple[object, FileRecord]] = {}
@@ -81,11 +86,14 @@ class Writer:
                 keeps all images, too, and the size that earlier saves have noted.
 
         Raises:
-            OutputError: The disk is full, or the folder can't be written.
+            OutputError: The disk is full, the folder can't be written, or the maps are too large.
         """
+        _check_maps(memory)
         saves = 1 if self.index is None else self.index.saves + 1
         try:
-            (self._folder / IMAGES).mkdir(exist_ok=True)
+            if not self._home.is_in_place():
+                raise FileNotFoundError(errno.ENOENT, "it was moved")
+            self._home.make_folder(IMAGES)
             floors = [
                 self._floor(number, floor, memory, saves)
                 for number, floor in enumerate(memory.floors)
@@ -116,26 +124,27 @@ class Writer:
                 }
             )
             self._set_damaged_aside()
-            write_whole(self._folder / INDEX_NAME, _text(index))
+            self._home.write(INDEX_NAME, _text(index))
             self.index = index
             self._images = {one.number: one for one in index.images}
             for number, grid in enumerate(grids):
-                save_ros_map(grid, self._folder / _floor_name(number))
+                for name, content in ros_map_files(grid).items():
+                    self._home.write(f"{_floor_name(number)}/{name}", content)
             self._remove_old(index)
         except OSError as error:
             raise self._unwritten(error) from error
 
     def _unwritten(self, error: OSError) -> OutputError:
         """The error for a memory that can't be written, with what helps."""
-        if not self._folder.is_dir():
+        if not self._home.is_in_place():
             return OutputError(
-                f"the memory {self._folder} was moved or removed while it was in use; what was "
+                f"the memory {self._home.path} was moved or removed while it was in use; what was "
                 "saved before is whole where it is now, and the rest is lost"
             )
         is_full = error.errno in (errno.ENOSPC, errno.EDQUOT)
         remedy = "free some space" if is_full else "make that possible"
         return OutputError(
-            f"the memory {self._folder} cannot be written ({error.strerror or error}); what was "
+            f"the memory {self._home.path} cannot be written ({error.strerror or error}); what was "
             f"saved before is whole; {remedy}, or choose another --memory"
         )
 
@@ -149,7 +158,7 @@ class Writer:
         fingerprint = (memory.searches, len(floor.trajectory), [one.number for one in images])
         known = self._states.get(number)
         if known is None or known[0] != fingerprint:
-            (self._folder / _floor_name(number)).mkdir(exist_ok=True)
+            self._home.make_folder(_floor_name(number))
             data = io.BytesIO()
             np.savez_compressed(
                 data,
@@ -187,16 +196,15 @@ class Writer:
         )
 
     def _file(self, name: str, content: bytes) -> FileRecord:
-        write_whole(self._folder / name, content)
+        self._home.write(name, content)
         digest = hashlib.sha256(content).hexdigest()
         return FileRecord(name=name, size=len(content), sha256=digest)
 
     def _set_damaged_aside(self) -> None:
         """Rename damaged files: a person may still rescue what is in them."""
         for name in self._damaged:
-            path = self._folder / name
-            if _OURS.fullmatch(name) and path.exists():
-                path.replace(f"{path}{_DAMAGED}")
+            if self._home.holds(name):
+                self._home.rename(name, f"{name.partition('/')[2]}{_DAMAGED}")
         self._damaged = ()
 
     def _remove_old(self, index: Index) -> None:
@@ -204,49 +212,65 @@ class Writer:
         wanted = {one.state.name for one in index.floors}
         wanted |= {file.name for one in index.images for file in (one.jpeg, one.png)}
         for folder in (IMAGES, *(_floor_name(number) for number in range(len(index.floors)))):
-            for entry in os.scandir(self._folder / folder):
-                name = f"{folder}/{entry.name}"
+            for entry, is_folder in self._home.listing(folder).items():
+                name = f"{folder}/{entry}"
                 is_old = _OURS.fullmatch(name) and name not in wanted
                 is_forgotten = (
                     not self.keeps_damaged_images
                     and folder == IMAGES
                     and _OURS.fullmatch(name.removesuffix(_DAMAGED))
                 )
-                if entry.is_dir(follow_symlinks=False):
+                if is_folder:
                     continue
                 if is_old or is_forgotten or _UNFINISHED.fullmatch(name):
-                    os.unlink(entry.path)
+                    self._home.remove(name)
 
 
-def foreign_files(folder: Path) -> list[str]:
+def _check_maps(memory: Memory) -> None:
+    """Refuse maps that the memory could not be opened with again.
+
+    Raises:
+        OutputError: They are too large.
+    """
+    size = sum(array.nbytes for floor in memory.floors for array in floor.map.state.values())
+    if size > _MOST_MAPS_BYTES:
+        raise OutputError(
+            f"the maps of the memory take {megabytes(size)}, at most {megabytes(_MOST_MAPS_BYTES)} "
+            "are saved; use a larger mapping.cell_size_m, or a memory for each part of the building"
+        )
+
+
+def foreign_files(home: ForeignFolder) -> list[str]:
     """What is in a folder without index and isn't left behind by a first save that was killed.
 
     Raises:
-        OSError: The folder can't be read.
+        OSError: The folder can't be read, or holds links, pipes or devices.
     """
-    entries = list(os.scandir(folder)) if folder.exists() else []
-    names = [one.name for one in entries if not one.name.startswith(".")]
+    entries = home.listing()
+    names = [name for name in entries if not name.startswith(".")]
     folders = [
-        one.name
-        for one in entries
-        if one.is_dir() and (one.name == IMAGES or _FLOOR.fullmatch(one.name))
+        name
+        for name, is_folder in entries.items()
+        if is_folder and (name == IMAGES or FLOOR.fullmatch(name))
     ]
-    within = [f"{one}/{entry.name}" for one in folders for entry in os.scandir(folder / one)]
+    within = [f"{folder}/{name}" for folder in folders for name in home.listing(folder)]
     kinds = (_OURS, _UNFINISHED, _FOR_OTHERS)
     foreign = [name for name in within if not any(kind.fullmatch(name) for kind in kinds)]
     # Floors are written before images: without one, the images are somebody's own.
-    if not (folder / _floor_name(0) / "state-1.npz").exists():
+    if f"{_floor_name(0)}/state-1.npz" not in within:
         foreign += [name for name in within if name.startswith(f"{IMAGES}/")]
     return [*(name for name in names if name not in folders), *foreign]
 
 
-def holds_later_save(folder: Path) -> bool:
+def holds_later_save(home: ForeignFolder) -> bool:
     """Whether a folder without index had one: a first save that was killed leaves other names.
 
     Raises:
         OSError: The folder can't be read.
     """
-    states = [path.name for path in folder.glob("floor-*/state-*.npz")]
+    folders = [name for name, is_folder in home.listing().items() if is_folder]
+    names = [name for folder in folders if FLOOR.fullmatch(folder) for name in home.listing(folder)]
+    states = [name for name in names if fnmatch(name, "state-*.npz")]
     return bool(states) and "state-1.npz" not in states
 
 
