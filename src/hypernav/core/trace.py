@@ -105,7 +105,7 @@ class Exchange(_Record):
         tokens_out: Number of answer tokens.
         seconds: Time from the question to the answer.
         fault: Reason why the answer could not be used: "refused", "unparsable", "invalid" or "cut
-            while thinking", or "unavailable" if there was no answer; empty if it could.
+            while thinking"; empty if it could.
         remarks: Oddities of the answer ("1 box inverted", "fell back to geometric").
     """
 

@@ -95,9 +95,7 @@ def test_mistakes_are_off_unless_a_preset_of_released_code_is_asked_for():
     assert default.arrows.space_explored
     assert not default.search.claim_when_explored
     assert not default.navvlm.clear_rows
-    assert default.arrows == ArrowsConfig(
-        zero_is_last=False, count_short=False, outage_is_no_answer=False
-    )
+    assert default.arrows == ArrowsConfig(zero_is_last=False, count_short=False)
     assert preset("vlfm-as-released").search.claim_when_explored
     assert preset("navvlm-as-released").navvlm.clear_rows
     assert not preset("vlmnav-as-released").arrows.space_explored

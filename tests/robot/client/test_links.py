@@ -1,11 +1,14 @@
 """Addresses of servers, as people write them."""
 
 import os
+from contextlib import closing
+from dataclasses import replace
 
 import pytest
 
-from hypernav.core.errors import RobotLinkError
-from hypernav.robot.client.links import ServerAddress
+from hypernav.core.errors import LinkLostError, RequestRefusedError, RobotLinkError
+from hypernav.robot.client.links import HttpServer, ServerAddress
+from servers.faulty import FaultyServer
 
 
 @pytest.mark.parametrize(
@@ -40,3 +43,18 @@ def test_a_token_is_read_from_a_regular_file_only(tmp_path):
     for path in (tmp_path / "pipe", tmp_path, tmp_path / "missing"):
         with pytest.raises(RobotLinkError, match="cannot read the token"):
             ServerAddress.of("http://a:1", path)
+
+
+@pytest.mark.parametrize("status", [200, 502])
+def test_an_answer_that_repeats_the_token_is_quoted_without_it(status):
+    def act(talk):
+        talk.reply(f"Authorization: Bearer {talk.headers['authorization'][7:]}".encode(), status)
+
+    with FaultyServer(act, other=act) as server:
+        address = replace(ServerAddress.of(server.url.removesuffix("/v1")), token="secret-token")
+        with (
+            closing(HttpServer(address)) as asked,
+            pytest.raises((LinkLostError, RequestRefusedError), match=r"Bearer \*\*\*") as caught,
+        ):
+            asked.status("a")
+    assert "secret" not in str(caught.value)

@@ -177,7 +177,6 @@ class HyPerNavConfig(RoomConfig):
 
 ARROWS_AS_RELEASED: dict[str, Any] = {"slide_marks": False, "blind_step_m": 0.2}
 """What VLMnav's and PIVOT's released code does with arrows; in native mode it is so as well."""
-_ANSWERS_AS_RELEASED: dict[str, Any] = {"count_short": True, "outage_is_no_answer": True}
 _AS_RELEASED: dict[str, dict[str, Any]] = {
     "vlfm-as-released": {
         "value_frontier": {"visited_radius_m": 0.0},
@@ -185,10 +184,10 @@ _AS_RELEASED: dict[str, dict[str, Any]] = {
     },
     "navvlm-as-released": {"navvlm": {"visited_radius_m": 0.0, "clear_rows": True}},
     "vlmnav-as-released": {
-        "arrows": {**ARROWS_AS_RELEASED, **_ANSWERS_AS_RELEASED, "space_explored": False},
+        "arrows": {**ARROWS_AS_RELEASED, "count_short": True, "space_explored": False},
     },
     "pivot-as-released": {
-        "arrows": {**ARROWS_AS_RELEASED, **_ANSWERS_AS_RELEASED, "zero_is_last": True},
+        "arrows": {**ARROWS_AS_RELEASED, "count_short": True, "zero_is_last": True},
     },
 }
 """Where the released code of published methods differs from its own intention or from ours."""

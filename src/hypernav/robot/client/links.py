@@ -5,6 +5,7 @@ import time
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Protocol, TypeVar, runtime_checkable
 from urllib.parse import urlsplit
@@ -23,6 +24,7 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import StepTrace
 from hypernav.io.bounded_http import Deadline, Session
 from hypernav.io.reading import read_file, text_of
+from hypernav.io.secret import Secret
 from hypernav.robot.wire.replies import ErrorBody, Reply, SearchOpened, Status, StreamMessage
 from hypernav.robot.wire.requests import ROBOTS, CloseRequest, GivenGoal, OpenSearch, StopRequest
 from hypernav.robot.wire.values import SEARCHES
@@ -75,6 +77,11 @@ class ServerAddress:
             parts.hostname, port or (443 if secure else 80), parts.path.rstrip("/"), secure, token
         )
 
+    @cached_property
+    def secret(self) -> Secret:
+        """The token, to blank it in what the server says."""
+        return Secret(self.token or "")
+
     @property
     def headers(self) -> dict[str, str]:
         """The headers of every request."""
@@ -88,6 +95,7 @@ class ServerAddress:
 MessageT = TypeVar("MessageT", bound=BaseModel)
 _CONNECT_S = 5.0
 _LONGEST_REASON = 500
+_MOST_QUOTED = 4096
 _LARGEST_REPLY_BYTES = 256 * 2**20
 """Limit of a reply: the trace of a long search and the map of a large building are the largest."""
 
@@ -241,8 +249,9 @@ class HttpServer:
         try:
             return message.model_validate_json(content)
         except ValidationError as error:
+            said = self.address.secret.blanked_bytes(content[:_MOST_QUOTED])[:100]
             raise LinkLostError(
-                f"{self.address}: the answer is no {message.__name__}: {content[:100]!r}"
+                f"{self.address}: the answer is no {message.__name__}: {said!r}"
             ) from error
 
     def _request(
@@ -266,11 +275,10 @@ class HttpServer:
             )
         except (OSError, ValueError) as error:
             hint = "; is hypernav serve running there?" * isinstance(error, ConnectionRefusedError)
-            raise LinkLostError(
-                f"{self.address}: {str(error) or type(error).__name__}{hint}"
-            ) from error
+            said = self.address.secret.blanked(str(error)) or type(error).__name__
+            raise LinkLostError(f"{self.address}: {said}{hint}") from error
         if reply.status >= 400:
-            raise refused(reply.status, reply.body)
+            raise refused(reply.status, self.address.secret.blanked_bytes(reply.body))
         return reply.body
 
 
@@ -388,7 +396,8 @@ class WebSocketLink:
         while True:
             try:
                 text = self._connection.recv(timeout=max(end - time.monotonic(), 0.001))
-                message = StreamMessage.model_validate_json(text)
+                text = text if isinstance(text, str) else text.decode("utf-8", "replace")
+                message = StreamMessage.model_validate_json(self._address.secret.blanked(text))
             except (OSError, self._exceptions.WebSocketException, ValidationError) as error:
                 raise self._lost(error) from error
             if message.error is not None:
@@ -402,4 +411,5 @@ class WebSocketLink:
 
     def _lost(self, error: Exception) -> LinkLostError:
         self.close()
-        return LinkLostError(f"{self._url}: {error or type(error).__name__}")
+        said = self._address.secret.blanked(str(error)) or type(error).__name__
+        return LinkLostError(f"{self._url}: {said}")

@@ -301,6 +301,16 @@ def test_a_robot_that_sees_no_depth_for_too_long_is_named():
         robot.senses(depth=0.0)
 
 
+@pytest.mark.parametrize("grey", [0, None])
+def test_a_covered_camera_that_repeats_its_image_is_blind_not_frozen(grey):
+    robot = Robot()
+    robot.rgb = robot.rgb if grey is None else np.full((8, 8, 3), grey, dtype=np.uint8)
+    for _ in range(23):
+        robot.senses(depth=0.0, is_new=False)
+    with pytest.raises(SensorError, match="24 images without any depth"):
+        robot.senses(depth=0.0, is_new=False)
+
+
 def test_a_clock_that_is_set_forward_is_taken_and_one_that_ends_is_named():
     robot = Robot()
     robot.senses(stamp_s=12.0)

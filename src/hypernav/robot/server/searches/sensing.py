@@ -104,7 +104,7 @@ class Sensing:
 
     def note(self, packed: PackedObservation, seen: Observation, commanded: Action | None) -> None:
         """Remember an observation; one of before a restart of the server isn't checked again."""
-        facts, lens = packed.header, self._robot.camera
+        facts = packed.header
         if self._last is not None and commanded is not None:
             turns = commanded is not Action.MOVE_FORWARD
             is_wrong = not facts.blocked and self._is_other(self._last, facts, commanded)
@@ -116,8 +116,7 @@ class Sensing:
             known = self._images.get(one)
             pose = facts.base_to_odom if known is None else known.pose
             self._images[one] = _Image(facts.sequence, pose)
-        sees = is_measured(seen.depth, lens.min_depth_m, lens.max_depth_m).any()
-        self.blind = 0 if sees else self.blind + 1
+        self.blind = 0 if self._sees(seen) else self.blind + 1
         self._last, self._depth = facts, seen.depth
 
     def _check_depth(self, seen: Observation) -> None:
@@ -128,9 +127,7 @@ class Sensing:
                 f"all depth is from {measured.min():g} to {measured.max():g} m, and the camera "
                 f"measures up to {lens.max_depth_m:g} m; is its depth in metres?"
             )
-        if self.blind < _MOST_BLIND - 1:
-            return
-        if not is_measured(seen.depth, lens.min_depth_m, lens.max_depth_m).any():
+        if self.blind >= _MOST_BLIND - 1 and not self._sees(seen):
             raise SensorError(
                 f"{_MOST_BLIND} images without any depth between {lens.min_depth_m:g} and "
                 f"{lens.max_depth_m:g} m; does the camera work, and is its depth in metres?"
@@ -155,7 +152,8 @@ class Sensing:
                 f"byte for byte, but the odometry has moved {moved_m:.2f} m and turned "
                 f"{math.degrees(turned):.0f}°; is the camera frozen?"
             )
-        if self._repeats(digests, packed.header) and self._identical + 1 >= _MOST_IDENTICAL:
+        is_frozen = self._repeats(digests, packed.header) and self._identical + 1 >= _MOST_IDENTICAL
+        if is_frozen and self._sees(seen):  # a covered camera is blind: `_check_depth` counts that
             raise SensorError(
                 f"the images of the last {_MOST_IDENTICAL + 1} observations are the same, byte for "
                 "byte; is the camera frozen?"
@@ -191,6 +189,11 @@ class Sensing:
                 f"{before.sequence}, pixel for pixel, but the odometry has turned "
                 f"{math.degrees(turned):.0f}°; is the camera frozen?"
             )
+
+    def _sees(self, seen: Observation) -> bool:
+        """Whether there is any depth in the camera's range."""
+        lens = self._robot.camera
+        return bool(is_measured(seen.depth, lens.min_depth_m, lens.max_depth_m).any())
 
     def _repeats(self, digests: tuple[bytes, bytes], facts: ObservationFacts) -> bool:
         """Whether both images are those of the last observation."""

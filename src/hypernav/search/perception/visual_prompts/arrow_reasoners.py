@@ -9,10 +9,9 @@ import numpy as np
 
 from hypernav.core.chat import Question
 from hypernav.core.components.protocols import ChatModel
-from hypernav.core.errors import ModelUnavailableError
 from hypernav.core.exploring.guidance import TURN_AROUND, ArrowChoice, ArrowView
 from hypernav.core.goal import Goal
-from hypernav.core.trace import Exchange, ExchangeLog
+from hypernav.core.trace import ExchangeLog
 from hypernav.search.models.chat.answer_parsing import final_answer, shortened
 from hypernav.search.perception.exchanges import exchange_of
 from hypernav.search.perception.visual_prompts.proposals import ArrowsConfig
@@ -64,28 +63,10 @@ class ChatArrowReasoner:
         """The arrows that the model names (0 turns around), the best first; none if it names none.
 
         Raises:
-            ModelUnavailableError: The model did not answer within the configured patience, and this
-            isn't configured to count as an answer.
+            ModelUnavailableError: The model did not answer within the configured patience.
         """
         question = arrow_question(view, goal, self.config)
-        try:
-            answer = self.chat.ask(question)
-        except ModelUnavailableError as error:
-            if not self.config.outage_is_no_answer:
-                raise
-            self.unread += 1
-            self.log.record(
-                Exchange(
-                    kind=question.kind,
-                    asked="a model that is away",
-                    by_model=True,
-                    question=question.text,
-                    answer="",
-                    fault="unavailable",
-                    remarks=[str(error)],
-                )
-            )
-            return ArrowChoice((), f"no answer: {shortened(str(error))}")
+        answer = self.chat.ask(question)
         said = final_answer(answer.text)
         numbers = () if answer.fault is not None else named_numbers(said, view)
         remarks = [] if numbers else [answer.detail or "it names none of the numbers"]

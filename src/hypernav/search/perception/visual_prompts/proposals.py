@@ -59,9 +59,6 @@ class ArrowsConfig(RoomConfig):
             mistake of VLMnav's code.
         count_short: Whether the question names one arrow less than there are where the robot may
             not turn around: a mistake of VLMnav's code.
-        outage_is_no_answer: Whether a model that isn't available counts as an answer without a
-            number, which is a step ahead, as in VLMnav's code; else the episode ends with that
-            outcome. It holds for choices of arrows only, not for the stop check.
         max_tokens: Limit on the length of an answer, tokens (VLMnav's code).
         seed: Seed of PIVOT's marks and of the choice among explored arrows without a model; equal
             searches make equal choices (ours).
@@ -72,7 +69,6 @@ class ArrowsConfig(RoomConfig):
     space_explored: bool = True
     zero_is_last: bool = False
     count_short: bool = False
-    outage_is_no_answer: bool = False
     max_tokens: int = Field(default=500, ge=8, le=100_000)
     seed: int = Field(default=0, ge=0, le=MOST_SEED)
 

@@ -285,9 +285,11 @@ def test_nesting_that_no_parser_follows_is_a_broken_answer():
             asker.ask(OPEN)
 
 
-def test_forgotten_version_in_the_url(server: ScriptedServer):
-    asker = OpenAiChat(server.url.removesuffix("/v1"), None, QUICK, environment={})
-    with pytest.raises(ModelSetupError, match=r"try openai:.*/v1"):
+@pytest.mark.parametrize("model", [None, "scripted/Qwen2.5-VL-7B"])
+def test_forgotten_version_in_the_url(server: ScriptedServer, model: str | None):
+    asker = OpenAiChat(server.url.removesuffix("/v1"), model, QUICK, environment={})
+    end = f"#{model}" if model else ""
+    with pytest.raises(ModelSetupError, match=rf"try openai:{server.url}{end}$"):
         asker.ask(OPEN)
 
 

@@ -298,6 +298,15 @@ def test_the_key_does_not_show_in_any_layer():
         assert "secret-9" not in str(caught)
 
 
+@pytest.mark.parametrize("slash", ["/", r"\/", r"\u002f"])
+def test_an_answer_that_holds_the_key_is_kept_without_it(slash: str):
+    choice = {"message": {"role": "assistant", "content": "no secret/9 here"}}
+    body = json.dumps({"choices": [choice]}).replace("/", slash).encode()
+    with FaultyServer(lambda talk: talk.reply(body)) as server:
+        chat = OpenAiChat(server.url, "m", QUICK, environment={"HYPERNAV_API_KEY": "secret/9"})
+        assert chat.ask(OPEN).text == "no *** here"
+
+
 @pytest.mark.parametrize("key", ["null", "none", "10", "vllm"])
 def test_a_placeholder_for_a_key_changes_no_answer(key: str):
     said = "none of 10 is null, says vllm"

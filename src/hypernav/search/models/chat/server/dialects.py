@@ -198,7 +198,9 @@ def detect_server(
 def with_known_models(
     error: ModelRejectedError | ModelSetupError, server: ServerInfo, url: str
 ) -> ModelRejectedError | ModelSetupError:
-    """The same error, or one about the model if the server has others but not this one."""
+    """The same error, or what is wrong: the path, or the model if the server has only others."""
+    if server.list_fault and isinstance(error, NotFoundError):
+        return _with_path(error, url, f"#{server.model}")
     if len(server.models) == 0 or server.model in server.models:
         return error
     named = re.search(rf"(?<!\w){re.escape(server.model)}(?!\w)", str(error))
@@ -214,6 +216,13 @@ def with_known_models(
     )
 
 
+def _with_path(error: NotFoundError, url: str, model: str = "") -> ModelSetupError:
+    """The same error; without any path in the URL, with the usual one as the remedy."""
+    if error.remedy or urlsplit(url).path.rstrip("/"):
+        return error
+    return ModelSetupError(str(error), remedy=f"try openai:{url}/v1{model}")
+
+
 def _models(
     client: HttpClient, model: str | None, deadline: Deadline
 ) -> tuple[list[dict[str, Any]], str]:
@@ -223,9 +232,7 @@ def _models(
     except NotFoundError as error:
         if model is not None:
             return [], str(error)
-        if not urlsplit(client.url).path.rstrip("/"):
-            raise ModelSetupError(str(error), remedy=f"try openai:{client.url}/v1") from error
-        raise
+        raise _with_path(error, client.url) from error
     except RetryLaterError as error:
         # A broken list, as from `transformers serve` without a cache folder, is not an error here.
         if model is not None and error.status == 500:

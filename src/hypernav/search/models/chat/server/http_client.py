@@ -24,6 +24,7 @@ from hypernav.io.bounded_http import (
     is_loopback,
     without_password,
 )
+from hypernav.io.secret import Secret
 from hypernav.search.models.chat.answer_parsing import shortened
 from hypernav.search.models.chat.config import ChatConfig
 from hypernav.search.models.chat.server.reply_errors import (
@@ -38,8 +39,6 @@ _QUERY = re.compile(r"(?:api-version=[\w.-]+)?")
 _ENDPOINT = re.compile(r"/+(?:(?:chat/)?completions|responses)/*$")
 """An endpoint of the API, which many pages show as the end of its URL."""
 _MOST_CONTAINERS = 200_000
-_SHORTEST_SECRET = 8
-"""Length of a key below which it is a placeholder, such as "none", that may be in any text."""
 _WANTS_LOGIN = re.compile(r"the proxy answered (?:407|invalid username|requested .* but got)", re.I)
 _REFUSES = re.compile(r"the proxy answered 4(?!08|29)\d\d")
 
@@ -68,7 +67,7 @@ class HttpClient:
         """
         self.url, self._query = _checked(url)
         self._key = _key_for(self.url, environment)
-        self._secret = self._key if len(self._key) >= _SHORTEST_SECRET else ""
+        self._secret = Secret(self._key)
         self._config = config
 
     def post(self, path: str, body: dict[str, Any], deadline: Deadline) -> dict[str, Any]:
@@ -134,9 +133,8 @@ class HttpClient:
             raise ChatTransportError(
                 f"{told}; is the server running? try: hypernav doctor --vlm openai:{self.url}"
             ) from error
-        if self._secret:
-            body_without_key = reply.body.replace(self._secret.encode(), b"***")
-            reply = replace(reply, body=body_without_key)
+        headers = {name: self._secret.blanked(value) for name, value in reply.headers.items()}
+        reply = replace(reply, headers=headers, body=self._secret.blanked_bytes(reply.body))
         if not 200 <= reply.status < 300:
             raise error_of_status(reply, f"{url}{asked}")
         return self._parsed(reply, f"{url}{asked}")
@@ -166,9 +164,7 @@ class HttpClient:
         return self._without_key(words or str(error) or type(error).__name__)
 
     def _without_key(self, text: str) -> str:
-        return shortened(
-            text.replace(self._secret, "***") if self._secret else text, LONGEST_MESSAGE
-        )
+        return shortened(self._secret.blanked(text), LONGEST_MESSAGE)
 
 
 def _checked(url: str) -> tuple[str, str]:
