@@ -38,15 +38,19 @@ from hypernav.search.models.chat.server.answer_probabilities import (
 from hypernav.search.models.chat.server.dialects import (
     Constraint,
     ServerInfo,
+    check_name,
     constraint_for,
     detect_server,
     with_known_models,
+    without_decision,
 )
 from hypernav.search.models.chat.server.http_client import HttpClient
 from hypernav.search.models.chat.server.refusals import (
     DECISION,
     LIMIT_NAMES,
     OPTIONAL,
+    PROGRESS,
+    STREAM,
     TOKEN_LIMIT,
     UNKNOWN,
     Refusals,
@@ -58,6 +62,7 @@ from hypernav.search.models.chat.server.reply_errors import (
     Retry,
     RetryLaterError,
 )
+from hypernav.search.models.chat.server.streamed import CHUNK
 from hypernav.search.models.chat.server.thinking import (
     ENDLESS,
     PROBES,
@@ -75,13 +80,17 @@ _SLOW_THOUGHTS = "the model thinks long: try --set chat.thinking=off, or a large
 
 @dataclass(frozen=True)
 class _Reply:
-    """Reply to one question, before it is checked against the question."""
+    """Reply to one question, before it is checked against the question.
+
+    It is uncounted if it came as a stream that leaves the number of tokens out.
+    """
 
     text: str
     usage: Usage
     probabilities: Mapping[str, float]
     refused: bool
     written: Written | None = None
+    is_uncounted: bool = False
 
 
 @dataclass(frozen=True)
@@ -193,6 +202,7 @@ class OpenAiChat:
         begin = self._clock()
         patience = self._retry.begin()
         server = self._server_within(patience)
+        check_name(server, self.url)
         try:
             reply, lost = self._answered(server, question, patience)
         except (ModelRejectedError, ModelSetupError) as error:
@@ -296,6 +306,9 @@ class OpenAiChat:
                     else:
                         _log.warning("%s; asking otherwise from now on", error)
                     refusals = learned
+            if reply.is_uncounted:
+                refusals = replace(refusals, dropped=(*refusals.dropped, *STREAM))
+                reply = ask(refusals)
         except ChatTimeoutError as error:
             if said is None:
                 raise
@@ -323,6 +336,8 @@ class OpenAiChat:
     def _request(
         self, server: ServerInfo, question: Question, thinking: Thinking, refusals: Refusals
     ) -> _Request:
+        if DECISION in refusals.dropped:
+            server = replace(server, dialect=without_decision(server.dialect))
         endpoint = server.dialect.decision
         decides = DECISION not in refusals.dropped and accepts_question(endpoint, question)
         constraint = constraint_for(server.dialect, question)
@@ -354,6 +369,10 @@ class OpenAiChat:
         }
         if dialect.logprobs and question.allowed:
             body |= {"logprobs": True, "top_logprobs": dialect.logprobs}
+        if dialect.streams:
+            body |= STREAM
+        if dialect.name == "llamacpp":
+            body[PROGRESS] = True
         own = set(config.extra_body)
         if own & LIMIT_NAMES:
             own.add(TOKEN_LIMIT)
@@ -380,8 +399,9 @@ def _learned(
         ModelRejectedError: It names a field of the user's own.
     """
     said = _said(error)
-    if sent.decides:  # a 404 means only that the optional endpoint is missing
-        is_missing = not isinstance(error, RetryLaterError | RefusedError)
+    if sent.decides:  # a 404 or 501 means only that the optional endpoint is missing
+        is_refused = isinstance(error, RefusedError) and error.status != 501
+        is_missing = not (is_refused or isinstance(error, RetryLaterError))
         return replace(refusals, dropped=(*refusals.dropped, DECISION)) if is_missing else None
     is_failing = isinstance(error, RetryLaterError) and error.status == 500  # as some refuse
     names_a_field = UNKNOWN.search(said) and refusals.names(said, sent.body)
@@ -457,4 +477,5 @@ def _parse_completion(
         probabilities = answer_probabilities(tokens, question.allowed, wrapped=constraint.wrapped)
     if refused and not text and isinstance(refusal, str):
         text = refusal
-    return _Reply(text, read_usage(usage), probabilities, refused, written)
+    is_uncounted = reply.get("object") == CHUNK and not usage
+    return _Reply(text, read_usage(usage), probabilities, refused, written, is_uncounted)
