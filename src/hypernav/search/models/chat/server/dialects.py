@@ -191,9 +191,14 @@ class ServerInfo:
 
 def _is_same(name: str, listed: str) -> bool:
     """Whether a name is a listed one: in any case, without a file's folder and ending, or a tag."""
-    name, listed = name.casefold(), listed.casefold()
-    file = re.split(r"[/\\]", listed)[-1] if listed.endswith(".gguf") else listed
-    return name in {listed, file, file.removesuffix(".gguf"), listed.removesuffix(":latest")}
+    same = {listed, _short(listed), f"{_short(listed)}.gguf", listed.removesuffix(":latest")}
+    return name.casefold() in {one.casefold() for one in same}
+
+
+def _short(listed: str) -> str:
+    """The name of a listed file of weights, as llama.cpp lists them; any other name as it is."""
+    file = re.fullmatch(r"(?:.*[/\\])?(.+)\.gguf", listed)
+    return file[1] if file else listed
 
 
 def detect_server(
@@ -243,7 +248,7 @@ def check_name(server: ServerInfo, url: str) -> None:
         ModelSetupError: The name is not listed.
     """
     if server.dialect.name == "llamacpp" and not server.is_listed:
-        own = server.models[0]
+        own = _short(server.models[0])
         raise ModelSetupError(
             f"{url} has no model '{server.model}', and would answer as '{own}'",
             remedy=f"write its own name: openai:{url}#{own}",

@@ -75,6 +75,7 @@ from hypernav.search.models.chat.server.thinking import (
 
 _log = logging.getLogger(__name__)
 _DETECTION_LIMIT_S = 10.0
+_OF_THOUGHTS = re.compile("think|thought|reason", re.I)
 _SLOW_THOUGHTS = "the model thinks long: try --set chat.thinking=off, or a larger chat.timeout_s"
 
 
@@ -263,6 +264,8 @@ class OpenAiChat:
         if known.is_probed or known.is_prefilled:
             return False
         self._learn(replace(known, is_probed=True))
+        if not self._may_begin_with_thoughts(server, patience):
+            return False
         for room in PROBES:
             try:
                 reply, _ = self._retry.call(
@@ -282,6 +285,17 @@ class OpenAiChat:
         # No answer to these questions is as long as that.
         self._learn(replace(known, room=PROBES[-1], is_seen=True, is_prefilled=True))
         return True
+
+    def _may_begin_with_thoughts(self, server: ServerInfo, patience: Deadline) -> bool:
+        """Whether the chat template may begin the thoughts; only llama.cpp's server shows it."""
+        if server.dialect.name != "llamacpp":
+            return True
+        try:
+            properties = self._client.get("/props", patience.within(_DETECTION_LIMIT_S))
+        except ChatError:
+            return True
+        template = properties.get("chat_template")
+        return not isinstance(template, str) or bool(_OF_THOUGHTS.search(template))
 
     def _learn(self, thinking: Thinking) -> None:
         with self._lock:
