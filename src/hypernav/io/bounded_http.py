@@ -222,6 +222,8 @@ class Session:
             ValueError: The reply is not HTTP, or packed in an unknown way.
         """
         connection, left_s = self._connection, deadline.seconds_left
+        if not left_s:  # a socket that may not wait at all tells of no timeout
+            raise TimeoutError(f"not done within {deadline.limit_s:.3g} s")
         whole = deadline.whole if is_alive and deadline.whole else deadline
         timeout = httpx.Timeout(whole.seconds_left, connect=min(connect_limit_s, left_s))
         done: SimpleQueue[Reply | Exception | None] = SimpleQueue()
