@@ -144,6 +144,7 @@ class ScriptedServer:
         self.failures: list[Failure] = []
         self.most_at_once = 0
         self._at_once = 0
+        self._hung = 0
         self._rng = random.Random(seed)
         self._wanted_port = port
         self._server: uvicorn.Server | None = None
@@ -220,7 +221,9 @@ class ScriptedServer:
             return JSONResponse({"version": self.personality.version})
 
         @app.get("/v1/models")
-        def models(request: Request) -> Response:
+        async def models(request: Request) -> Response:
+            while self._hung and not await request.is_disconnected():
+                await asyncio.sleep(0.01)
             if (denied := self._denied(request)) is not None:
                 return denied
             names = self.personality.models
@@ -298,7 +301,7 @@ class ScriptedServer:
             case "500":
                 return JSONResponse({"error": {"message": "internal error"}}, 500)
             case "hang":
-                await asyncio.sleep(self.hang_s)
+                await self._hang(request)
             case "reset":
                 self._cut(request)
             case "half":
@@ -316,6 +319,14 @@ class ScriptedServer:
                 message = {"role": "assistant", "content": None, "refusal": "I must not look."}
                 return self._completion(message, "stop", body)
         return answer(body)
+
+    async def _hang(self, request: Request) -> None:
+        """Answer nothing at all, not even what models there are, until the client gives up."""
+        self._hung += 1
+        end = time.monotonic() + self.hang_s
+        while time.monotonic() < end and not await request.is_disconnected():
+            await asyncio.sleep(0.01)
+        self._hung -= 1
 
     def _cut(self, request: Request) -> None:
         transport = _Resettable.transports[request.scope["client"][1]]

@@ -25,6 +25,8 @@ from urllib.parse import SplitResult, urlsplit
 import httpx
 import truststore
 
+LONGEST_WORK_S = 600.0
+"""Time by which work can put a deadline off: signs of life alone are no answer."""
 _SCHEMES = {"http", "https", "socks5", "socks5h"}
 
 
@@ -116,18 +118,27 @@ class Deadline:
 
     Attributes:
         limit_s: Time from the beginning to the deadline, seconds.
+        whole: The deadline of which this is a part; None for one that is no part of another.
     """
 
-    def __init__(self, limit_s: float, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        limit_s: float,
+        clock: Callable[[], float] = time.monotonic,
+        whole: "Deadline | None" = None,
+    ) -> None:
         """Begin now.
 
         Args:
             limit_s: Time until the deadline, seconds.
             clock: Function that returns monotonic seconds.
+            whole: The deadline of which this is a part.
         """
         self.limit_s = limit_s
+        self.whole = whole
         self._clock = clock
         self._end = clock() + limit_s
+        self._latest = self._end + LONGEST_WORK_S
 
     @property
     def seconds_left(self) -> float:
@@ -135,8 +146,14 @@ class Deadline:
         return max(self._end - self._clock(), 0.0)
 
     def within(self, limit_s: float) -> "Deadline":
-        """The sooner of this deadline and a new one that begins now."""
-        return Deadline(min(limit_s, self.seconds_left), self._clock)
+        """The sooner of this deadline and a new one that begins now, as a part of this one."""
+        return Deadline(min(limit_s, self.seconds_left), self._clock, self)
+
+    def put_off(self, work_s: float) -> None:
+        """Leave time in which the other side worked out of account, here and in the whole."""
+        self._end = min(self._end + work_s, self._latest)
+        if self.whole is not None:
+            self.whole.put_off(work_s)
 
 
 class ReplyTooLargeError(OSError):
@@ -184,6 +201,7 @@ class Session:
         body: bytes | None,
         deadline: Deadline,
         connect_limit_s: float,
+        is_alive: Callable[[], bool] | None = None,
     ) -> Reply:
         """Send a request and receive its reply. Redirections are not followed.
 
@@ -194,6 +212,9 @@ class Session:
             body: Body of the request; None for none.
             deadline: Moment at which all of it has to be over.
             connect_limit_s: Longest wait for one of the server's addresses to connect, seconds.
+            is_alive: Whether the server still answers anything. With it, lines of the reply's body
+                put the deadline off, and while it is true the wait goes on until the whole of which
+                the deadline is a part.
 
         Raises:
             TimeoutError: It was not over in time.
@@ -201,21 +222,27 @@ class Session:
             ValueError: The reply is not HTTP, or packed in an unknown way.
         """
         connection, left_s = self._connection, deadline.seconds_left
-        timeout = httpx.Timeout(left_s, connect=min(connect_limit_s, left_s))
-        done: SimpleQueue[Reply | Exception] = SimpleQueue()
+        if not left_s:  # a socket that may not wait at all tells of no timeout
+            raise TimeoutError(f"not done within {deadline.limit_s:.3g} s")
+        whole = deadline.whole if is_alive and deadline.whole else deadline
+        timeout = httpx.Timeout(whole.seconds_left, connect=min(connect_limit_s, left_s))
+        done: SimpleQueue[Reply | Exception | None] = SimpleQueue()
+
+        def tell_of_a_line() -> None:
+            if is_alive:
+                done.put(None)
 
         def work() -> None:
-            done.put(connection.outcome(method, url, headers, body, timeout, self._largest))
+            ask = (method, url, headers, body, timeout, self._largest, tell_of_a_line)
+            done.put(connection.outcome(*ask))
             if connection.given_up.is_set():
                 connection.close()
 
         threading.Thread(target=work, daemon=True).start()
         is_over = False
         try:
-            found = done.get(timeout=left_s)
+            found = _awaited(done, deadline, whole, is_alive)
             is_over = True
-        except Empty:
-            raise TimeoutError(f"not done within {deadline.limit_s:.3g} s") from None
         finally:
             if not is_over:  # late, or Ctrl-C
                 self._connection = _Connection(self._proxy)
@@ -229,6 +256,32 @@ class Session:
     def close(self) -> None:
         """End the connection."""
         self._connection.close()
+
+
+def _awaited(
+    done: SimpleQueue[Reply | Exception | None],
+    deadline: Deadline,
+    whole: Deadline,
+    is_alive: Callable[[], bool] | None,
+) -> Reply | Exception:
+    """What a thread has found; None tells of work in between.
+
+    Raises:
+        TimeoutError: It finds nothing in time.
+    """
+    begin_s = whole.seconds_left
+    while True:
+        try:
+            found = done.get(timeout=deadline.seconds_left)
+        except Empty:
+            if deadline is whole or not whole.seconds_left or not (is_alive and is_alive()):
+                raise TimeoutError(f"not done within {deadline.limit_s:.3g} s") from None
+            deadline = whole
+            continue
+        if found is not None:
+            return found
+        deadline.put_off(begin_s - whole.seconds_left)
+        begin_s = whole.seconds_left
 
 
 class _Connection:
@@ -249,6 +302,7 @@ class _Connection:
         body: bytes | None,
         timeout: httpx.Timeout,
         largest: int,
+        tell_of_a_line: Callable[[], None],
     ) -> Reply | Exception:
         """The reply, or what went wrong in terms of Python."""
         headers = {"Accept-Encoding": "identity", "User-Agent": "hypernav", **headers}
@@ -260,6 +314,8 @@ class _Connection:
                 for chunk in response.iter_raw():
                     packed += chunk
                     _check_size(len(packed), largest)
+                    if b"\n" in chunk:
+                        tell_of_a_line()
             coding = response.headers.get("content-encoding", "")
             return Reply(response.status_code, response.headers, _unpacked(packed, coding, largest))
         except httpx.TimeoutException as error:
@@ -268,7 +324,8 @@ class _Connection:
             return OSError(f"the proxy answered {error}")
         except (httpx.RemoteProtocolError, httpx.NetworkError) as error:
             if not self._is_new:  # the server may have closed it because nobody used it for a while
-                return self.outcome(method, url, headers, body, timeout, largest)
+                ask = (method, url, headers, body, timeout, largest, tell_of_a_line)
+                return self.outcome(*ask)
             return _system_error(error)
         except httpx.LocalProtocolError:  # its words show the header, which may be the key
             return ValueError("a header of the request holds characters that HTTP does not allow")

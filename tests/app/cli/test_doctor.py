@@ -4,7 +4,7 @@ import pytest
 
 from hypernav.app.cli.main import main
 from servers.eyes import SeeingBrain
-from servers.faulty import FaultyServer, Talk
+from servers.faulty import Act, FaultyServer, Talk
 from servers.scripted import Asked, ScriptedServer, closed_port
 
 
@@ -205,6 +205,37 @@ def test_a_server_that_rejects_constraints(
     status, lines = examine(capsys, server.spec)
     assert status == 1
     assert "rejects constraints" in faults(lines)[0]
+
+
+def test_a_server_that_loads_its_model_is_waited_for(capsys: pytest.CaptureFixture[str]):
+    def models(talk: Talk) -> None:
+        error = {"code": 503, "message": "Loading model", "type": "unavailable_error"}
+        talk.reply({"error": error}, 503)
+
+    with FaultyServer(lambda talk: talk.say("ready"), models=models) as loading:
+        status, lines = examine(capsys, f"openai:{loading.url}")
+    assert status == 1
+    assert "Loading model" in faults(lines)[0]
+    assert any(line.startswith("  server: wait") for line in lines)
+    assert not any("start the server" in line for line in lines)
+
+
+def test_a_name_that_is_not_on_the_servers_list(
+    server: ScriptedServer, capsys: pytest.CaptureFixture[str]
+):
+    def models(owner: str) -> Act:
+        entry = {"id": "/models/Qwen.gguf", "aliases": ["qwen"], "owned_by": owner}
+        return lambda talk: talk.reply({"data": [entry]})
+
+    for owner, name, expected in (
+        ("llamacpp", "foo", "FAULT model name:"),
+        ("llamacpp", "Qwen", "ok    model name:"),
+        ("llamacpp", "qwen", "ok    model name:"),
+        ("somebody", "foo", "note  model name:"),
+    ):
+        with FaultyServer(lambda talk: talk.say("ready"), models=models(owner)) as named:
+            _, lines = examine(capsys, f"openai:{named.url}#{name}")
+        assert any(line.startswith(expected) for line in lines), (owner, name, lines)
 
 
 def test_a_hanging_server_is_given_up(server: ScriptedServer, capsys: pytest.CaptureFixture[str]):

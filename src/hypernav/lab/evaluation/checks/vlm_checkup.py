@@ -202,6 +202,9 @@ def _check_server(chat: _BehindServer) -> Generator[Finding, None, _BehindServer
     if answer.fault is not None:
         said = f"{told}, but {answer.detail}"
         yield Finding("model name", State.FAULT, said, _remedy_without_words(chat))
+    elif not server.is_listed:
+        said = f"{told}, but the server lists other names alone: {', '.join(server.models[:5])}"
+        yield Finding("model name", State.NOTE, said)
     elif answer.usage.tokens_in == 0:
         yield Finding("model name", State.NOTE, f"{told}, but its server counts no tokens")
     else:

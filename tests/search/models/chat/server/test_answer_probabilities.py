@@ -100,7 +100,26 @@ def test_probabilities_sum_to_one_and_favour_the_certain(names: list[str], data:
     probabilities = answer_probabilities(said, names)
     assert set(probabilities) == set(names)
     assert sum(probabilities.values()) == pytest.approx(1.0)
-    assert probabilities[chosen] == pytest.approx(1.0)
+    assert 0.9999 < probabilities[chosen] < 1.0  # the others were not reported as impossible
+
+
+def test_an_answer_missing_among_the_alternatives_has_the_least_of_them_at_most():
+    """As llama.cpp and vLLM report it: without the constraint, and 20 alternatives at most."""
+    said = [TokenProbabilities("k", {"k": 0.4, "l": 0.3, "d": 0.02, "x": 0.02})]
+    said.append(TokenProbabilities("itchen", {"now": 0.9, "itchen": 0.01}))
+    shares = answer_probabilities(said, ["kitchen", "bedroom"])
+    assert shares == pytest.approx({"kitchen": 0.4 / 0.42, "bedroom": 0.02 / 0.42})
+
+
+def test_missing_answers_share_what_the_alternatives_leave():
+    said = [TokenProbabilities("k", {"k": 0.9})]
+    shares = answer_probabilities(said, ["kitchen", "bedroom", "hall"])
+    assert shares == pytest.approx({"kitchen": 0.9, "bedroom": 0.05, "hall": 0.05})
+
+
+def test_an_answer_less_probable_than_all_alternatives_tells_nothing_of_the_others():
+    said = [TokenProbabilities("k", {"k": 0.05, "l": 0.3, "d": 0.2, "x": 0.2})]
+    assert answer_probabilities(said, ["kitchen", "bedroom"]) == {}
 
 
 @given(st.lists(any_tokens, max_size=5), labels, st.booleans())

@@ -175,12 +175,19 @@ def test_a_hanging_server_is_asked_again_after_the_timeout(server: ScriptedServe
     assert (answer.value, answer.attempts) == ("7", 2)
 
 
+def test_a_slow_answer_is_not_asked_for_twice_while_the_server_is_there(server: ScriptedServer):
+    server.brain = lambda asked: "7"
+    server.delay_s = 1.0
+    answer = chat(server, QUICK.model_copy(update={"timeout_s": 0.2})).ask(WHICH)
+    assert (answer.value, answer.attempts, len(server.requests)) == ("7", 1, 1)
+
+
 @pytest.mark.parametrize("failure", [*TRANSPORT_FAILURES, "hang"])
 def test_a_model_that_stays_away_is_unavailable(server: ScriptedServer, failure: Failure):
     server.rates = {failure: 1.0}
-    asker = chat(server, QUICK.model_copy(update={"patience_s": 0.3, "timeout_s": 0.15}))
+    asker = chat(server, QUICK.model_copy(update={"patience_s": 0.8, "timeout_s": 0.15}))
     asker.server()
-    with pytest.raises(ModelUnavailableError, match=r"within a patience of 0\.3 s"):
+    with pytest.raises(ModelUnavailableError, match=r"within a patience of 0\.8 s"):
         asker.ask(WHICH)
     assert len(server.failures) >= 2
 

@@ -246,6 +246,27 @@ def test_a_refused_question_takes_no_decisions_away():
     assert chat.dropped == ()
 
 
+def test_a_decision_endpoint_that_answers_501_is_none():
+    """vLLM behind a proxy that renames ``owned_by``: it refuses an empty question with 422."""
+    paths: list[str] = []
+
+    def other(talk: Talk) -> None:
+        paths.append(talk.path)
+        error = {"code": 501, "message": "this model is not a decision model; try again later"}
+        talk.reply({"error": error}, 501 if talk.body else 422)
+
+    def models(talk: Talk) -> None:
+        talk.reply({"data": [{"id": "m", "owned_by": "somebody"}]})
+
+    picky = Picky(("no_such_field", ""))
+    with FaultyServer(picky, models=models, other=other) as server:
+        chat = OpenAiChat(server.url, None, QUICK, environment={})
+        answers = [chat.ask(SEEN).attempts for _ in range(2)]
+    assert answers == [1, 1]
+    assert paths == ["/v1/systemone"] * 2
+    assert all("response_format" in body for body in picky.bodies)
+
+
 def test_a_timeout_after_a_refusal_keeps_its_words():
     def act(talk: Talk) -> None:
         if talk.number == 0:

@@ -5,6 +5,11 @@ An answer may take several tokens ("1" then "2"), so the alternatives are follow
 generated tokens. If an alternative that was not generated could have become several answers ("1"
 for 10, 11 and 12), its probability is shared equally among them, since nothing more is known.
 
+llama.cpp and vLLM report what the model would have said without the constraint, so that an allowed
+answer may be missing among the alternatives. It is at most as probable as the least of them and has
+its share of what they leave, and gets that much; where all such answers together could outweigh
+what was reported, nothing is known.
+
 A decision endpoint generates no text: it answers a closed question with a probability for every
 allowed answer, by the scores of the answers' labels in one forward pass. Two forms exist: System
 One (``POST /v1/systemone``; ``transformers serve``, see ``transformers/cli/serving/systemone.py``)
@@ -29,6 +34,8 @@ from hypernav.search.models.chat.message_parts import (
 )
 
 _MIN_MASS = 0.01
+_LEAST = 1e-6
+"""Probability of an answer that the alternatives leave no room for, as rounded numbers do."""
 _MOST_ALTERNATIVES = 100
 _BEFORE = " \t\r\n\"'"
 
@@ -106,14 +113,16 @@ def answer_probabilities(
     offset = 0
     for index, one in enumerate(tokens):
         if offset + len(one.token) > begin:
-            probabilities = dict.fromkeys((label.casefold() for label in labels), 0.0)
-            if not _may_begin(one.token[begin - offset :], list(probabilities)):
+            reported = dict.fromkeys((label.casefold() for label in labels), 0.0)
+            if not _may_begin(one.token[begin - offset :], list(reported)):
                 return {}  # a sentence: its first word's alternatives tell nothing of the answer
-            _follow(tokens[index:], one.token[: begin - offset], "", 1.0, probabilities)
-            total = sum(probabilities.values())
-            if total < _MIN_MASS:
+            missing = dict(reported)
+            _follow(tokens[index:], one.token[: begin - offset], "", 1.0, reported, missing)
+            if sum(reported.values()) < max(_MIN_MASS, sum(missing.values())):
                 return {}
-            return {label: probabilities[label.casefold()] / total for label in labels}
+            shares = {label: reported[label] or max(missing[label], _LEAST) for label in reported}
+            total = sum(shares.values())
+            return {label: shares[label.casefold()] / total for label in labels}
         offset += len(one.token)
     return {}
 
@@ -136,7 +145,8 @@ def _follow(
     lead: str,
     said: str,
     mass: float,
-    probabilities: dict[str, float],
+    reported: dict[str, float],
+    missing: dict[str, float],
 ) -> None:
     """Distribute the probability mass of this position over the labels it can still become.
 
@@ -145,26 +155,34 @@ def _follow(
         lead: Part of the first token before the answer begins (a quote, a space).
         said: The part of the answer before this position.
         mass: Probability of the tokens before this position.
-        probabilities: Probability of each label so far; added to in place.
+        reported: Probability of each label so far; added to in place.
+        missing: What a label has at most that no alternative of a position leads to; likewise.
     """
-    open_labels = [label for label in probabilities if label.startswith(said)]
-    if not tokens:
-        if said in probabilities:
-            probabilities[said] += mass
+    open_labels = [label for label in reported if label.startswith(said)]
+    if not tokens or open_labels == [said]:
+        if said in reported:
+            reported[said] += mass
         return
+    unled = set(open_labels)
     for text, probability in tokens[0].probabilities.items():
         added = text.casefold()
         if not said:  # spaces and quotes before the answer may differ between alternatives
             added = added.removeprefix(lead.casefold()).lstrip(_BEFORE)
         longer = [label for label in open_labels if added and label.startswith(said + added)]
         ended = _ended_label(said + added, open_labels)
-        if text == tokens[0].token and longer:
-            _follow(tokens[1:], "", said + added, mass * probability, probabilities)
-        elif longer:
+        if text == tokens[0].token and len(longer) > 1:
+            _follow(tokens[1:], "", said + added, mass * probability, reported, missing)
+        elif longer:  # a constraint leaves a single one no choice, whatever its next tokens have
             for label in longer:
-                probabilities[label] += mass * probability / len(longer)
+                reported[label] += mass * probability / len(longer)
         elif ended is not None:
-            probabilities[ended] += mass * probability
+            reported[ended] += mass * probability
+        unled.difference_update([*longer, ended])
+    told = tokens[0].probabilities
+    # The generated token is reported even where it is less probable than what is left out.
+    least = min((one for text, one in told.items() if text != tokens[0].token), default=1.0)
+    for label in unled:
+        missing[label] += mass * min(least, max(1.0 - sum(told.values()), 0.0) / len(unled))
 
 
 def _ended_label(text: str, labels: Sequence[str]) -> str | None:

@@ -58,6 +58,7 @@ class ServerDialect:
         form: Mechanism that enforces a JSON form.
         logprobs: Number of alternatives per token that the server reports; 0 for none.
         decision: Name of the decision endpoint; empty if it has none.
+        streams: Whether an answer can come piece by piece, with its tokens counted.
     """
 
     name: DialectName
@@ -65,6 +66,7 @@ class ServerDialect:
     form: Literal["none", "json"]
     logprobs: int = 20
     decision: Literal["", "systemone", "decisions"] = ""
+    streams: bool = True
 
 
 DIALECTS: dict[str, ServerDialect] = {
@@ -76,7 +78,14 @@ DIALECTS: dict[str, ServerDialect] = {
         ServerDialect("ollama", choice="json", form="json"),
         ServerDialect("llamacpp", choice="json", form="json"),
         ServerDialect("openai", choice="json", form="json"),
-        ServerDialect("transformers", choice="none", form="none", logprobs=0, decision="systemone"),
+        ServerDialect(
+            "transformers",
+            choice="none",
+            form="none",
+            logprobs=0,
+            decision="systemone",
+            streams=False,
+        ),
         ServerDialect("decisions", choice="json", form="json", decision="decisions"),
         ServerDialect("plain", choice="none", form="none", logprobs=0),
     )
@@ -142,6 +151,11 @@ def _response_format(name: str, schema: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def without_decision(dialect: ServerDialect) -> ServerDialect:
+    """The dialect of a server whose decision endpoint turns out to be missing."""
+    return DIALECTS["openai"] if dialect.decision else dialect
+
+
 def dialect_named(name: str) -> ServerDialect:
     """A dialect by its name.
 
@@ -159,7 +173,7 @@ class ServerInfo:
 
     Attributes:
         model: Name of the model in use.
-        models: Names of all models it offers; empty if it does not say.
+        models: Names of all models it offers, aliases included; empty if it does not say.
         dialect: API dialect that it speaks.
         list_fault: Reason why its list of models could not be read; empty if it could.
     """
@@ -168,6 +182,23 @@ class ServerInfo:
     models: tuple[str, ...]
     dialect: ServerDialect
     list_fault: str = ""
+
+    @property
+    def is_listed(self) -> bool:
+        """Whether the server lists the model, or lists none at all."""
+        return not self.models or any(_is_same(self.model, one) for one in self.models)
+
+
+def _is_same(name: str, listed: str) -> bool:
+    """Whether a name is a listed one: in any case, without a file's folder and ending, or a tag."""
+    same = {listed, _short(listed), f"{_short(listed)}.gguf", listed.removesuffix(":latest")}
+    return name.casefold() in {one.casefold() for one in same}
+
+
+def _short(listed: str) -> str:
+    """The name of a listed file of weights, as llama.cpp lists them; any other name as it is."""
+    file = re.fullmatch(r"(?:.*[/\\])?(.+)\.gguf", listed)
+    return file[1] if file else listed
 
 
 def detect_server(
@@ -189,10 +220,39 @@ def detect_server(
     entries, list_fault = _models(client, model, deadline)
     names = tuple(entry["id"] for entry in entries)
     chosen = model or _only(names, client)
-    if config.dialect != "auto":
-        return ServerInfo(chosen, names, dialect_named(config.dialect), list_fault)
+    names += tuple(alias for entry in entries for alias in _aliases(entry) if alias not in names)
     owners = {str(entry.get("owned_by", "")).lower() for entry in entries}
-    return ServerInfo(chosen, names, _dialect(client, chosen, owners, deadline), list_fault)
+    named = config.dialect
+    dialect = (
+        _dialect(client, chosen, owners, deadline) if named == "auto" else dialect_named(named)
+    )
+    server = ServerInfo(chosen, names, dialect, list_fault)
+    if not server.is_listed:
+        listed = ", ".join(names[:5])
+        _log.warning("%s lists no model '%s' (it has %s)", client.url, chosen, listed)
+    return server
+
+
+def _aliases(entry: dict[str, Any]) -> list[str]:
+    aliases = entry.get("aliases")  # llama.cpp's
+    return [one for one in aliases if _is_name(one)] if isinstance(aliases, list) else []
+
+
+def check_name(server: ServerInfo, url: str) -> None:
+    """Refuse a name that llama.cpp's server would answer to all the same, as the model it has.
+
+    The name tells in which coordinates a model answers. Other servers refuse wrong names
+    themselves, or take names that they don't list.
+
+    Raises:
+        ModelSetupError: The name is not listed.
+    """
+    if server.dialect.name == "llamacpp" and not server.is_listed:
+        own = _short(server.models[0])
+        raise ModelSetupError(
+            f"{url} has no model '{server.model}', and would answer as '{own}'",
+            remedy=f"write its own name: openai:{url}#{own}",
+        )
 
 
 def with_known_models(

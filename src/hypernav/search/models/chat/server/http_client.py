@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import time
 from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import replace
@@ -33,6 +34,7 @@ from hypernav.search.models.chat.server.reply_errors import (
     error_in_body,
     error_of_status,
 )
+from hypernav.search.models.chat.server.streamed import joined
 
 _PLAIN = re.compile(r"[!-~]+")
 _QUERY = re.compile(r"(?:api-version=[\w.-]+)?")
@@ -45,9 +47,10 @@ _REFUSES = re.compile(r"the proxy answered 4(?!08|29)\d\d")
 _CONNECT_LIMIT_S = 5.0
 """Longest wait for one of the server's addresses to connect."""
 
-LARGEST_REPLY_BYTES = 4 * 2**20
+LARGEST_REPLY_BYTES = 8 * 2**20
 """Limit of a reply: an answer has a few kilobytes, one with probabilities or a long list of models
-about one megabyte. Parsing the worst takes a second."""
+about one megabyte, and a stream with the longest thoughts four. Parsing the worst takes a second.
+"""
 
 
 class HttpClient:
@@ -71,7 +74,11 @@ class HttpClient:
         self._config = config
 
     def post(self, path: str, body: dict[str, Any], deadline: Deadline) -> dict[str, Any]:
-        """Send and receive a JSON object.
+        """Send a JSON object, and receive one, whole or as a stream of events.
+
+        While the server is there, an answer is waited for until the whole of the deadline, and what
+        comes of a stream puts that off: asked again, the server would only have two to answer. An
+        answer that is given up is given up with its connection, which tells the server to stop.
 
         Args:
             path: Path below the API's URL, or from the root of the server if it begins with "/".
@@ -106,19 +113,35 @@ class HttpClient:
         except ValueError as error:
             raise ModelSetupError(f"{self.url}: {error}") from error
         asked = f" through the proxy {without_password(proxy)}" if proxy else ""
-        try:
+
+        def exchange(method: str, url: str, body: bytes | None, deadline: Deadline) -> Reply:
             with closing(Session(largest_reply_bytes=LARGEST_REPLY_BYTES, proxy=proxy)) as session:
-                reply = session.exchange(
+                return session.exchange(
                     method,
                     url + self._query,
                     headers=headers,
                     body=body,
                     deadline=deadline,
                     connect_limit_s=_CONNECT_LIMIT_S,
+                    is_alive=is_alive if body is not None else None,
                 )
+
+        def is_alive() -> bool:
+            try:
+                exchange("GET", f"{self.url}/models", None, Deadline(quick_s))
+            except (OSError, ValueError):
+                return False
+            return True
+
+        begin, quick_s = time.monotonic(), min(_CONNECT_LIMIT_S, deadline.limit_s)
+        try:
+            reply = exchange(method, url, body, deadline)
+            if reply.headers.get("content-type", "").startswith("text/event-stream"):
+                reply = replace(reply, body=json.dumps(self._joined(reply)).encode())
         except TimeoutError as error:
+            waited_s = max(time.monotonic() - begin, deadline.limit_s)
             raise ChatTimeoutError(
-                f"{self.url}{asked}: no answer within {deadline.limit_s:.3g} s"
+                f"{self.url}{asked}: no answer within {waited_s:.3g} s"
             ) from error
         except (ReplyTooLargeError, ValueError) as error:
             raise ChatTransportError(f"{url}{asked}: {self._told(error)}") from error
@@ -139,12 +162,18 @@ class HttpClient:
             raise error_of_status(reply, f"{url}{asked}")
         return self._parsed(reply, f"{url}{asked}")
 
+    def _joined(self, reply: Reply) -> dict[str, Any]:
+        _check_containers(reply.body)
+        try:
+            return joined(reply.body)
+        except RecursionError as error:
+            raise ValueError("an event of the stream is nested too deeply") from error
+
     def _parsed(self, reply: Reply, url: str) -> dict[str, Any]:
-        # Each costs fifty times its bytes, and the garbage collector looks at all of them.
-        if reply.body.count(b"[") + reply.body.count(b"{") > _MOST_CONTAINERS:
-            raise ChatTransportError(
-                f"{url}: the answer holds more than {_MOST_CONTAINERS:,} lists and objects"
-            )
+        try:
+            _check_containers(reply.body)
+        except ValueError as error:
+            raise ChatTransportError(f"{url}: {error}") from error
         found = shortened(reply.body.decode("utf-8", "replace"), LONGEST_MESSAGE)
         parsed, fault = None, f"expected a JSON object, found '{found}'"
         try:
@@ -165,6 +194,12 @@ class HttpClient:
 
     def _without_key(self, text: str) -> str:
         return shortened(self._secret.blanked(text), LONGEST_MESSAGE)
+
+
+def _check_containers(body: bytes) -> None:
+    # Each costs fifty times its bytes, and the garbage collector looks at all of them.
+    if body.count(b"[") + body.count(b"{") > _MOST_CONTAINERS:
+        raise ValueError(f"the answer holds more than {_MOST_CONTAINERS:,} lists and objects")
 
 
 def _checked(url: str) -> tuple[str, str]:

@@ -38,15 +38,19 @@ from hypernav.search.models.chat.server.answer_probabilities import (
 from hypernav.search.models.chat.server.dialects import (
     Constraint,
     ServerInfo,
+    check_name,
     constraint_for,
     detect_server,
     with_known_models,
+    without_decision,
 )
 from hypernav.search.models.chat.server.http_client import HttpClient
 from hypernav.search.models.chat.server.refusals import (
     DECISION,
     LIMIT_NAMES,
     OPTIONAL,
+    PROGRESS,
+    STREAM,
     TOKEN_LIMIT,
     UNKNOWN,
     Refusals,
@@ -58,6 +62,7 @@ from hypernav.search.models.chat.server.reply_errors import (
     Retry,
     RetryLaterError,
 )
+from hypernav.search.models.chat.server.streamed import CHUNK
 from hypernav.search.models.chat.server.thinking import (
     ENDLESS,
     PROBES,
@@ -70,18 +75,23 @@ from hypernav.search.models.chat.server.thinking import (
 
 _log = logging.getLogger(__name__)
 _DETECTION_LIMIT_S = 10.0
+_OF_THOUGHTS = re.compile("think|thought|reason", re.I)
 _SLOW_THOUGHTS = "the model thinks long: try --set chat.thinking=off, or a larger chat.timeout_s"
 
 
 @dataclass(frozen=True)
 class _Reply:
-    """Reply to one question, before it is checked against the question."""
+    """Reply to one question, before it is checked against the question.
+
+    It is uncounted if it came as a stream that leaves the number of tokens out.
+    """
 
     text: str
     usage: Usage
     probabilities: Mapping[str, float]
     refused: bool
     written: Written | None = None
+    is_uncounted: bool = False
 
 
 @dataclass(frozen=True)
@@ -193,6 +203,7 @@ class OpenAiChat:
         begin = self._clock()
         patience = self._retry.begin()
         server = self._server_within(patience)
+        check_name(server, self.url)
         try:
             reply, lost = self._answered(server, question, patience)
         except (ModelRejectedError, ModelSetupError) as error:
@@ -253,6 +264,8 @@ class OpenAiChat:
         if known.is_probed or known.is_prefilled:
             return False
         self._learn(replace(known, is_probed=True))
+        if not self._may_begin_with_thoughts(server, patience):
+            return False
         for room in PROBES:
             try:
                 reply, _ = self._retry.call(
@@ -272,6 +285,17 @@ class OpenAiChat:
         # No answer to these questions is as long as that.
         self._learn(replace(known, room=PROBES[-1], is_seen=True, is_prefilled=True))
         return True
+
+    def _may_begin_with_thoughts(self, server: ServerInfo, patience: Deadline) -> bool:
+        """Whether the chat template may begin the thoughts; only llama.cpp's server shows it."""
+        if server.dialect.name != "llamacpp":
+            return True
+        try:
+            properties = self._client.get("/props", patience.within(_DETECTION_LIMIT_S))
+        except ChatError:
+            return True
+        template = properties.get("chat_template")
+        return not isinstance(template, str) or bool(_OF_THOUGHTS.search(template))
 
     def _learn(self, thinking: Thinking) -> None:
         with self._lock:
@@ -296,6 +320,9 @@ class OpenAiChat:
                     else:
                         _log.warning("%s; asking otherwise from now on", error)
                     refusals = learned
+            if reply.is_uncounted:
+                refusals = replace(refusals, dropped=(*refusals.dropped, *STREAM))
+                reply = ask(refusals)
         except ChatTimeoutError as error:
             if said is None:
                 raise
@@ -323,6 +350,8 @@ class OpenAiChat:
     def _request(
         self, server: ServerInfo, question: Question, thinking: Thinking, refusals: Refusals
     ) -> _Request:
+        if DECISION in refusals.dropped:
+            server = replace(server, dialect=without_decision(server.dialect))
         endpoint = server.dialect.decision
         decides = DECISION not in refusals.dropped and accepts_question(endpoint, question)
         constraint = constraint_for(server.dialect, question)
@@ -354,6 +383,10 @@ class OpenAiChat:
         }
         if dialect.logprobs and question.allowed:
             body |= {"logprobs": True, "top_logprobs": dialect.logprobs}
+        if dialect.streams:
+            body |= STREAM
+        if dialect.name == "llamacpp":
+            body[PROGRESS] = True
         own = set(config.extra_body)
         if own & LIMIT_NAMES:
             own.add(TOKEN_LIMIT)
@@ -380,8 +413,9 @@ def _learned(
         ModelRejectedError: It names a field of the user's own.
     """
     said = _said(error)
-    if sent.decides:  # a 404 means only that the optional endpoint is missing
-        is_missing = not isinstance(error, RetryLaterError | RefusedError)
+    if sent.decides:  # a 404 or 501 means only that the optional endpoint is missing
+        is_refused = isinstance(error, RefusedError) and error.status != 501
+        is_missing = not (is_refused or isinstance(error, RetryLaterError))
         return replace(refusals, dropped=(*refusals.dropped, DECISION)) if is_missing else None
     is_failing = isinstance(error, RetryLaterError) and error.status == 500  # as some refuse
     names_a_field = UNKNOWN.search(said) and refusals.names(said, sent.body)
@@ -457,4 +491,5 @@ def _parse_completion(
         probabilities = answer_probabilities(tokens, question.allowed, wrapped=constraint.wrapped)
     if refused and not text and isinstance(refusal, str):
         text = refusal
-    return _Reply(text, read_usage(usage), probabilities, refused, written)
+    is_uncounted = reply.get("object") == CHUNK and not usage
+    return _Reply(text, read_usage(usage), probabilities, refused, written, is_uncounted)

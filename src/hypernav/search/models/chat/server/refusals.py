@@ -25,9 +25,18 @@ SWITCHES = (
 )
 DECISION = "decision"
 """Stands for the optional endpoint that is asked instead, among the fields."""
-OPTIONAL = (DECISION, *SWITCHES, "top_logprobs", "logprobs", *CONSTRAINTS, "seed", "temperature")
+STREAM = {"stream": True, "stream_options": {"include_usage": True}}
+"""Fields that ask for an answer piece by piece, with the tokens counted at its end."""
+PROGRESS = "return_progress"
+OPTIONAL = (
+    *(DECISION, PROGRESS, *SWITCHES, "top_logprobs", "logprobs", *CONSTRAINTS),
+    *("seed", "temperature", *STREAM),
+)
 """Fields that nothing depends on, in the order in which they go when a refusal names none."""
-_TOGETHER = {"logprobs": "top_logprobs", "top_logprobs": "logprobs"}
+_TOGETHER = {
+    **{"logprobs": "top_logprobs", "top_logprobs": "logprobs"},
+    **{"stream": "stream_options", "stream_options": "stream"},
+}
 _NEWER_LIMITS = ("max_completion_tokens", "max_output_tokens", "max_new_tokens")
 LIMIT_NAMES = frozenset({TOKEN_LIMIT, *_NEWER_LIMITS})
 _EFFORTS = ("none", "minimal", "low")

@@ -54,6 +54,7 @@ _PASSING = re.compile(
     r"|restarting|busy|capacity|too many requests|internal.server.error|server_error",
     re.I,
 )
+_LOADING = re.compile(r"loading (?:the )?model|models? (?:is |are )?(?:still |being )*load", re.I)
 _RATE = re.compile(r"rate.?limit|per.?(?:second|minute|hour)|retry|try again", re.I)
 _USED_UP = re.compile(
     r"insufficient_quota|exceeded_current_quota|credit balance|billing_hard_limit"
@@ -99,6 +100,10 @@ _ADVICE = (
         "(llama.cpp: -c 16384, vLLM: --max-model-len 16384, Ollama: OLLAMA_CONTEXT_LENGTH=16384)",
     ),
     (
+        _LOADING,
+        "wait: the server is up and loads its model; its log shows how far it is",
+    ),
+    (
         re.compile(r"at most \d+ image", re.I),
         "serve with more images per question (vLLM: --limit-mm-per-prompt '{\"image\": 8}')",
     ),
@@ -118,6 +123,7 @@ _ADVICE_BY_STATUS = {
     "key or model",
     403: "set the environment variable HYPERNAV_API_KEY to the server's key",
     407: NEEDS_LOGIN,
+    503: "wait: the server is up, but cannot answer now; its log says why",
 }
 
 
@@ -189,9 +195,11 @@ class Retry:
         lost: Counter[str] = Counter()
         told: ChatTransportError | None = None
         while True:
-            left = patience.seconds_left if config.patience_s > 0.0 else config.timeout_s
+            is_patient = config.patience_s > 0.0
+            limit_s = config.timeout_s
             try:
-                return attempt(Deadline(min(config.timeout_s, left), self._clock)), lost
+                within = patience.within(limit_s) if is_patient else Deadline(limit_s, self._clock)
+                return attempt(within), lost
             except (ChatTransportError, ChatTimeoutError) as error:
                 lost["timeout" if isinstance(error, ChatTimeoutError) else "transport"] += 1
                 told = error if isinstance(error, ChatTransportError) else told
@@ -309,6 +317,8 @@ def _meaning(status: int, body: object, said: str) -> int:
     codes = [str(layer.get(key, "")) for layer in layers for key in _CODES]
     if status < 300 or status >= 500:
         status = next((int(code) for code in codes if re.fullmatch("[45][0-9]{2}", code)), status)
+    if status == 501:  # never an outage, whatever words come with it
+        return status
     kinds = [str(layer.get("type", "")) for layer in layers]
     words = " ".join([said[:_MOST_WORDS], *kinds, *codes])[: 2 * _MOST_WORDS]
     if status == 429:  # a limit per minute, unless it says more
