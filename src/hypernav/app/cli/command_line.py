@@ -36,6 +36,7 @@ COMMANDS = {
     "compare": "Compare the simulator with habitat-sim, pose by pose, in a scene of your own.",
     "scene": "Write the navigation mesh that habitat-sim computes of a scene, for any robot.",
     "memory": "Write a page about what searches have learned of a building, or forget some of it.",
+    "config": "List every value of the configuration: default, unit, range, meaning and source.",
     "serve": "Take the observations of robots over the network, and answer each with an action.",
     "robot": "Simulate a robot on the network, replay recordings of a camera, report on trials.",
     "houses": "Generated buildings: pages about them, files for other programs, splits, episodes.",

@@ -251,6 +251,16 @@ class MemoryOptions:
 
 
 @dataclass(frozen=True)
+class ConfigOptions:
+    """Which values to list, or where to write their schema."""
+
+    name: Annotated[tyro.conf.Positional[str | None], tyro.conf.arg(metavar="SECTION")] = None
+    """A section, such as search, or one value, such as search.endurance_steps; by default all."""
+    schema: Path | None = None
+    """File to write a JSON schema to, by which editors complete and check files for --config."""
+
+
+@dataclass(frozen=True)
 class ServeOptions:
     """The address, the access, the agent, and the folder of all searches."""
 
@@ -348,6 +358,7 @@ OPTIONS: dict[str, Any] = {
     "compare": CompareOptions,
     "scene": SceneOptions,
     "memory": MemoryOptions,
+    "config": ConfigOptions,
     "serve": ServeOptions,
     "robot": RobotOptions,
     "houses": HousesOptions,
