@@ -39,7 +39,7 @@ _UNIT_WORDS = {
     "temperature": "temperature",
     "quality": "quality",
     "Evidence": "evidence",
-    r"[Nn]umber of (?:bumps|points|frames|images|dilations|questions|boxes|blocks|moves|actions)": "",
+    "[Nn]umber of (?:points|images|dilations|questions|boxes|blocks|moves|actions)": "",
 }
 """Units by the words of a meaning; the first of these words counts. Empty: the noun itself."""
 _UNIT = re.compile("|".join(f"({word})" for word in _UNIT_WORDS))

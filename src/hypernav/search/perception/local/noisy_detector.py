@@ -33,7 +33,8 @@ class DetectorQuality(RoomConfig):
     Attributes:
         missed_near: Probability that an object is missed in an image, if the median of its pixels
             is at most `NEAR_M` away.
-        missed_far: The same probability from `FAR_M` on, and where no pixel has depth; linear between.
+        missed_far: The same probability from `FAR_M` on, and where no pixel has depth; linear
+            between.
         never_found: Probability that an object is missed in every image of an episode: it looks
             unlike all that the detector has learned.
         confused_alike: Probability that an object that resembles the goal is taken for it; drawn
