@@ -60,8 +60,8 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
 
     An observation holds ``rgb`` (unless it is made without colours), ``depth`` (metres, 0 where
     there is no return), ``pose`` (x, y in metres and yaw in radians, as odometry reports it, in the
-    ``map`` frame that starts at the start pose) and ``goal`` (text). Actions have Habitat's numbers, see
-    `hypernav.core.embodiment.Action`.
+    ``map`` frame that starts at the start pose) and ``goal`` (text). Actions have Habitat's
+    numbers, see `hypernav.core.embodiment.Action`.
 
     STOP terminates the episode; the step limit truncates it. The reward is 1 for a STOP at the
     goal and 0 otherwise. ``info`` holds the measures of
