@@ -6,10 +6,13 @@ VLM := .venv-vlm
 # The other supported versions of Python that this machine has.
 PYTHONS := $(foreach version,3.12 3.13,$(shell python$(version) -c 'print("python$(version)")' 2>/dev/null))
 
+# Pages that hold what the program says: README's tables, help of commands, the configuration.
+WRITTEN := README.md $(wildcard docs/commands/*.md docs/reference/*.md)
+
 # Where an image forbids bytecode, every process of every test would compile all modules again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow freeze mutants test-vlm lint docs results results-check results-readme wheel format clean
+.PHONY: demo test slow freeze mutants test-vlm lint docs results results-check pages wheel format clean
 
 demo: $(VENV)/.installed  ## search for a bed in the built-in house
 	$(BIN)/hypernav find bed --seed 2 --out runs/demo
@@ -39,7 +42,7 @@ lint: $(VENV)/.installed-dev $(VENV)/.installed-docs  ## style, spelling, types,
 	$(BIN)/pyright
 	PATH=$(abspath $(BIN)):$$PATH $(BIN)/python scripts/public_types.py
 	$(BIN)/lint-imports
-	$(BIN)/python scripts/result_tables.py README.md --check
+	$(BIN)/python scripts/write_pages.py --check $(WRITTEN)
 
 docs: $(VENV)/.installed-docs  ## run what the pages say, and build the site
 	$(BIN)/python scripts/run_pages.py README.md CONTRIBUTING.md docs/*.md docs/*/*.md
@@ -47,13 +50,13 @@ docs: $(VENV)/.installed-docs  ## run what the pages say, and build the site
 
 results: $(VENV)/.installed-dev  ## measure a table of the docs anew: make results TABLE=exploring; hours
 	$(BIN)/python scripts/measure_results.py $(TABLE)
-	$(BIN)/python scripts/result_tables.py README.md
+	$(BIN)/python scripts/write_pages.py $(WRITTEN)
 
 results-check: $(VENV)/.installed-dev  ## a tenth of each table's searches (or of TABLE's): does it still hold?
 	$(BIN)/python scripts/measure_results.py --check $(TABLE)
 
-results-readme: $(VENV)/.installed-dev  ## write the tables of README from docs/results/data
-	$(BIN)/python scripts/result_tables.py README.md
+pages: $(VENV)/.installed-dev  ## write help, configuration and tables into the pages that show them
+	$(BIN)/python scripts/write_pages.py $(WRITTEN)
 
 wheel: $(BIN)/python  ## build wheel and sdist, and search with the wheel alone, on every Python and with the lowest dependencies
 	rm -rf dist build/wheel

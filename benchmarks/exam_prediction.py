@@ -22,7 +22,7 @@ from pydantic import TypeAdapter
 from scipy.stats import spearmanr
 
 from hypernav.app.build.agents import build_search
-from hypernav.app.build.presets import HyPerNavConfig, preset, with_changes
+from hypernav.app.build.presets import HyPerNavConfig, preset
 from hypernav.core.components.protocols import BlockReasoner, Detector
 from hypernav.core.episode import EpisodeTruth
 from hypernav.core.exploring.overview import BlockChoice, Overview
@@ -289,7 +289,7 @@ def main() -> None:
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     camera = {"embodiment": {"camera": {"width": 320, "height": 240}}}
-    configs = {name: with_changes(preset(name), camera) for name in options.presets}
+    configs = {name: preset(name).with_(**camera) for name in options.presets}
     answers = answers_of(options.out, next(iter(configs.values())), options.size, options.workers)
     print(f"{len(answers['perfect'])} questions, {options.episodes} episodes", flush=True)
     kinds = (False, True)

@@ -5,18 +5,12 @@ at, the day, the number of searches and the values. What a field means: `Table`,
 
 A page has a table where it has the line ``<!-- table: NAME -->``, and one value of a table where
 its text has ``{{ TABLE.ROW.COLUMN }}``, or ``{{ TABLE.ROW.COLUMN.interval }}``. Pages of the site
-are filled in when it is built. README is filled in by this script, between the line above and
-``<!-- end of table -->``:
-
-    python scripts/result_tables.py README.md           # writes it
-    python scripts/result_tables.py README.md --check   # fails if it differs from the data
+are filled in when it is built; `write_pages` writes tables that show without that.
 """
 
-import argparse
 import datetime
 import json
 import re
-import sys
 import tomllib
 from collections.abc import Sequence
 from itertools import groupby
@@ -36,9 +30,6 @@ Cell = str | float | list[float]
 """A text, a number, or a mean with the lower and upper end of its 95 % interval."""
 
 _MARKER = re.compile(r"^<!-- table: ([\w-]+) -->$", re.MULTILINE)
-_FILLED = re.compile(
-    r"^(<!-- table: ([\w-]+) -->\n).*?^(?=<!-- end of table -->$)", re.MULTILINE | re.DOTALL
-)
 _VALUE = re.compile(r"\{\{ ?([\w.-]+) ?\}\}")
 
 
@@ -258,16 +249,6 @@ class Results:
         )
         return self.filled(markdown)
 
-    def readme(self, markdown: str) -> str:
-        """A page that shows its tables without being built, with today's tables.
-
-        Raises:
-            ResultsError: It has no table, or asks for one that is not there.
-        """
-        if not _FILLED.search(markdown):
-            raise ResultsError("the page has no table between <!-- table: … --> and its end")
-        return _FILLED.sub(lambda asked: f"{asked[1]}{self.drawn(asked[2])}\n", markdown)
-
     def sources(self, name: str) -> str:
         """A block for readers to unfold: commands, commits and days of a table's rows."""
         table = self.table(name)
@@ -388,33 +369,3 @@ def _toml(value: Any) -> str:
             return f"{value:.0f}" if value.is_integer() else repr(value)
         case _:
             return str(value)
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Write the tables of pages that nobody builds, or check them.
-
-    Returns:
-        The exit status: 0 if the pages show what the data says.
-    """
-    parser = argparse.ArgumentParser(description="Write the tables of README from their data.")
-    parser.add_argument("pages", nargs="+", type=Path)
-    parser.add_argument("--check", action="store_true", help="change nothing; fail if they differ")
-    options = parser.parse_args(arguments)
-    results, status = Results(), 0
-    for page in options.pages:
-        before = page.read_text("utf-8")
-        try:
-            now = results.readme(before)
-        except ResultsError as error:
-            print(error, file=sys.stderr)
-            return 1
-        if options.check and now != before:
-            print(f"{page}: its tables differ from docs/results/data; run `make results-readme`")
-            status = 1
-        elif now != before:
-            page.write_text(now, "utf-8")
-    return status
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,9 +1,6 @@
-"""What the site shows that no page holds: help of commands, examples, tables of results."""
+"""What the site shows that no page holds: examples, and tables of results with their sources."""
 
-import os
 import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +15,6 @@ _SPOKEN = {
     "<th></th>": "<td></td>",
 }
 """What the theme leaves without a name, and what is put there."""
-_HELP = re.compile(r"^<!-- help: (.+?) -->$", re.MULTILINE)
 _EXAMPLE = re.compile(r"\]\(((?:\.\./)+)(?=examples/)")
 
 
@@ -31,10 +27,9 @@ def on_files(files: Files, config: Any) -> Files:
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Put in tables and help, and lead links out of ``docs/`` to the copies of the examples."""
+    """Put in tables, and lead links out of ``docs/`` to the copies of the examples."""
     markdown = Results().page(markdown)
-    markdown = _EXAMPLE.sub(lambda link: f"]({link[1].removeprefix('../')}", markdown)
-    return _HELP.sub(lambda asked: f"```text\n{_help(asked[1])}\n```", markdown)
+    return _EXAMPLE.sub(lambda link: f"]({link[1].removeprefix('../')}", markdown)
 
 
 def on_post_page(output: str, **_: Any) -> str:
@@ -42,15 +37,3 @@ def on_post_page(output: str, **_: Any) -> str:
     for said, spoken in _SPOKEN.items():
         output = output.replace(said, spoken)
     return output
-
-
-def _help(command: str) -> str:
-    """What ``hypernav COMMAND --help`` prints."""
-    main = f"from hypernav.app.cli.main import main; main([*{command.split()}, '--help'])"
-    return subprocess.run(
-        [sys.executable, "-c", main],
-        env=os.environ | {"COLUMNS": "88", "NO_COLOR": "1"},
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout.strip()

@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from hypernav.core.trace import StepTrace
     from hypernav.core.world import RenderedView, Renderer
     from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
+    from hypernav.lab.episodes.search_record import SearchRecord
     from hypernav.lab.evaluation.checks.contracts import check_agent, check_world
     from hypernav.lab.evaluation.evaluate import evaluate
     from hypernav.lab.evaluation.habitat_lab.benchmark import HabitatBenchmark
@@ -63,7 +64,7 @@ if TYPE_CHECKING:
     from hypernav.lab.evaluation.habitat_lab.task import HabitatTask
     from hypernav.lab.evaluation.record import EpisodeRecord
     from hypernav.lab.evaluation.report.report_page import write_report
-    from hypernav.lab.evaluation.report.run_data import load_runs
+    from hypernav.lab.evaluation.report.run_data import Runs, load_runs
     from hypernav.lab.evaluation.run_plan import RunPlan, Selection
     from hypernav.robot.client.links import HttpLink, HttpServer, ServerAddress
     from hypernav.robot.client.robot import Executed, Robot, Sensed
@@ -134,8 +135,10 @@ __all__ = [
     "RobotClient",
     "RoomConfig",
     "RunPlan",
+    "Runs",
     "Scene",
     "SceneError",
+    "SearchRecord",
     "Segmenter",
     "Selection",
     "Sensed",
@@ -221,6 +224,7 @@ _MODULES = {
     "HabitatTask": "hypernav.lab.evaluation.habitat_lab.task",
     "EpisodeRecord": "hypernav.lab.evaluation.record",
     "write_report": "hypernav.lab.evaluation.report.report_page",
+    "Runs": "hypernav.lab.evaluation.report.run_data",
     "load_runs": "hypernav.lab.evaluation.report.run_data",
     "RunPlan": "hypernav.lab.evaluation.run_plan",
     "Selection": "hypernav.lab.evaluation.run_plan",
@@ -242,6 +246,7 @@ _MODULES = {
     "EpisodeResult": "hypernav.lab.episodes.episode_run",
     "EpisodeRun": "hypernav.lab.episodes.episode_run",
     "EpisodeStep": "hypernav.lab.episodes.episode_run",
+    "SearchRecord": "hypernav.lab.episodes.search_record",
     "Scene": "hypernav.simulator.worlds.scenes.scene",
     "SimulatedWorld": "hypernav.simulator.worlds.simulation",
     "random_start": "hypernav.simulator.worlds.surface.goal_regions",

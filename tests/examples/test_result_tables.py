@@ -138,7 +138,7 @@ def test_every_table_and_value_that_a_page_asks_for_is_there(tables):
     results = tables.Results()
     for page in PAGES:
         drawn = results.page(page.read_text("utf-8"))
-        assert not re.search(r"^ *<!-- *table|\{\{", drawn, re.MULTILINE), page  # misspelled
+        assert not re.search(r"^ *<!-- *table|\{\{ ?[\w.-]", drawn, re.MULTILINE), page  # misspelled
 
 
 def test_every_measured_row_knows_its_measures_and_its_command(tables, monkeypatch):
@@ -154,14 +154,3 @@ def test_every_measured_row_knows_its_measures_and_its_command(tables, monkeypat
     assert not list(
         command_faults("\n".join(commands - {one for one in commands if ":" in one[:40]}))
     )
-
-
-def test_the_tables_of_readme_are_those_of_the_data(tables, capsys, tmp_path):
-    assert tables.main([str(ROOT / "README.md"), "--check"]) == 0, capsys.readouterr().out
-    page = tmp_path / "README.md"
-    page.write_text(re.sub(r"0\.\d\d\d", "0.999", (ROOT / "README.md").read_text("utf-8")), "utf-8")
-    assert tables.main([str(page), "--check"]) == 1
-    assert "its tables differ" in capsys.readouterr().out
-    assert tables.main([str(page)]) == 0
-    assert tables.main([str(ROOT / "CONTRIBUTING.md"), "--check"]) == 1  # it has no table
-    assert page.read_text("utf-8") == (ROOT / "README.md").read_text("utf-8")

@@ -1,6 +1,9 @@
 """Configuration: frozen models with bounds, and curves as their values."""
 
+import inspect
 import itertools
+import re
+from functools import cache
 from numbers import Integral, Real
 from typing import Annotated, ClassVar
 
@@ -15,6 +18,10 @@ MOST_THREADS = 256
 MOST_SEED = 2**63 - 1
 """The largest seed that chat servers accept."""
 
+UNITS = {"_m": "m", "_m2": "m²", "_px": "px", "_deg": "°", "_s": "s", "_steps": "steps"}
+"""Units by the endings of field names."""
+_MEANING = re.compile(r"^ {4}(\w+): (.*(?:\n {8}.*)*)", re.MULTILINE)
+
 _Number = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 
 
@@ -27,6 +34,13 @@ class RoomConfig(BaseModel):
     model_config: ClassVar[ConfigDict] = ConfigDict(
         frozen=True, extra="forbid", allow_inf_nan=False
     )
+
+
+@cache
+def meanings(model: type[BaseModel]) -> dict[str, str]:
+    """What each field means, by its name: the entries under "Attributes" of the docstring."""
+    entries = _MEANING.findall(inspect.cleandoc(model.__doc__ or ""))
+    return {name: " ".join(words.split()) for name, words in entries if name in model.model_fields}
 
 
 def check_option(name: str, value: float, bounds: tuple[float, float], why: str) -> None:

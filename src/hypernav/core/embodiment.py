@@ -136,9 +136,9 @@ class MotionConfig(RoomConfig):
     """Effect of the actions, by default as in the paper.
 
     Attributes:
-        forward_m: Length of one step forward, metres.
-        turn_angle_deg: Rotation of one turn action, degrees; a whole number of turns makes a
-            circle.
+        forward_m: Length of one step forward, metres (paper: 0.5).
+        turn_angle_deg: Rotation of one turn action, degrees (paper: 30); a whole number of turns
+            makes a circle.
     """
 
     forward_m: float = Field(default=0.5, ge=0.01, le=5.0)

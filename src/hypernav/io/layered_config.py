@@ -74,6 +74,23 @@ def layered(
     return _validated(type(base), values)
 
 
+def with_values(base: ConfigT, changes: Mapping[str, Any], *, source: str) -> ConfigT:
+    """A configuration with other values.
+
+    Args:
+        base: Configuration to start from.
+        changes: Values that differ, by section: mappings like the sections of a YAML file, or whole
+            sections.
+        source: Where the changes come from, for messages.
+
+    Raises:
+        ConfigError: A wrong key or an impossible value.
+    """
+    values: dict[str, Any] = base.model_dump()
+    _merge(type(base), values, changes, source=source)
+    return _validated(type(base), values)
+
+
 def read_section(model: type[ConfigT], values: dict[str, Any], *, section: str) -> ConfigT:
     """Values of a section whose model is defined by a package outside hypernav.
 
@@ -139,7 +156,7 @@ def _assign(
 def _merge(
     model: type[BaseModel],
     values: dict[str, Any],
-    changes: dict[Any, Any],
+    changes: Mapping[Any, Any],
     *,
     source: str,
 ) -> None:
@@ -153,6 +170,9 @@ def _merge(
             )
         inner = model.model_fields[key].annotation
         if isinstance(inner, type) and issubclass(inner, BaseModel):
+            if isinstance(change, inner):
+                values[key] = change.model_dump()
+                continue
             if not isinstance(change, dict):
                 raise ConfigError(
                     f"{source}: '{key}' is a section with the keys "

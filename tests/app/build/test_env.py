@@ -1,15 +1,18 @@
 import math
+import subprocess
+import sys
 
 import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
+import hypernav.envs
 from box_scenes import room_boxes, scene_of
 from certainty import certain
-from hypernav.app.build.env import ENV_ID, ObjectNavConfig, ObjectNavEnv
+from hypernav.app.build.env import ObjectNavConfig, ObjectNavEnv
 from hypernav.core.embodiment import Action, CameraConfig, Embodiment
-from hypernav.core.errors import GoalError, SceneError, StartError, WorldError
+from hypernav.core.errors import ConfigError, GoalError, SceneError, StartError, WorldError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.simulator.worlds.config import NoiseConfig, SimulationConfig
 from hypernav.simulator.worlds.simulation import SimulatedWorld
@@ -20,6 +23,7 @@ SCENE = scene_of(*room_boxes(), BED, SOFA)
 EMBODIMENT = Embodiment(camera=CameraConfig(width=32, height=24))
 CONFIG = ObjectNavConfig(embodiment=EMBODIMENT)
 FACING_BED = (1.0, 2.0, 0.0)
+ENV_ID = "hypernav/ObjectNav-v0"
 GO = int(Action.MOVE_FORWARD)
 STOP = int(Action.STOP)
 
@@ -40,8 +44,50 @@ def test_gymnasiums_own_checker_accepts_it(noise):
 
 def test_gymnasium_finds_it_by_module_and_name():
     config = ObjectNavConfig(embodiment=Embodiment(camera=CameraConfig(width=32, height=24)))
-    env = gymnasium.make(f"hypernav.app.build.env:{ENV_ID}", scene=SCENE, config=config)
+    gymnasium.register_envs(hypernav.envs)
+    env = gymnasium.make(f"hypernav.envs:{ENV_ID}", scene=SCENE, config=config)
     assert isinstance(env.unwrapped, ObjectNavEnv)
+
+
+def test_a_size_overrides_the_cameras():
+    env = gymnasium.make(ENV_ID, scene=SCENE, size=(40, 30))
+    observation, _ = env.reset(seed=0)
+    assert observation["rgb"].shape == (30, 40, 3)
+    assert observation["depth"].shape == (30, 40)
+
+
+def test_without_colours_an_observation_has_no_image_and_the_rest_is_the_same():
+    with_image, _ = make().reset(seed=3)
+    env = make(colours=False)
+    check_env(env, skip_render_check=True)
+    without, _ = env.reset(seed=3)
+    assert set(with_image) - set(without) == {"rgb"}
+    for name in ("depth", "pose"):
+        assert np.array_equal(without[name], with_image[name])
+
+
+def test_many_run_side_by_side():
+    envs = gymnasium.make_vec(
+        ENV_ID, num_envs=2, vectorization_mode="sync", scene=SCENE, goal="bed", size=(32, 24)
+    )
+    observation, _ = envs.reset(seed=[1, 2])
+    assert observation["depth"].shape == (2, 24, 32)
+    assert observation["goal"] == ("bed", "bed")
+    _, rewards, terminated, _, info = envs.step(np.array([GO, STOP]))
+    assert rewards.tolist() == [0.0, 0.0]
+    assert terminated.tolist() == [False, True]
+    assert info["steps"].tolist() == [1, 1]
+    envs.close()
+
+
+def test_a_generated_house_is_a_scene():
+    program = (
+        "import gymnasium, hypernav.envs as _; "
+        f"env = gymnasium.make('{ENV_ID}', scene='houses:7', size=(16, 12), colours=False); "
+        "print(env.reset(seed=0)[0]['depth'].shape)"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert done.stdout.split("\n")[-2] == "(12, 16)", done.stderr
 
 
 def test_stop_at_the_goal_terminates_and_succeeds():
@@ -158,6 +204,12 @@ def test_misuse_is_told_in_words(tmp_path):
         env.step(4)
     with pytest.raises(WorldError, match="render_mode"):
         make(render_mode="human")
+    with pytest.raises(WorldError, match="colours"):
+        make(render_mode="rgb_array", colours=False)
+    with pytest.raises(ConfigError, match=r"embodiment.camera.width.*got 4"):
+        make(size=(4, 24))
+    with pytest.raises(WorldError, match="leave size out"):
+        ObjectNavEnv(SimulatedWorld(SCENE, embodiment=EMBODIMENT), size=(32, 24))
     with pytest.raises(SceneError):
         ObjectNavEnv(tmp_path / "nothing.glb")
     bare = ObjectNavEnv(scene_of(*room_boxes()), config=CONFIG)

@@ -6,7 +6,7 @@ from pathlib import Path
 from hypernav.app.build.choosing import choose_components
 from hypernav.app.build.component_specs import ComponentSpecs
 from hypernav.app.build.given_files import digests, given_files
-from hypernav.app.build.presets import HyPerNavConfig, with_changes
+from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.cli.options.agent import AgentOptions
 
 
@@ -18,7 +18,7 @@ def written(folder: Path, name: str) -> Path:
 
 def test_weights_and_vectors_are_files_that_components_are_given(tmp_path):
     weights, goals = written(tmp_path, "zson.safetensors"), written(tmp_path, "goals.safetensors")
-    config = with_changes(HyPerNavConfig(), {"policy": {"goals": str(goals)}})
+    config = HyPerNavConfig().with_(policy={"goals": str(goals)})
     zson = choose_components(ComponentSpecs(agent=f"zson:{weights}"))
     assert given_files(zson, config) == (weights, goals)
     yolox = choose_components(ComponentSpecs(detector=f"yolox:{weights}"))

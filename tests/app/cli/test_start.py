@@ -143,11 +143,43 @@ def test_a_shell_completes_commands_and_options(capsys):
     assert options.split()[0] == "--scene"
 
 
+def completed(shell, words):
+    """What a shell offers after words, of which the last one is unfinished."""
+    done = subprocess.run(
+        [sys.executable, "-m", "hypernav", "--completion", shell],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    ask = f"""
+        COMP_WORDS=({" ".join(words)}); COMP_CWORD={len(words) - 1}
+        _tyro_hypernav hypernav; echo ${{COMPREPLY[@]}}
+    """
+    if shell == "fish":
+        ask = f'complete --do-complete "{" ".join(words)}" | cut -f 1'
+    ran = subprocess.run([shell, "-c", f"{done.stdout}\n{ask}"], capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr[-500:]
+    return ran.stdout.split()
+
+
+@pytest.mark.parametrize("shell", ["bash", "fish"])
+def test_names_of_scenes_and_agents_are_offered_and_then_files(shell, tmp_path, monkeypatch):
+    if shutil.which(shell) is None:
+        pytest.skip(f"{shell} is not installed")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.glb").touch()
+    assert completed(shell, ["hypernav", "find", "--scene", "bui"]) == ["builtin"]
+    if shell != "fish":  # it asks for all values, and filters them itself
+        assert completed(shell, ["hypernav", "find", "--scene", "mi"]) == ["mine.glb"]
+    assert completed(shell, ["hypernav", "eval", "--agent", "fro"]) == ["frontier"]
+    assert "find" in completed(shell, ["hypernav", "fi"])
+
+
 def test_a_shell_that_cannot_complete_is_named(capsys):
     with pytest.raises(SystemExit) as stop:
         main(["--completion", "tcsh"])
     assert stop.value.code == 2
-    assert "bash, zsh" in capsys.readouterr().err
+    assert "bash, zsh, fish" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -5,7 +5,7 @@ import pytest
 from hypernav.app.build.choosing import choose_components
 from hypernav.app.build.component_specs import ComponentSpecs
 from hypernav.app.build.exam_file import Calibration, Cost, ExamFile, Predicted
-from hypernav.app.build.presets import preset, with_changes
+from hypernav.app.build.presets import preset
 from hypernav.core.errors import ConfigError
 from hypernav.lab.evaluation.run_cost import (
     FEWER_LOOKS,
@@ -59,7 +59,7 @@ def test_switches_save_what_they_say():
         ({"grounding": {"score_crops": 0}}, SWITCHES["crop"]),
         ({"search": {"looks": "at-destinations"}}, FEWER_LOOKS),
     ):
-        less = cost_by_exam(EXAM, "default", with_changes(DEFAULT, changes), KINDS)
+        less = cost_by_exam(EXAM, "default", DEFAULT.with_(**changes), KINDS)
         saved = 1.0 - sum(less.calls.values()) / total
         assert whole.saved_by()[switch] == pytest.approx(saved)
         assert saved > 0.1
@@ -94,7 +94,7 @@ def test_searches_that_leave_a_question_out_are_those_that_count(left_out, groun
 
 
 def test_money_is_told_where_there_is_a_price():
-    priced = with_changes(DEFAULT, {"price": {"in_per_million": 1.0, "out_per_million": 10.0}})
+    priced = DEFAULT.with_(price={"in_per_million": 1.0, "out_per_million": 10.0})
     cost = cost_by_exam(EXAM, "default", priced, KINDS)
     said = cost_lines(cost, 1000, 2, priced)
     spent = 1000 * (cost.tokens_in * 1.0 + cost.tokens_out * 10.0) / 1e6

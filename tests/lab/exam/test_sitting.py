@@ -74,6 +74,7 @@ class Exam:
         self.known = [one for questions in found.values() for one in questions]
         self.gather, self.folder = gather, folder
         self.progress: list[Progress] = []
+        self.stops: list[int] = []
 
     def sit(
         self, spoiled: Spoiled = "", *, part: str = "exam", most: int | None = None
@@ -99,6 +100,7 @@ class Exam:
                     configuration={"spoiled": spoiled},
                     at_once=4,
                     watch=watch,
+                    stop=self.stops.append,
                 )
             finally:
                 self.asked = len(server.requests)
@@ -151,6 +153,8 @@ def test_a_killed_exam_goes_on_and_equals_a_whole_one(exam: Exam):
     calls = exam.asked
     with pytest.raises(KeyboardInterrupt):
         exam.sit(part="killed", most=12)
+    (under_way,) = exam.stops  # said before they are waited for; a whole exam says nothing
+    assert 0 <= under_way <= 4
     path = exam.folder / "killed" / ANSWERS
     path.write_bytes(path.read_bytes() + b'{"id": "half a li')
     before = exam.asked

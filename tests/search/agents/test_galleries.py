@@ -9,7 +9,7 @@ import pytest
 from box_scenes import Box, scene_of
 from box_views import FLOOR, view_of
 from hypernav.app.build.agents import build_search
-from hypernav.app.build.presets import preset, with_changes
+from hypernav.app.build.presets import preset
 from hypernav.core.embodiment import Action
 from hypernav.core.geometry.boxes import Box as ImageBox
 from hypernav.core.geometry.boxes import Detection
@@ -22,7 +22,7 @@ from searches import searched
 from small_episodes import episode_from
 from stair_views import TREAD_M
 
-CONFIG = with_changes(preset("default"), {"embodiment": {"body": {"max_step_m": 0.2}}})
+CONFIG = preset("default").with_(embodiment={"body": {"max_step_m": 0.2}})
 RISERS, RISE_M = 15, 0.175
 LOW_M = -RISERS * RISE_M
 EDGE_X, FOOT_X, END_X = 4.0, 4.0 + (RISERS - 1) * TREAD_M, 11.0
@@ -99,7 +99,7 @@ def test_what_is_seen_on_another_floor_is_found_there(
 @pytest.mark.slow
 @pytest.mark.parametrize("pursues", [True, False])
 def test_for_one_that_is_not_found_there_it_does_not_go_to_and_fro(pursues: bool):
-    config = with_changes(CONFIG, {"search": {"pursue_far_sightings": pursues}})
+    config = CONFIG.with_(search={"pursue_far_sightings": pursues})
     agent, start = build_search(config, SeesFromTheGallery()), Pose2(2.0, 1.0, 0.0)
     trace = searched(agent, building(), episode_from(start, "bed", start_z=0.0), most_steps=200)
     assert trace[-1].action is not Action.STOP

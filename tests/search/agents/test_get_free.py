@@ -12,7 +12,7 @@ from box_scenes import room_boxes, scene_of
 from box_views import FLOOR, SolidBox, view_of
 from hypernav.app.build.agents import build_search
 from hypernav.app.build.component_specs import PresetName
-from hypernav.app.build.presets import preset, with_changes
+from hypernav.app.build.presets import preset
 from hypernav.core.embodiment import Action
 from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
@@ -134,7 +134,7 @@ def headings_tried(
         turn_angle_deg: Angle of a turn.
     """
     changes = {"embodiment": {"motion": {"turn_angle_deg": turn_angle_deg}}}
-    config = with_changes(preset("default"), changes)
+    config = preset("default").with_(**changes)
     camera = config.embodiment.camera.intrinsics
     agent = build_search(config, GroundTruthDetector(), ExchangeLog())
     memory = Memory(config.mapping, config.embodiment)
@@ -187,7 +187,7 @@ def test_a_robot_tries_all_headings_of_a_circle(turn_angle_deg):
 
 def standing_free(forward_m: float) -> tuple[Step, Plan]:
     """A step in an empty map, of a robot that has just bumped ahead."""
-    config = with_changes(preset("default"), {"embodiment": {"motion": {"forward_m": forward_m}}})
+    config = preset("default").with_(embodiment={"motion": {"forward_m": forward_m}})
     agent = build_search(config, GroundTruthDetector(), ExchangeLog())
     frame, here = view_of([FLOOR], Pose2(0.0, 0.0, 0.0)), Pose2(0.0, 0.0, 0.0)
     grid = Memory(config.mapping, config.embodiment).obstacles

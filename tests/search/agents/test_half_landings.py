@@ -8,7 +8,7 @@ import pytest
 
 from box_scenes import Box, scene_of
 from hypernav.app.build.agents import build_search
-from hypernav.app.build.presets import preset, with_changes
+from hypernav.app.build.presets import preset
 from hypernav.core.embodiment import Action
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
@@ -19,7 +19,7 @@ from searches import searched
 from small_episodes import episode_from
 from stair_views import TREAD_M
 
-CONFIG = with_changes(preset("default"), {"embodiment": {"body": {"max_step_m": 0.2}}})
+CONFIG = preset("default").with_(embodiment={"body": {"max_step_m": 0.2}})
 RISERS, RISE_M = 8, 0.175
 HALF_M = RISERS * RISE_M
 EDGE_X, FAR_X = 4.0, 4.0 + (RISERS - 1) * TREAD_M

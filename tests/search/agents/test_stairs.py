@@ -11,7 +11,7 @@ from box_scenes import Box, scene_of
 from box_views import FLOOR, view_of
 from chat_models import Parrot
 from hypernav.app.build.agents import build_search
-from hypernav.app.build.presets import preset, with_changes
+from hypernav.app.build.presets import preset
 from hypernav.core.chat import Question
 from hypernav.core.embodiment import Action
 from hypernav.core.episode import Episode
@@ -36,7 +36,7 @@ from small_episodes import episode_from
 from small_worlds import colourless_world
 from stair_views import FIRST_X, RISE_M, SIDES_Y, STEPS, TREAD_M
 
-CONFIG = with_changes(preset("default"), {"embodiment": {"body": {"max_step_m": 0.2}}})
+CONFIG = preset("default").with_(embodiment={"body": {"max_step_m": 0.2}})
 ABOVE_M = STEPS * RISE_M
 CAMERA = CONFIG.embodiment.camera.intrinsics
 START_X = 1.5

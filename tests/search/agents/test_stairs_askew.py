@@ -9,7 +9,7 @@ import pytest
 
 from box_scenes import Box, scene_of
 from hypernav.app.build.agents import build_search
-from hypernav.app.build.presets import preset, with_changes
+from hypernav.app.build.presets import preset
 from hypernav.core.embodiment import Action
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Mode
@@ -20,7 +20,7 @@ from small_episodes import episode_from
 from small_worlds import colourless_world
 from stair_views import FIRST_X, RISE_M, SIDES_Y, STEPS, TREAD_M
 
-CONFIG = with_changes(preset("default"), {"embodiment": {"body": {"max_step_m": 0.2}}})
+CONFIG = preset("default").with_(embodiment={"body": {"max_step_m": 0.2}})
 LOW_M, FOOT_X = -STEPS * RISE_M, FIRST_X + (STEPS - 1) * TREAD_M
 MIDDLE_Y = sum(SIDES_Y) / 2.0
 

@@ -7,12 +7,12 @@ import pytest
 
 from hypernav.app.build.component_specs import ComponentSpecs
 from hypernav.app.build.data.datasets import load_episodes
-from hypernav.app.build.presets import preset, with_changes
+from hypernav.app.build.presets import preset
 from hypernav.lab.evaluation.record import Outcome
 from hypernav.lab.evaluation.workers.job import Job
 from hypernav.lab.evaluation.workers.worker import EpisodeWorker
 
-CONFIG = with_changes(preset("default"), {"embodiment": {"body": {"max_step_m": 0.2}}})
+CONFIG = preset("default").with_(embodiment={"body": {"max_step_m": 0.2}})
 
 
 @pytest.mark.slow

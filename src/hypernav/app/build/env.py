@@ -1,9 +1,6 @@
-"""Object-goal navigation as a Gymnasium environment, ``hypernav/ObjectNav-v0``.
+"""Object-goal navigation as a Gymnasium environment, ``hypernav/ObjectNav-v0``."""
 
-Importing this module registers it:
-``gymnasium.make("hypernav.app.build.env:hypernav/ObjectNav-v0")``.
-"""
-
+import copy
 import math
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -27,11 +24,10 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.world import Simulator
+from hypernav.io.layered_config import with_values
 from hypernav.lab.episodes.trial import Trial
 from hypernav.simulator.worlds.config import SimulationConfig
 from hypernav.simulator.worlds.scenes.scene import Scene
-
-ENV_ID = "hypernav/ObjectNav-v0"
 
 _OPTIONS = ("goal", "start")
 _LONGEST_GOAL = 200
@@ -62,10 +58,10 @@ class ObjectNavConfig(RoomConfig):
 class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
     """Find an object in a scene.
 
-    An observation holds ``rgb``, ``depth`` (metres, 0 where there is no return), ``pose`` (x, y in
-    metres and yaw in radians, as odometry reports it, in the ``map`` frame that starts at the
-    start pose) and ``goal`` (text). Actions have Habitat's numbers, see
-    `hypernav.core.embodiment.Action`.
+    An observation holds ``rgb`` (unless it is made without colours), ``depth`` (metres, 0 where
+    there is no return), ``pose`` (x, y in metres and yaw in radians, as odometry reports it, in the
+    ``map`` frame that starts at the start pose) and ``goal`` (text). Actions have Habitat's
+    numbers, see `hypernav.core.embodiment.Action`.
 
     STOP terminates the episode; the step limit truncates it. The reward is 1 for a STOP at the
     goal and 0 otherwise. ``info`` holds the measures of
@@ -85,6 +81,8 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
         goal: str | None = None,
         *,
         config: ObjectNavConfig | None = None,
+        size: tuple[int, int] | None = None,
+        colours: bool = True,
         render_mode: str | None = None,
     ) -> None:
         """Open a scene.
@@ -93,15 +91,23 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
             scene: A scene, its name or file, or an existing world with its own configuration.
             goal: The object to find in every episode; None draws a goal at each reset.
             config: The task of the environment.
-            render_mode: "rgb_array" or None.
+            size: Columns and rows of the images, pixels; None takes those of ``config``.
+            colours: Whether observations have ``rgb``; drawing colours is most of a step's work.
+            render_mode: "rgb_array", which needs colours, or None.
 
         Raises:
+            ConfigError: Images of this size are impossible.
             SceneError: The file is not a scene, or the robot fits nowhere.
-            WorldError: The render mode doesn't exist.
+            WorldError: The render mode doesn't exist or has no colours to show, or a size is given
+                for a world that has its own camera.
         """
         if render_mode not in (None, "rgb_array"):
             raise WorldError(f"render_mode must be 'rgb_array' or None, got {render_mode!r}")
-        self.config: ObjectNavConfig = config or ObjectNavConfig()
+        if render_mode is not None and not colours:
+            raise WorldError("render_mode 'rgb_array' shows colours; leave colours=False out")
+        if size is not None and isinstance(scene, Simulator):
+            raise WorldError("size is for scenes; this world has its own camera, leave size out")
+        self.config: ObjectNavConfig = _sized(config or ObjectNavConfig(), size)
         self._owns_world = not isinstance(scene, Simulator)
         robot = {"world": self.config.simulation, "embodiment": self.config.embodiment}
         simulated = HyPerNavConfig().model_copy(update=robot)
@@ -111,18 +117,21 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
             self.world = in_our_own(scene, simulated)
         else:
             self.world = open_world(str(scene), simulated)
+        self.world.colours = colours
         self.render_mode = render_mode
         self._fixed_goal = None if goal is None else _checked_goal(goal)
         camera = self.world.embodiment.camera
-        size = (camera.height, camera.width)
+        shape = (camera.height, camera.width)
         turn = np.array([_FARTHEST_M, _FARTHEST_M, math.pi])
+        parts: dict[str, gymnasium.Space[Any]] = {
+            "rgb": spaces.Box(0, 255, (*shape, 3), np.uint8),
+            "depth": spaces.Box(0.0, camera.max_depth_m, shape, np.float32),
+            "pose": spaces.Box(-turn, turn, (3,), np.float64),
+            "goal": spaces.Text(_LONGEST_GOAL, charset=_CHARACTERS),
+        }
+        self._parts = [name for name in parts if colours or name != "rgb"]
         self.observation_space: gymnasium.Space[dict[str, Any]] = spaces.Dict(
-            {
-                "rgb": spaces.Box(0, 255, (*size, 3), np.uint8),
-                "depth": spaces.Box(0.0, camera.max_depth_m, size, np.float32),
-                "pose": spaces.Box(-turn, turn, (3,), np.float64),
-                "goal": spaces.Text(_LONGEST_GOAL, charset=_CHARACTERS),
-            }
+            {name: parts[name] for name in self._parts}
         )
         self.action_space: gymnasium.Space[Any] = spaces.Discrete(len(Action))
         self._trial: Trial | None = None
@@ -241,17 +250,27 @@ class ObjectNavEnv(gymnasium.Env[dict[str, Any], Any]):
 
     def _observed(self) -> dict[str, Any]:
         seen = self.observation
-        return {
-            # Copies: the caller may change what it gets, and STOP shows the last image again.
-            "rgb": seen.rgb.copy(),
-            "depth": seen.depth.copy(),
+        parts = {
+            "rgb": seen.rgb,
+            "depth": seen.depth,
             "pose": np.array([seen.robot.x, seen.robot.y, seen.robot.yaw]),
             "goal": self.goal.text,
         }
+        # Copies: the caller may change what it gets, and STOP shows the last image again.
+        return {name: copy.copy(parts[name]) for name in self._parts}
 
     def _info(self) -> dict[str, Any]:
         metrics = asdict(self.trial.measure())
         return {**metrics, "steps": self.trial.steps, "collided": self.world.collided}
+
+
+def _sized(config: ObjectNavConfig, size: tuple[int, int] | None) -> ObjectNavConfig:
+    """The task with images of so many columns and rows."""
+    if size is None:
+        return config
+    width, height = size
+    camera = {"camera": {"width": width, "height": height}}
+    return with_values(config, {"embodiment": camera}, source="size")
 
 
 def _checked_goal(text: str) -> Goal:
@@ -261,7 +280,3 @@ def _checked_goal(text: str) -> Goal:
             f"a goal here is a line of at most {_LONGEST_GOAL} printable characters, got {text!r}"
         )
     return Goal(text)
-
-
-if ENV_ID not in gymnasium.registry:
-    gymnasium.register(ENV_ID, entry_point="hypernav.app.build.env:ObjectNavEnv")

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from hypernav.app.build.presets import ARROWS_AS_RELEASED, HyPerNavConfig, with_changes
+from hypernav.app.build.presets import ARROWS_AS_RELEASED, HyPerNavConfig
 from hypernav.core.errors import ConfigError
 
 _LOOKING_DOWN: dict[str, Any] = {
@@ -124,7 +124,7 @@ def native_config(agent: str, base: HyPerNavConfig) -> HyPerNavConfig:
     eye_m = base.world.judge_eye_m or base.embodiment.camera.height_m
     judged_as_before = base.world.model_copy(update={"judge_eye_m": eye_m})
     judged = base.model_copy(update={"world": judged_as_before})
-    return with_changes(judged, _METHODS[agent].changes(base))
+    return judged.with_(**_METHODS[agent].changes(base))
 
 
 def check_native_robot(config: HyPerNavConfig) -> None:

@@ -1,15 +1,17 @@
 """The whole configuration, and the presets."""
 
+import difflib
 import math
-from typing import Any
+from typing import Any, get_args
 
-from pydantic import BaseModel, Field, model_validator
+from pydantic import Field, model_validator
 
 from hypernav.app.build.component_specs import PresetName
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import ConfigError
 from hypernav.core.words import megabytes
+from hypernav.io.layered_config import with_values
 from hypernav.io.reading import MOST_BYTES
 from hypernav.search.agents.config import SearchConfig
 from hypernav.search.agents.policy import PolicyConfig
@@ -45,8 +47,8 @@ class PriceConfig(RoomConfig):
     """Prices of a model's tokens; None leaves the cost out of the results.
 
     Attributes:
-        in_per_million: Price of a million prompt tokens, in any currency.
-        out_per_million: Price of a million answer tokens, in the same currency.
+        in_per_million: Price, in any currency, of a million prompt tokens.
+        out_per_million: Price, in the same currency, of a million answer tokens.
     """
 
     in_per_million: float | None = Field(default=None, ge=0.0, le=1e9)
@@ -136,6 +138,18 @@ class HyPerNavConfig(RoomConfig):
     policy: PolicyConfig = PolicyConfig()
     own: OwnConfig = OwnConfig()
 
+    def with_(self, **sections: Any) -> "HyPerNavConfig":
+        """The configuration with other values, such as ``search={"endurance_steps": 60}``.
+
+        Args:
+            **sections: By the name of the section, either the values that differ, or a whole
+                section such as an `Embodiment`.
+
+        Raises:
+            ConfigError: A wrong key or an impossible value.
+        """
+        return with_values(self, sections, source="with_")
+
     def for_steps(self, max_steps: int) -> "HyPerNavConfig":
         """The configuration of searches that end after so many steps.
 
@@ -193,30 +207,25 @@ _AS_RELEASED: dict[str, dict[str, Any]] = {
 """Where the released code of published methods differs from its own intention or from ours."""
 
 
-def with_changes(base: HyPerNavConfig, changes: dict[str, Any]) -> HyPerNavConfig:
-    """A configuration with changed values, given by section."""
-    return HyPerNavConfig.model_validate(_merged(base, changes))
-
-
-def _merged(base: BaseModel, changes: dict[str, Any]) -> dict[str, Any]:
-    values = base.model_dump()
-    for key, change in changes.items():
-        inner = getattr(base, key)
-        values[key] = _merged(inner, change) if isinstance(inner, BaseModel) else change
-    return values
-
-
-def preset(name: PresetName) -> HyPerNavConfig:
+def preset(name: PresetName | str) -> HyPerNavConfig:
     """A named configuration: the published method, or the one measured to be better.
 
     ``…-as-released`` is ``default`` with the mistakes of a published method's released code.
 
     docs/method.md says which sentence of the paper each value comes from, and which are ours.
+
+    Raises:
+        ConfigError: There is no such preset.
     """
+    names: tuple[str, ...] = get_args(PresetName)
+    if name not in names:
+        close = difflib.get_close_matches(str(name), names, n=1)
+        hint = f"did you mean '{close[0]}'? " if close else ""
+        raise ConfigError(f"there is no preset {name!r:.40}; {hint}presets: {', '.join(names)}")
     if name == "default":
         return HyPerNavConfig()
     if name != "paper":
-        return with_changes(HyPerNavConfig(), _AS_RELEASED[name])
+        return HyPerNavConfig().with_(**_AS_RELEASED[name])
     return HyPerNavConfig(
         mapping=MappingConfig(
             pass_weight=0, free_footprint=False, sees_drops=False, block_destination="middle"

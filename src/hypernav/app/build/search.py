@@ -1,5 +1,7 @@
 """A search in one call: an agent looks for a goal in a simulated building."""
 
+from typing import Any
+
 import numpy as np
 
 from hypernav.app.build.agents import build_agent
@@ -77,9 +79,16 @@ def find(
     check_option("max_steps", max_steps, (1, MOST_STEPS), "a search needs at least one step")
     check_option("seed", seed, (0, MOST_SEED), "a seed is 0 or more")
     agent = build_agent(config.for_steps(max_steps)) if agent is None else agent
-    truth = None
+    truth, words = None, dict[str, Any]()
     if isinstance(agent, BuiltAgent):
         agent.check_goal(goal)
+        words = {
+            "agent": agent.chosen.agent.spec,
+            "detector": agent.detector_words,
+            "reasoner": agent.reasoner_words,
+            "segmenter": agent.segmenter.words,
+            "model": agent.model_words,
+        }
         agent, truth = agent.agent, agent.truth
     agent = through_door(agent, Agent)
     if isinstance(scene, Simulator):
@@ -91,6 +100,8 @@ def find(
     rng = np.random.default_rng(seed)
     start = start or world.truth.random_start(rng, goal)
     episode = Episode(name, "", goal, start, max_steps=max_steps)
-    return EpisodeRun(
+    search = EpisodeRun(
         agent, world, episode, rng=rng, told=truth, memory=memory, relocalize=relocalize
     )
+    search.described |= words | {"seed": seed, "config": config.model_dump(mode="json")}
+    return search

@@ -12,6 +12,7 @@ import importlib
 import io
 import itertools
 import os
+import re
 import shutil
 import sys
 import traceback
@@ -23,6 +24,7 @@ from typing import Any, NoReturn
 import tyro
 
 from hypernav.app.cli.options.commands import OPTIONS
+from hypernav.app.cli.options.declaring import READING
 from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.core.errors import ComponentError, ConfigError
 
@@ -36,22 +38,22 @@ COMMANDS = {
     "compare": "Compare the simulator with habitat-sim, pose by pose, in a scene of your own.",
     "scene": "Write the navigation mesh that habitat-sim computes of a scene, for any robot.",
     "memory": "Write a page about what searches have learned of a building, or forget some of it.",
+    "config": "List every value of the configuration: default, unit, range, meaning and source.",
     "serve": "Take the observations of robots over the network, and answer each with an action.",
     "robot": "Simulate a robot on the network, replay recordings of a camera, report on trials.",
     "houses": "Generated buildings: pages about them, files for other programs, splits, episodes.",
 }
 _LEAST_MB = 1500
 """Least size of the address space in which libraries load."""
-_SHELLS = ("bash", "zsh")
+_SHELLS = ("bash", "zsh", "fish")
 _MOST_CHARACTERS = 500
 _LEAST_COLUMNS = 20
 """Narrowest terminal for which help and errors are laid out: tyro never ends in a narrower one."""
 _PLAINER = {
     "Error parsing ": "",
     "Missing from hypernav ": "missing from hypernav ",
-    "{None}|": "",
-    "no type matching ": "expected ",
-    " could be instantiated from ": ", got ",
+    "invalid literal for int() with base 10: ": "expected a whole number, got ",
+    "could not convert string to float: ": "expected a number, got ",
 }
 """Plainer words for some of tyro's."""
 
@@ -160,6 +162,7 @@ def _parse(name: str, arguments: list[str]) -> Any:
                 description=COMMANDS[name],
                 args=arguments,
                 config=(tyro.conf.PositionalMetavarFromFieldName,),
+                registry=READING,
             )
     except SystemExit as stop:
         if stop.code == 0:
@@ -216,11 +219,37 @@ def _completion(arguments: Sequence[str]) -> NoReturn:
     """
     if len(arguments) != 1 or arguments[0] not in _SHELLS:
         raise ConfigError(f"--completion takes one shell: {', '.join(_SHELLS)}")
-    with _help_on_terminal():
+    script = io.StringIO()
+    with contextlib.suppress(SystemExit), contextlib.redirect_stdout(script):
         tyro.extras.subcommand_cli_from_dict(
-            OPTIONS, prog="hypernav", args=["--tyro-print-completion", arguments[0]]
+            OPTIONS,
+            prog="hypernav",
+            args=["--tyro-print-completion", arguments[0]],
+            registry=READING,
         )
-    raise AssertionError("completion ends the program")
+    with _help_on_terminal():
+        print(_with_offers(script.getvalue()))
+    sys.exit(0)
+
+
+def _with_offers(script: str) -> str:
+    """A script of tyro's that also offers names of scenes and agents, and then files.
+
+    tyro offers values only of options that take no others, and these take files and modules, too.
+    """
+    from hypernav.app.build.data.scenes import SCENES
+    from hypernav.app.build.registries import AGENTS
+
+    offers = {
+        "scene": [form.replace(":N", ":7") for form in SCENES.forms],
+        "agent": [form for form in AGENTS.forms if ":" not in form],
+    }
+    for option, values in offers.items():
+        known = rf"('flags': \['--{option}'\], 'description': (?:(?!'flags').)*?'type': )'\w+'"
+        script = re.sub(known, rf"\1'choice', 'choices': {values}", script, flags=re.DOTALL)
+    ending = "return completions\n"
+    files = "return completions or ['__TYRO_COMPLETE_FILES__']\n"
+    return script.replace(f"{' ' * 32}{ending}", f"{' ' * 32}{files}")
 
 
 def _unknown(name: str) -> str:

@@ -1,13 +1,10 @@
 """The command `hypernav exam`: questions with known answers for a model, and a page about it."""
 
-import time
 from collections.abc import Sequence
-from contextlib import ExitStack, closing, nullcontext
+from contextlib import ExitStack, closing
 from functools import partial
 from pathlib import Path
 from typing import Any
-
-from rich.live import Live
 
 from hypernav.app.build.chat import model_words, wrap_chat
 from hypernav.app.build.component_specs import ComponentSpecs, PresetName
@@ -16,6 +13,7 @@ from hypernav.app.build.prompts import prompt_hashes
 from hypernav.app.cli.eval import folder_name
 from hypernav.app.cli.guards.outputs import check_folder
 from hypernav.app.cli.options.commands import ExamOptions
+from hypernav.app.cli.screen.counter import Counter
 from hypernav.app.cli.screen.search_lines import warnings_on
 from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.core.components.protocols import ChatModel
@@ -42,7 +40,6 @@ from hypernav.lab.exam.sitting import FORECAST_AFTER, Progress, sit
 from hypernav.search.models.chat.ledger import Ledger
 from hypernav.search.models.chat.vlm_spec import parse_vlm_spec
 
-_LINE_EVERY_S = 60.0
 _AT_ONCE = 4
 _WAITS = {"timeout_s", "patience_s", "first_wait_s", "longest_wait_s", "device"}
 """Values that say how long and where, not what is answered."""
@@ -51,6 +48,7 @@ _PREDICTED: tuple[PresetName, ...] = ("default", "paper")
 _DRAWN = ("embodiment", "mapping", "overview", "arrows")
 """Sections on which the questions themselves depend."""
 EXCHANGES = "exchanges.jsonl"
+_GO_ON = "Run the same command again to go on"
 
 
 def run(options: ExamOptions) -> int:
@@ -145,13 +143,21 @@ def _predicted(
     configs |= {options.preset: config} if options.preset in configs else {}
     console.print(f"searching {options.predict} times with stand-ins that err like it …")
     episodes = spread_episodes(config, options.predict)
-    with console.status("") as status:
-
-        def watch(done: int) -> None:
-            status.update(f"{done} of {len(episodes)} searches with stand-ins")
-
+    words = f"of {len(episodes)} searches with stand-ins"
+    with Counter(console, f"the first {words}") as counter:
         agents = mimics_of(confusion, configs)
-        return predictions_of(run_searches(agents, config, episodes, folder / SEARCHES, watch))
+        try:
+            searches = run_searches(
+                agents,
+                config,
+                episodes,
+                folder / SEARCHES,
+                lambda done: counter.update(f"{done} {words}"),
+            )
+        except KeyboardInterrupt:
+            console.print(f"the searches so far are kept in {folder}. {_GO_ON}", markup=False)
+            raise
+    return predictions_of(searches)
 
 
 def _watched(
@@ -163,22 +169,21 @@ def _watched(
     examined: Examined,
     console: Terminal,
 ) -> list[Answered]:
-    said, forecast = time.monotonic(), False
-    live = Live(console=console, refresh_per_second=2, transient=True)
+    with Counter(console, "making the first questions") as counter:
 
-    def watch(progress: Progress) -> None:
-        nonlocal said, forecast
-        line = _line(progress, config)
-        if progress.answered_here == FORECAST_AFTER and not forecast:
-            forecast = True
-            console.print(f"after the first ten: {line}")
-        elif console.is_terminal:
-            live.update(line)
-        elif time.monotonic() - said >= _LINE_EVERY_S:
-            said = time.monotonic()
-            console.print(line)
+        def watch(progress: Progress) -> None:
+            line = _line(progress, config)
+            counter.update(line)
+            if progress.answered_here == FORECAST_AFTER:
+                console.print(f"after the first ten: {line}", markup=False)
 
-    with live if console.is_terminal else nullcontext():
+        def stop(under_way: int) -> None:
+            waits = f"waiting for {under_way} answers under way; " if under_way else ""
+            console.print(
+                f"{waits}all answers are kept in {folder}. {_GO_ON}",
+                markup=False,
+            )
+
         return sit(
             folder,
             bank,
@@ -187,6 +192,7 @@ def _watched(
             configuration=_configuration(examined, config),
             at_once=options.at_once or (_AT_ONCE if _is_served(options) else 1),
             watch=watch,
+            stop=stop,
         )
 
 

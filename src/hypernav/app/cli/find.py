@@ -54,7 +54,7 @@ from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.core.world import Simulator
 from hypernav.io.folder_lock import folder_lock
 from hypernav.lab.datasets.benchmarks import robot_in
-from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeRun
+from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.lab.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
 from hypernav.search.mapping.storage.memory_folder import MemoryFolder
 from hypernav.simulator.worlds.simulated_robot import check_standable
@@ -164,7 +164,7 @@ def _find(options: FindOptions, goal: Goal, folder: Path) -> ExitStatus:
                     "start": start_values(start, start_z),
                     **_found_start(search),
                     **_memory_entry(options, search, earlier_searches),
-                    **_numbers(outcome),
+                    **outcome.as_dict(),
                     **parts.take_report(),
                     "config": config.model_dump(mode="json"),
                 }
@@ -270,17 +270,6 @@ def _finish(views: Views, result: dict[str, Any], console: Console) -> OutputErr
         console.print(f"[red]{escape(str(error))}[/]", soft_wrap=True)
         return error
     return None
-
-
-def _numbers(result: EpisodeResult) -> dict[str, Any]:
-    return {
-        "outcome": result.outcome.value,
-        "detail": result.detail,
-        "steps": result.steps,
-        "model_calls": result.model_calls,
-        **result.measures(),
-        "seconds": {module: round(value, 3) for module, value in result.seconds.items()},
-    }
 
 
 def _found_start(search: EpisodeRun) -> dict[str, Any]:

@@ -4,7 +4,7 @@ Here are its options, and the choice of the module that runs a subcommand.
 """
 
 import importlib
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -17,9 +17,10 @@ from hypernav.app.cli.options.agent import (
     FlatRobotViewOptions,
     RobotViewOptions,
 )
+from hypernav.app.cli.options.declaring import options
 
 
-@dataclass(frozen=True)
+@options
 class Simulate:
     """Let a simulated robot search over the network, with the answers of `hypernav serve`."""
 
@@ -78,7 +79,7 @@ class Simulate:
     """Print errors only."""
 
 
-@dataclass(frozen=True)
+@options
 class Wait:
     """Let a simulated robot wait for goals from the operator's page of `hypernav serve`."""
 
@@ -110,7 +111,7 @@ class Wait:
     """Print errors only."""
 
 
-@dataclass(frozen=True)
+@options
 class Ros2:
     """Search on a robot that speaks ROS 2, over DDS and without ROS (extra ros2)."""
 
@@ -162,7 +163,7 @@ class Ros2:
         return [word for name, value in named.items() if value for word in (name, value)]
 
 
-@dataclass(frozen=True)
+@options
 class Replay:
     """Process recorded RGB-D frames as on a robot: draw the map, look for the goal."""
 
@@ -190,7 +191,7 @@ class Replay:
     """Print errors only."""
 
 
-@dataclass(frozen=True)
+@options
 class Report:
     """Success and SPL of finished searches, per goal and method, as in the paper's last table."""
 

@@ -3,6 +3,8 @@
 import base64
 import io
 import json
+from collections.abc import Mapping, Sequence
+from html import escape
 from importlib.metadata import version
 from typing import Any
 
@@ -106,6 +108,20 @@ def image_uri(image: UInt8[np.ndarray, "_ _ 3"]) -> str:
     colors = Image.fromarray(image).quantize(128, dither=Image.Dither.NONE)
     colors.save(buffer, format="PNG", optimize=True)
     return data_uri(buffer.getvalue(), "image/png")
+
+
+def html_table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """A table for notebooks, one row for each mapping; all have the keys of the first."""
+    columns = list(rows[0]) if rows else []
+    head = "".join(f"<th>{escape(visible(name))}</th>" for name in columns)
+    body = "".join(
+        f"<tr>{''.join(f'<td>{_cell(row[name])}</td>' for name in columns)}</tr>" for row in rows
+    )
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _cell(value: Any) -> str:
+    return escape(visible(value if isinstance(value, str) else captions.number(value)))
 
 
 def plain(value: Any) -> Any:

@@ -3,7 +3,8 @@
 import time
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,6 +31,9 @@ from hypernav.lab.episodes.unknown_start import find_start
 from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.memory.relocalization import FoundStart
 from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+
+if TYPE_CHECKING:
+    from hypernav.lab.episodes.search_record import SearchRecord
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +81,17 @@ class EpisodeResult:
         parts = {} if self.parts is None else asdict(self.parts)
         return asdict(self.metrics) | parts
 
+    def as_dict(self) -> dict[str, Any]:
+        """The result as ``result.json`` has it, with seconds to the millisecond."""
+        return {
+            "outcome": self.outcome.value,
+            "detail": self.detail,
+            "steps": self.steps,
+            "model_calls": self.model_calls,
+            **self.measures(),
+            "seconds": {module: round(value, 3) for module, value in self.seconds.items()},
+        }
+
 
 class EpisodeRun:
     """One search by one agent, step by step, so that it can be watched, recorded and interrupted.
@@ -87,6 +102,7 @@ class EpisodeRun:
 
     Attributes:
         trial: The state of the episode.
+        described: What pages say about the search: ``agent``, ``detector``, ``reasoner``, …
         found_start: Where the robot took itself to be in a memory; None if it knew that. If that is
             not sure, the search begins anew, and the folder stays as it was.
 
@@ -140,6 +156,7 @@ class EpisodeRun:
         self._folder = memory if isinstance(memory, MemoryFolder) else None
         if memory is not None:
             check_remembers(agent)
+        self.described: dict[str, Any] = {"agent": type(agent).__name__}
         self._began = time.perf_counter()
         self._clock = ModuleClock()
         self.found_start: FoundStart | None = None
@@ -246,6 +263,25 @@ class EpisodeRun:
             mode=mode,
             ending=Ending.of(action),
         ), None
+
+    def record(self, folder: str | Path | None = None) -> "SearchRecord":
+        """Run the search to its end, and keep its film, maps and page.
+
+        Args:
+            folder: Folder of the files; None takes a temporary one that goes with the record.
+
+        Returns:
+            The record, which shows itself in a notebook.
+
+        Raises:
+            ConfigError: The search has begun already.
+            MemoryStartError: See `__iter__`.
+            ModelSetupError: See `__iter__`.
+            OutputError: The files can't be written.
+        """
+        from hypernav.lab.episodes.search_record import record  # which imports this module
+
+        return record(self, folder)
 
     def result(self, *, interrupted: bool = False) -> EpisodeResult:
         """The result of the episode so far.

@@ -20,7 +20,7 @@ from hypernav.lab.evaluation.workers.searcher import factory_name
 
 def evaluate(
     plan: RunPlan,
-    folder: Path,
+    folder: str | Path,
     make_agent: Callable[[], Agent],
     *,
     workers: int = 1,
@@ -59,6 +59,7 @@ def evaluate(
     check_option("seed", plan.seed, (0, MOST_SEED), "a seed is 0 or more")
     own = dict.fromkeys(("preset", "detector", "reasoner"), ITS_OWN)
     plan = replace(plan, who={"agent": factory_name(make_agent), **own} | plan.who)
+    folder = Path(folder)
     plan, episodes = plan.chosen()
     job = Job(
         folder=folder,

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import asdict
+from enum import Enum
 from typing import Annotated, Any, ClassVar
 
 from pydantic import (
@@ -123,6 +124,11 @@ class EpisodeRecord(EpisodeLine):
         if not self.life:
             del values["life"], values["goal_number"]
         return values
+
+    def as_row(self) -> dict[str, Any]:
+        """The record as a row of a table: plain values, infinite lengths as ``inf``."""
+        values = {name: getattr(self, name) for name in type(self).model_fields}
+        return {k: v.value if isinstance(v, Enum) else v for k, v in values.items()}
 
     @property
     def counts(self) -> bool:

@@ -12,7 +12,10 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from types import TracebackType
+from typing import TYPE_CHECKING
 
+from hypernav.app.show.templating import html_table
+from hypernav.core.components.registry import require
 from hypernav.core.episode import Episode, Life, Outcome, lives_of
 from hypernav.core.errors import (
     ComponentError,
@@ -34,6 +37,9 @@ from hypernav.lab.evaluation.workers.worker_pool import (
     WorkerPool,
     cpu_seconds_of_ended_workers,
 )
+
+if TYPE_CHECKING:
+    import pandas
 
 ATTEMPTS = 3
 """Number of lost workers after which a life is not tried again."""
@@ -153,6 +159,20 @@ class RunProgress:
     losses: int = 0
     crashes: dict[Life, str] = field(default_factory=dict)
     is_own_crash: bool = False
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """A row for every episode, with the fields of `EpisodeRecord`.
+
+        Raises:
+            MissingExtraError: pandas is not installed.
+        """
+        frames = require("pandas", extra="notebook")
+        return frames.DataFrame([one.as_row() for one in self.records])
+
+    def _repr_html_(self) -> str:
+        shown = ("scene_id", "goal", "outcome", "spl", "steps", "why")
+        rows = [{name: one.as_row()[name] for name in shown} for one in self.records]
+        return f"<p>{len(rows)} of {self.total} episodes</p>{html_table(rows)}"
 
 
 def run_episodes(

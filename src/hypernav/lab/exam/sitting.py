@@ -71,6 +71,7 @@ def sit(
     configuration: dict[str, Any],
     at_once: int,
     watch: Callable[[Progress], None],
+    stop: Callable[[int], None] = lambda _: None,
 ) -> list[Answered]:
     """Ask all questions that have no answer yet.
 
@@ -82,6 +83,8 @@ def sit(
         configuration: All that the answers depend on; a folder with another one is refused.
         at_once: Number of questions at a time.
         watch: Function that is called after every answer.
+        stop: Function that is called when the exam stops before its end, with the number of answers
+            under way, which are waited for.
 
     Returns:
         All answers, in the order of the bank.
@@ -124,6 +127,7 @@ def sit(
                 _collect(running, add, at_once + 8)
             _collect(running, add, 0)
         except BaseException:
+            stop(sum(one.running() for one in running))
             pool.shutdown(cancel_futures=True)  # keep answers under way: they are paid for
             for one in running:
                 if not one.cancelled() and one.exception() is None:

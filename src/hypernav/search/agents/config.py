@@ -73,8 +73,8 @@ class SearchConfig(RoomConfig):
             to a convincing candidate; to accept a position up to `approach_gap_m` beside its goal
             area, with the goal in sight, where the path has been blocked for `patience_steps`; and
             to go back, with the last steps, to the nearest position that it was seen from.
-        max_steps: Number of steps that a search has; the last of them lead to the likeliest
-            candidate, even if it was refuted (with `LocalConfig.target` "candidates").
+        max_steps: Number of steps that a search has (paper: 500); the last of them lead to the
+            likeliest candidate, even if it was refuted (with `LocalConfig.target` "candidates").
         use_stairs: Whether a robot that climbs stairs looks for them, and goes on to other floors
             (the paper has nothing about floors).
         pursue_far_sightings: Whether to go towards a goal that was seen beyond the range of depth:

@@ -82,7 +82,7 @@ class YoloxConfig(RoomConfig):
     """How a YOLOX export is used.
 
     Attributes:
-        score_threshold: Detections below this are dropped; objectness times class score.
+        score_threshold: Score below which detections are dropped; objectness times class score.
         look_closer_below: Score of the goal below which the network looks once more, at the part of
             the image around the box, enlarged; the score is then the mean of both, and may be below
             `score_threshold`. 0 never looks closer.

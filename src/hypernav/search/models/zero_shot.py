@@ -32,7 +32,7 @@ class ZeroShotConfig(RoomConfig):
     """How an open-vocabulary detector is used.
 
     Attributes:
-        score_threshold: Detections below this are dropped.
+        score_threshold: Score below which detections are dropped.
         device: "auto", "cpu", "cuda", "mps".
         dtype: "auto" is bfloat16 if the device supports it.
     """

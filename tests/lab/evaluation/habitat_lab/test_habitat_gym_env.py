@@ -6,7 +6,7 @@ from gymnasium.utils.env_checker import check_env
 from certainty import certain
 from habitat_room import habitat_config
 from hypernav.core.errors import WorldError
-from hypernav.lab.evaluation.habitat_lab.gym_env import ENV_ID, HabitatGymEnv
+from hypernav.lab.evaluation.habitat_lab.gym_env import HabitatGymEnv
 from hypernav.lab.evaluation.habitat_lab.task import HabitatTask
 
 STOP, GO, LEFT = range(3)
@@ -15,7 +15,7 @@ STOP, GO, LEFT = range(3)
 @pytest.mark.parametrize("sensors", [("rgb", "depth"), ("rgb", "depth", "semantic")])
 def test_gymnasiums_own_checker_accepts_it(room, sensors):
     task = HabitatTask(sensors=sensors, shuffle=True)
-    name = f"hypernav.lab.evaluation.habitat_lab.gym_env:{ENV_ID}"
+    name = "hypernav.envs:hypernav/HabitatObjectNav-v0"
     made = gymnasium.make(
         name, config=habitat_config(room), task=task, render_mode="rgb_array", max_episode_steps=9
     )

@@ -1,12 +1,13 @@
 """The options that configure an agent or choose views, shared by several commands."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
 from hypernav.app.build.component_specs import ComponentSpecs, PresetName
+from hypernav.app.cli.options.declaring import options
 from hypernav.core.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from hypernav.core.embodiment import Embodiment
 
 
-@dataclass(frozen=True)
+@options
 class AgentOptions:
     """The agent and its components. It can be pickled, so that every process builds its own."""
 
@@ -188,11 +189,14 @@ def check_steps_and_seed(max_steps: int | None, seed: int) -> None:
     check_option("--seed", seed, (0, MOST_SEED), "a seed is 0 or more")
 
 
-FlatAgentOptions = Annotated[AgentOptions, tyro.conf.arg(name="")]
+_Flat = tyro.conf.OmitArgPrefixes
+"""Names without a prefix; the name of the field heads the group in help."""
+
+FlatAgentOptions = Annotated[AgentOptions, tyro.conf.arg(name="agent"), _Flat]
 """Agent options as a field of a command's options: without a prefix on the command line."""
 
 
-@dataclass(frozen=True)
+@options
 class ViewOptions:
     """Where to show the search besides its own page and video."""
 
@@ -208,7 +212,7 @@ class ViewOptions:
     limit."""
 
 
-@dataclass(frozen=True)
+@options
 class RobotViewOptions:
     """Where to show what a robot does besides its page and video, and the server's page.
 
@@ -228,5 +232,5 @@ class RobotViewOptions:
         return ViewOptions(view=self.view, rrd=self.rrd, mcap=self.mcap)
 
 
-FlatRobotViewOptions = Annotated[RobotViewOptions, tyro.conf.arg(name="")]
-FlatViewOptions = Annotated[ViewOptions, tyro.conf.arg(name="")]
+FlatRobotViewOptions = Annotated[RobotViewOptions, tyro.conf.arg(name="view"), _Flat]
+FlatViewOptions = Annotated[ViewOptions, tyro.conf.arg(name="view"), _Flat]

@@ -3,7 +3,7 @@
 For a fast start, this module imports very little.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -16,11 +16,12 @@ from hypernav.app.cli.options.agent import (
     FlatViewOptions,
     ViewOptions,
 )
+from hypernav.app.cli.options.declaring import options
 from hypernav.app.cli.robot import RobotOptions
 from hypernav.lab.evaluation.choices import SaveChoice, StudyName
 
 
-@dataclass(frozen=True)
+@options
 class FindOptions:
     """The goal, the building, the agent, and the folder of the results."""
 
@@ -56,7 +57,7 @@ class FindOptions:
     """Print errors only."""
 
 
-@dataclass(frozen=True)
+@options
 class EvalOptions:
     """The episodes, the agent, the number of workers, and the folder of the results."""
 
@@ -111,7 +112,7 @@ class EvalOptions:
     """Print errors only."""
 
 
-@dataclass(frozen=True)
+@options
 class _VariedAgent(AgentOptions):
     """The agent; its preset is described as the one that is varied."""
 
@@ -119,11 +120,13 @@ class _VariedAgent(AgentOptions):
     """Preset that is varied: with default, also every value that differs from the paper's."""
 
 
-@dataclass(frozen=True)
+@options
 class AblateOptions(EvalOptions):
     """The episodes, the method and its variants; other options are as in hypernav eval."""
 
-    who: Annotated[_VariedAgent, tyro.conf.arg(name="")] = field(default_factory=_VariedAgent)
+    who: Annotated[_VariedAgent, tyro.conf.arg(name="agent"), tyro.conf.OmitArgPrefixes] = field(
+        default_factory=_VariedAgent
+    )
     """The options that configure the agent, in all variants."""
     out: Path | None = None
     """Folder of the page, with a folder for every variant; runs/<…>-ablation by default."""
@@ -136,7 +139,7 @@ class AblateOptions(EvalOptions):
     """List the variants and what each of them sets, and run nothing."""
 
 
-@dataclass(frozen=True)
+@options
 class ReportOptions:
     """The evaluations to report on, and the folder of the report."""
 
@@ -152,7 +155,7 @@ class ReportOptions:
     """Print errors only."""
 
 
-@dataclass(frozen=True)
+@options
 class DoctorOptions:
     """The model or the data to examine, and how a model is asked."""
 
@@ -168,7 +171,7 @@ class DoctorOptions:
     """Single values that override the configuration, for example grounding.family=qwen3-vl."""
 
 
-@dataclass(frozen=True)
+@options
 class ExamOptions:
     """Who is examined, with which questions, and where the results go."""
 
@@ -203,7 +206,7 @@ class ExamOptions:
     """Folder of the results; runs/exam-<model> by default. One that was begun is continued."""
 
 
-@dataclass(frozen=True)
+@options
 class CompareOptions:
     """The scene, the robot, and how many poses are compared."""
 
@@ -217,7 +220,7 @@ class CompareOptions:
     """Seed of the poses."""
 
 
-@dataclass(frozen=True)
+@options
 class SceneOptions:
     """What to make from a scene: `mesh`, the navigation mesh that habitat-sim would compute."""
 
@@ -233,7 +236,7 @@ class SceneOptions:
     """Height of the robot, metres."""
 
 
-@dataclass(frozen=True)
+@options
 class MemoryOptions:
     """The memory, and what to do with it; without further options a page about it is written."""
 
@@ -250,7 +253,17 @@ class MemoryOptions:
     """HTML file of the page; DIR/index.html by default."""
 
 
-@dataclass(frozen=True)
+@options
+class ConfigOptions:
+    """Which values to list, or where to write their schema."""
+
+    name: Annotated[tyro.conf.Positional[str | None], tyro.conf.arg(metavar="SECTION")] = None
+    """A section, such as search, or one value, such as search.endurance_steps; by default all."""
+    schema: Path | None = None
+    """File to write a JSON schema to, by which editors complete and check files for --config."""
+
+
+@options
 class ServeOptions:
     """The address, the access, the agent, and the folder of all searches."""
 
@@ -278,7 +291,7 @@ class ServeOptions:
     """The options that configure the agents."""
 
 
-@dataclass(frozen=True)
+@options
 class Episodes:
     """Write the episodes of a split in Habitat's ObjectNav format."""
 
@@ -295,12 +308,12 @@ class Episodes:
     """Print errors only."""
 
 
-@dataclass(frozen=True)
+@options
 class Splits:
     """List the splits: their buildings, their number of episodes, and their kind of goals."""
 
 
-@dataclass(frozen=True)
+@options
 class Export:
     """Write a building as GLB with the files that Habitat needs, or a split as Habitat's data.
 
@@ -317,7 +330,7 @@ class Export:
     """Print errors only."""
 
 
-@dataclass(frozen=True)
+@options
 class Show:
     """Make a page about a building: a walk through its plan, views, list of objects."""
 
@@ -348,6 +361,7 @@ OPTIONS: dict[str, Any] = {
     "compare": CompareOptions,
     "scene": SceneOptions,
     "memory": MemoryOptions,
+    "config": ConfigOptions,
     "serve": ServeOptions,
     "robot": RobotOptions,
     "houses": HousesOptions,

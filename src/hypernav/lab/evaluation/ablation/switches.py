@@ -5,9 +5,7 @@ left out, with the reason.
 The descriptions are read from the docstrings, so that nothing is explained twice.
 """
 
-import inspect
 import json
-import re
 from collections.abc import Iterator
 from functools import cache
 from typing import Any
@@ -18,11 +16,12 @@ from hypernav.app.build.construction import asked_by
 from hypernav.app.build.presets import HyPerNavConfig, preset
 from hypernav.app.build.registries import COMPONENTS
 from hypernav.core.components.abilities import answers_at_once
+from hypernav.core.config import UNITS, meanings
 from hypernav.core.errors import ConfigError
 from hypernav.lab.evaluation.ablation.study import LeftOut, Method, Study, Variant
 
-_UNITS = {"_m": "m", "_m2": "m²", "_px": "px", "_deg": "°", "_s": "s"}
-_ENTRY = re.compile(r"^ {4}(\w+): (.*(?:\n {8}.*)*)", re.MULTILINE)
+_UNITS = {ending: unit for ending, unit in UNITS.items() if ending != "_steps"}
+"""Units that take the place of the ending in the name of a switch."""
 
 
 def values_by_field(config: BaseModel, prefix: str = "") -> dict[str, Any]:
@@ -70,8 +69,7 @@ def words_of(field: str) -> str:
     model: type[BaseModel] = HyPerNavConfig
     for section in sections:
         model = _section(model, section)
-    entries = dict(_ENTRY.findall(inspect.cleandoc(model.__doc__ or "")))
-    return " ".join(entries[key].split())
+    return meanings(model)[key]
 
 
 @cache

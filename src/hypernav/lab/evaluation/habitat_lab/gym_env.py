@@ -1,8 +1,4 @@
-"""habitat-lab's ObjectNav as a Gymnasium environment, ``hypernav/HabitatObjectNav-v0``.
-
-Importing this module registers it, so ``gymnasium.make`` finds it as
-``hypernav.lab.evaluation.habitat_lab.gym_env:hypernav/HabitatObjectNav-v0``.
-"""
+"""habitat-lab's ObjectNav as a Gymnasium environment, ``hypernav/HabitatObjectNav-v0``."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -15,8 +11,6 @@ from hypernav.core.errors import WorldError
 from hypernav.lab.evaluation.habitat_lab.env import HabitatEnv
 from hypernav.lab.evaluation.habitat_lab.task import HabitatTask
 from hypernav.lab.evaluation.run_plan import RunPlan
-
-ENV_ID = "hypernav/HabitatObjectNav-v0"
 
 
 class HabitatGymEnv(gymnasium.Env[dict[str, Any], Any]):
@@ -100,9 +94,3 @@ class HabitatGymEnv(gymnasium.Env[dict[str, Any], Any]):
     def close(self) -> None:
         """Close the scene that is open."""
         self.habitat_env.close()
-
-
-if ENV_ID not in gymnasium.registry:
-    gymnasium.register(
-        ENV_ID, entry_point="hypernav.lab.evaluation.habitat_lab.gym_env:HabitatGymEnv"
-    )

@@ -181,7 +181,7 @@ _SHOWN_FAILURES = 200
 
 
 def write_report(
-    folder: Path, runs: Sequence[RunData], *, compare: bool = False, published: bool = False
+    folder: str | Path, runs: Sequence[RunData], *, compare: bool = False, published: bool = False
 ) -> Path:
     """Write ``report.html``, ``report.csv``, ``report.tex``, and ``lives.json`` if there are lives.
 
@@ -197,6 +197,7 @@ def write_report(
     Raises:
         RunFolderError: Runs to be compared share no episode, or the folder can't be written.
     """
+    folder = Path(folder)
     pairs = [tables.pair(runs[0], other) for other in runs[1:]] if compare else []
     if missing := [p for p in pairs if p.count == 0]:
         raise RunFolderError(

@@ -1,12 +1,14 @@
 """The results of a run, read back from its folder, and the cost of its episodes."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hypernav.app.show.captions import ITS_OWN
+from hypernav.app.show.templating import html_table
+from hypernav.core.components.registry import require
 from hypernav.core.errors import RunFolderError
 from hypernav.lab.datasets.benchmarks import Benchmark, benchmark_of
 from hypernav.lab.evaluation.record import EpisodeKey, EpisodeRecord
@@ -17,6 +19,9 @@ from hypernav.lab.evaluation.store.run_store import (
     read_records,
     read_sessions,
 )
+
+if TYPE_CHECKING:
+    import pandas
 
 
 @dataclass(frozen=True)
@@ -103,19 +108,67 @@ def is_native(configuration: dict[str, Any]) -> bool:
     return configuration["who"].get("parts", {}).get("mode") == "native"
 
 
-def load_runs(folders: Sequence[Path]) -> list[RunData]:
+class Runs(list[RunData]):
+    """Runs of a report. In a notebook they show themselves as a table."""
+
+    def save(self, folder: str | Path) -> Path:
+        """Write a report like ``hypernav report``; it compares the runs if there are several.
+
+        Returns:
+            Its page.
+
+        Raises:
+            RunFolderError: The runs share no episode, or the folder can't be written.
+        """
+        from hypernav.lab.evaluation.report.report_page import write_report  # it imports this
+
+        return write_report(folder, self, compare=len(self) > 1)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """A row for every episode of every run, with the fields of `EpisodeRecord`.
+
+        The first column is the run; infinite lengths are ``inf``.
+
+        Raises:
+            MissingExtraError: pandas is not installed.
+        """
+        rows = [{"run": run.name, **one.as_row()} for run in self for one in run.records]
+        return require("pandas", extra="notebook").DataFrame(rows)
+
+    def _repr_html_(self) -> str:
+        return html_table([{"run": run.name, **_rates(run.counted)} for run in self])
+
+
+def _rates(counted: Sequence[EpisodeRecord]) -> dict[str, Any]:
+    """Figures of episodes that count, of which there is at least one."""
+    cost = _cost(counted)
+    return {
+        "episodes": len(counted),
+        "success": cost.success,
+        "SPL": cost.spl,
+        "steps": cost.steps,
+        "metres": cost.metres,
+    }
+
+
+def load_runs(folders: str | Path | Iterable[str | Path]) -> Runs:
     """Read runs.
+
+    Args:
+        folders: Folders that ``hypernav eval`` or `hypernav.evaluate` wrote, or a single one.
 
     Raises:
         RunFolderError: A folder is not that of a run, is damaged, of an older version, or holds
             no episode yet; or runs in native and in common mode are mixed.
     """
+    single = isinstance(folders, str | Path)
+    folders = [Path(folder) for folder in ([folders] if single else folders)]
     configurations = [read_configuration(folder) for folder in folders]
     for folder, configuration in zip(folders, configurations, strict=True):
         _check_sections(folder, configuration)
         _check_version(folder, configuration)
     _check_modes(folders, configurations)
-    runs = []
+    runs = Runs()
     for folder, name, configuration in zip(
         folders, _names(folders, configurations), configurations, strict=True
     ):

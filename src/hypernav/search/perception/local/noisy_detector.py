@@ -33,16 +33,17 @@ class DetectorQuality(RoomConfig):
     Attributes:
         missed_near: Probability that an object is missed in an image, if the median of its pixels
             is at most `NEAR_M` away.
-        missed_far: The same from `FAR_M` on, and where no pixel has depth; linear between.
+        missed_far: The same probability from `FAR_M` on, and where no pixel has depth; linear
+            between.
         never_found: Probability that an object is missed in every image of an episode: it looks
             unlike all that the detector has learned.
         confused_alike: Probability that an object that resembles the goal is taken for it; drawn
             once for an episode, and missed as often as the goal in the images after that.
-        confused_other: The same for an object that doesn't resemble the goal.
+        confused_other: The same probability for an object that doesn't resemble the goal.
         false_alarms: Mean number of boxes per image at random positions.
         right_score: Mean score of the goal.
         wrong_score: Mean score of everything else.
-        score_sd: Standard deviation of both, before they are cut to 0.05 to 1.
+        score_sd: Standard deviation of both scores, before they are cut to 0.05 to 1.
         jitter_px: Standard deviation of the edges of boxes, pixels.
     """
 

@@ -9,10 +9,11 @@ core computes it, so the same pose gives the same bytes.
 import math
 import os
 import threading
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from typing import Annotated
+from functools import partial
+from typing import Annotated, TypeVar
 
 import numpy as np
 from jaxtyping import Float32, Float64, Int32, Int64, UInt8
@@ -34,10 +35,13 @@ from hypernav.simulator.worlds.drawing.shading import PendingRays, Rays, Shader
 from hypernav.simulator.worlds.scenes.scene import Scene
 
 _BAND_ROWS = 24
+_LEAST_PIXELS = 40_000
+"""Images with fewer pixels are drawn as one band: waking threads would take longer."""
 OFFSETS = np.array([[-0.35, -0.15], [0.15, -0.35], [0.25, 0.35]])
 """``(right, down)`` from a pixel's centre: with it, spread evenly in both directions of a pixel."""
 
 
+T = TypeVar("T")
 _Level = Annotated[int, Field(ge=0, le=255)]
 
 
@@ -116,19 +120,15 @@ class CpuRenderer:
             Depth along the optical axis in metres, 0 where nothing is hit; instances are -1 there.
         """
         frame = _Frame.empty(camera, camera_to_scene)
+        small = camera.width * camera.height < _LEAST_PIXELS
         # Drawing has a cost for every triangle in every band, shading has not.
-        list(
-            self._pool.map(
-                lambda rows: self._find_hits(frame, rows),
-                _bands(camera.height, math.ceil(camera.height / self._threads)),
-            )
-        )
-        bands = _bands(camera.height, _BAND_ROWS)
-        pending = self._pool.map(lambda rows: self._draw(frame, rows), bands)
-        self._shade_pending(pending)
+        rows = camera.height if small else math.ceil(camera.height / self._threads)
+        self._each(partial(self._find_hits, frame), _bands(camera.height, rows))
+        bands = _bands(camera.height, camera.height if small else _BAND_ROWS)
+        self._shade_pending(self._each(partial(self._draw, frame), bands))
         rgb = frame.rgb if self.colours else np.zeros_like(frame.rgb)
         if self._antialias and self.colours:
-            edges = list(self._pool.map(lambda rows: self._resample(frame, rows), bands))
+            edges = self._each(partial(self._resample, frame), bands)
             self._shade_pending(edge.pending for edge in edges)
             rgb = frame.rgb.copy()
             for edge in edges:
@@ -138,6 +138,10 @@ class CpuRenderer:
     def close(self) -> None:
         """End the threads; the renderer is not used afterwards."""
         self._pool.shutdown()
+
+    def _each(self, work: Callable[[slice], T], bands: list[slice]) -> list[T]:
+        """Work on bands side by side; on a single one without waking a thread."""
+        return [work(bands[0])] if len(bands) == 1 else list(self._pool.map(work, bands))
 
     def _shade_pending(self, pending: Iterable[PendingRays | None]) -> None:
         self._shader.shade_pending([rays for rays in pending if rays is not None], self._pool)
