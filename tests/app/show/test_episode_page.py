@@ -155,7 +155,7 @@ def test_what_models_and_people_write_cannot_become_markup(
     step = make_step(2, reason=evil, exchanges=exchanges, events=[evil])
     result |= {"goal": evil, "scene": evil, "config": {evil: evil}, "detector": evil}
     page = read(write_page(tmp_path, result, [step], {1: room}))
-    assert len(page.with_tag("script")) == 2
+    assert len(page.with_tag("script")) == 6
     assert all(address.startswith("data:") for address in page.addresses)
     assert evil in page.texts["h1"]
     assert player(page)["reasons"] == [evil]

@@ -33,6 +33,7 @@ COMMANDS = {
     "eval": "Run the episodes of a benchmark; the same command resumes an interrupted run.",
     "ablate": "Run variants of the method on the same episodes, and say what each part is worth.",
     "report": "Write a page, a CSV file and LaTeX tables about one or more evaluations.",
+    "runs": "Write one page over all runs in a folder: filter, sort, compare two, see their films.",
     "doctor": "Examine a vision-language model, or the data of benchmarks, and say what to change.",
     "exam": "Ask a model questions with known answers, and say whether and where it will help.",
     "compare": "Compare the simulator with habitat-sim, pose by pose, in a scene of your own.",

@@ -52,6 +52,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.core.world import Simulator
+from hypernav.io.checkout import commit
 from hypernav.io.folder_lock import folder_lock
 from hypernav.lab.datasets.benchmarks import robot_in
 from hypernav.lab.episodes.episode_run import EpisodeRun
@@ -158,6 +159,7 @@ def _find(options: FindOptions, goal: Goal, folder: Path) -> ExitStatus:
                 result = {
                     "goal": goal.text,
                     "scene": world.truth.name,
+                    "commit": commit(),
                     **options.who.describe(parts),
                     "seed": options.seed,
                     "max_steps": steps,

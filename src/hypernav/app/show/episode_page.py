@@ -20,6 +20,8 @@ from hypernav.app.show.climbs import (
     whereabouts,
 )
 from hypernav.app.show.map_images import draw_result, final_view
+from hypernav.app.show.spatial.cloud import ColouredCloud
+from hypernav.app.show.spatial.view import library, search_view
 from hypernav.app.show.templating import data_uri, image_uri, mode_name, page_environment, plain
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import Mode, StepTrace, floor_of
@@ -58,6 +60,8 @@ def write_page(
     *,
     video: Path | None = None,
     frame_counts: Sequence[int] | None = None,
+    cloud: ColouredCloud | None = None,
+    eye: list[list[float]] | None = None,
     embed_limit_bytes: int = EMBED_LIMIT_BYTES,
 ) -> Path:
     """Write ``index.html``: one page that needs no network.
@@ -69,6 +73,8 @@ def write_page(
         maps: Last map of every floor, by its number; empty if there is none.
         video: Video of the episode; by default ``episode.mp4`` in the folder, if it exists.
         frame_counts: Number of video frames of each step; by default that of a video of all steps.
+        cloud: What the camera saw, for the view in three dimensions; None if it was not kept.
+        eye: Position and corners of the camera beside the robot, see `search_view`.
         embed_limit_bytes: Largest video that is embedded; the page links to a larger one.
 
     Returns:
@@ -98,6 +104,8 @@ def write_page(
         modules=episode_summary.module_times(result, steps),
         total_seconds=episode_summary.total_seconds(result),
         steps=steps,
+        space=search_view(steps, maps, cloud, eye or []),
+        library=library(),
         player=_player_data(steps, maps, frame_counts) | {"decisive": result.get("decisive_step")},
         configuration=_yaml(result.get("config")),
         captions=captions,

@@ -17,6 +17,8 @@ from jaxtyping import UInt8
 from hypernav.app.show.episode_page import write_page
 from hypernav.app.show.episode_video import EpisodeVideo
 from hypernav.app.show.map_images import write_map_png
+from hypernav.app.show.spatial.cloud import ColouredCloud
+from hypernav.app.show.spatial.view import camera_frame
 from hypernav.core.errors import OutputError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.observation import Observation
@@ -83,6 +85,8 @@ class EpisodeRecorder:
         self.steps: list[StepTrace] = []
         self._grid: OccupancyGrid | None = None
         self._maps: dict[int, OccupancyGrid] = {}
+        self._cloud: ColouredCloud | None = None
+        self._eye = list[list[float]]()
         with _written_to(folder):
             folder.mkdir(parents=True, exist_ok=True)
             # An unnamed file reserves disk space for result and page until they are written.
@@ -128,7 +132,22 @@ class EpisodeRecorder:
         self, step: StepTrace, grid: OccupancyGrid | None, observation: Observation | None
     ) -> None:
         """Record a step with what the camera saw; see `record`."""
-        self.record(step, grid, None if observation is None else observation.rgb)
+        if observation is None:
+            self.record(step, grid, None)
+            return
+        self.record(step, grid, observation.rgb)
+        if self._cloud is None:
+            self._cloud = ColouredCloud()
+            base_to_map = observation.robot.to_transform(step.z)
+            camera_to_base = base_to_map.inverse() @ observation.camera_to_map
+            self._eye = camera_frame(observation.camera, camera_to_base)
+        self._cloud.add(
+            observation.rgb,
+            observation.depth,
+            observation.camera,
+            observation.camera_to_map,
+            floor=floor_of(step),
+        )
 
     def record(
         self,
@@ -237,6 +256,8 @@ class EpisodeRecorder:
             self.steps,
             self._maps,
             frame_counts=self._video.frame_counts,
+            cloud=self._cloud,
+            eye=self._eye,
         )
         try:
             page()

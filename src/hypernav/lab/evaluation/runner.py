@@ -24,6 +24,7 @@ from hypernav.core.errors import (
     ModelUnavailableError,
     RunFolderError,
 )
+from hypernav.io.checkout import commit
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.record import EpisodeRecord, unmeasured_record
 from hypernav.lab.evaluation.store.run_store import UNENDED, RunStore, Session
@@ -421,6 +422,7 @@ class RunSession:
         self._store.write_session(
             Session(
                 began=self._began_at,
+                commit=commit(),
                 ended=ended,
                 seconds=round(self.seconds, 1),
                 cpu_seconds=cpu_seconds_of_ended_workers(),

@@ -156,6 +156,19 @@ class ReportOptions:
 
 
 @options
+class RunsOptions:
+    """The folder, and whether its page is made anew."""
+
+    folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")] = Path("runs")
+    """Folder in which runs of find, eval and ablate lie, at any depth; the page is runs.html in
+    it."""
+    follow: bool = False
+    """Make the page anew whenever a run has changed, as while eval runs, until Ctrl-C."""
+    quiet: bool = False
+    """Print errors only."""
+
+
+@options
 class DoctorOptions:
     """The model or the data to examine, and how a model is asked."""
 
@@ -356,6 +369,7 @@ OPTIONS: dict[str, Any] = {
     "eval": EvalOptions,
     "ablate": AblateOptions,
     "report": ReportOptions,
+    "runs": RunsOptions,
     "doctor": DoctorOptions,
     "exam": ExamOptions,
     "compare": CompareOptions,

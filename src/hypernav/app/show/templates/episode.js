@@ -51,6 +51,7 @@
     slider.value = place;
     slider.setAttribute("aria-valuetext", now.textContent);
     followTo(player.floors[place]);
+    document.dispatchEvent(new CustomEvent("step-shown", { detail: player.steps[place] - 1 }));
     for (const words of onStairs) words.hidden = !player.climbing[place];
     if (robot && player.robots.length) {
       const here = player.robots[place];

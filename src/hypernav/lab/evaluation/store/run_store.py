@@ -42,6 +42,7 @@ class Session(BaseModel):
 
     Attributes:
         began: Time of the start, ISO 8601.
+        commit: Commit of the program; empty if it is unknown.
         ended: How it ended, in words; `UNENDED` from the start on.
         seconds: Wall-clock time.
         cpu_seconds: Processor time of its workers.
@@ -56,6 +57,7 @@ class Session(BaseModel):
     model_config = ConfigDict(frozen=True, allow_inf_nan=False)
 
     began: str
+    commit: str = ""
     ended: str = UNENDED
     seconds: float = 0.0
     cpu_seconds: float = 0.0

@@ -1,0 +1,164 @@
+"""One page over all runs in a folder: what it holds, and the page in a browser."""
+
+import json
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from selenium import webdriver
+from selenium.webdriver.common.by import By
+from selenium.webdriver.support.ui import Select
+
+from eval_runs import apart, record, spec
+from hypernav.app.cli.options.commands import RunsOptions
+from hypernav.app.cli.runs import run
+from hypernav.core.errors import RunFolderError
+from hypernav.io import checkout
+from hypernav.lab.evaluation.failures import Failure
+from hypernav.lab.evaluation.report.runs_page import changed, overview
+from hypernav.lab.evaluation.run_plan import RunPlan
+from hypernav.lab.evaluation.runner import RunSession
+from hypernav.lab.evaluation.store.run_store import RunStore
+
+RESULT = {
+    "goal": "bed",
+    "scene": "builtin",
+    "agent": "hypernav",
+    "preset": "default",
+    "detector": "ground truth",
+    "model": "none",
+    "commit": "abc1234",
+    "outcome": "found",
+    "success": True,
+    "spl": 0.7,
+    "steps": 41,
+    "path_length_m": 6.5,
+}
+
+
+def write_run(folder: Path, agent: str, *records) -> None:
+    who = {"agent": agent, "preset": "default", "detector": "ground truth", "reasoner": "none"}
+    episodes = [spec(one.episode_id) for one in records]
+    with RunStore(folder, RunPlan("houses-val", who=who).configuration(episodes)) as store:
+        with RunSession(store, 1):
+            for one in records:
+                store.add(one)
+
+
+def write_search(folder: Path, **changes) -> None:
+    folder.mkdir(parents=True)
+    (folder / "result.json").write_text(json.dumps(RESULT | changes))
+    (folder / "index.html").write_text("<title>a page</title>")
+    (folder / "episode.mp4").write_bytes(b"a film")
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    root = tmp_path / "runs"
+    write_run(root / "ours", "hypernav", record("0"), record("1", spl=0.9), apart("2"))
+    lost = record("1", failure=Failure.NOT_FOUND, why="it never saw the bed")
+    write_run(root / "nearest", "frontier", record("0", spl=0.3), lost)
+    write_search(root / "2026" / "first search")
+    return root
+
+
+def test_every_run_and_search_below_the_folder_is_shown(root: Path) -> None:
+    found = overview(root)
+    assert sorted(one["name"] for one in found.runs) == ["2026/first search", "nearest", "ours"]
+    assert len(found.searches) == 6
+    assert found.left_out == []
+    search = next(one for one in found.searches if one["building"] == "builtin")
+    assert search["film"] == "2026/first%20search/episode.mp4"
+    assert search["page"] == "2026/first%20search/index.html"
+
+
+def test_an_outage_counts_in_no_rate(root: Path) -> None:
+    outcomes = {one["key"]: one["counts"] for one in overview(root).searches if one["run"] == 0}
+    for one in overview(root).searches:
+        assert one["counts"] == (one["outcome"] != Failure.MODEL_UNAVAILABLE.words)
+    assert outcomes
+
+
+def test_pages_of_single_episodes_are_no_runs_of_their_own(root: Path) -> None:
+    write_search(root / "ours" / "episodes" / "house-0")
+    assert len(overview(root).searches) == 6
+
+
+@pytest.mark.parametrize("content", ["{", "[]", '{"outcome": "lost"}', '{"goal": "bed"}'])
+def test_a_damaged_folder_is_named_and_not_hidden(root: Path, content: str) -> None:
+    (root / "2026" / "first search" / "result.json").write_text(content)
+    found = overview(root)
+    assert len(found.runs) == 2
+    assert ["first search" in line for line in found.left_out] == [True]
+
+
+def test_the_page_is_made_anew_when_an_episode_ends(root: Path) -> None:
+    before = changed(root)
+    configuration = json.loads((root / "nearest" / "run.json").read_text())["configuration"]
+    with RunStore(root / "nearest", configuration) as store:
+        store.add(record("7"))
+    assert changed(root) > before
+    assert len(overview(root).searches) == 7
+
+
+def test_a_run_says_of_which_commit_it_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("hypernav.lab.evaluation.runner.commit", lambda: "1234abc+")
+    write_run(tmp_path / "run", "hypernav", record())
+    assert overview(tmp_path).runs[0]["commit"] == "1234abc+"
+
+
+def test_another_projects_commit_is_not_ours(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / ".git").mkdir()
+    monkeypatch.setattr(checkout, "_PACKAGE", tmp_path / ".venv" / "site-packages" / "hypernav")
+    assert checkout.commit.__wrapped__() == ""
+
+
+def test_the_command_refuses_a_folder_without_runs(tmp_path: Path) -> None:
+    with pytest.raises(RunFolderError, match="holds no run"):
+        run(RunsOptions(tmp_path))
+    with pytest.raises(RunFolderError, match="no folder"):
+        run(RunsOptions(tmp_path / "nowhere"))
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[webdriver.Chrome]:
+    driver = shutil.which("chromedriver")
+    if driver is None:
+        pytest.skip("no chromedriver")
+    options = webdriver.ChromeOptions()
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage"):
+        options.add_argument(argument)
+    with webdriver.Chrome(options, webdriver.ChromeService(driver)) as browser:
+        yield browser
+
+
+@pytest.mark.slow
+def test_two_runs_are_compared_by_a_click(root: Path, chromium: webdriver.Chrome) -> None:
+    run(RunsOptions(root, quiet=True))
+    chromium.get((root / "runs.html").as_uri())
+
+    def row(table: str, words: str) -> None:
+        rows = chromium.find_elements(By.CSS_SELECTOR, f"#{table} tbody tr")
+        next(one for one in rows if words in one.text).click()
+
+    row("runs", "ours")
+    row("runs", "nearest")
+    chosen = chromium.find_element(By.ID, "chosen")
+    assert "2 searches that both have made" in chosen.text
+    assert "100.0 %" in chosen.text
+    assert "50.0 %" in chosen.text
+    assert "Only ours found (1)" in chosen.text
+    chromium.refresh()  # what was chosen stays
+    assert "Only ours found (1)" in chromium.find_element(By.ID, "chosen").text
+    filters = Select(chromium.find_element(By.CSS_SELECTOR, "[data-filter=building]"))
+    filters.select_by_visible_text("builtin")
+    assert "1 of 6 searches" in chromium.find_element(By.ID, "counted").text
+    row("searches", "builtin")
+    film = chromium.find_element(By.CSS_SELECTOR, "#chosen video")
+    assert (film.get_attribute("src") or "").endswith("first%20search/episode.mp4")
