@@ -33,16 +33,12 @@ Position = tuple[Number, Number, Number]
 Quaternion = tuple[Number, Number, Number, Number]
 
 
-def positions_from_habitat(
-    positions: Float64[np.ndarray, "n 3"],
-) -> Float64[np.ndarray, "n 3"]:
+def positions_from_habitat(positions: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 3"]:
     """Positions in the z-up scene frame, metres."""
     return np.stack([positions[:, 0], -positions[:, 2], positions[:, 1]], axis=1)
 
 
-def positions_to_habitat(
-    positions: Float64[np.ndarray, "n 3"],
-) -> Float64[np.ndarray, "n 3"]:
+def positions_to_habitat(positions: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 3"]:
     """Positions in Habitat's y-up frame, metres."""
     return np.stack([positions[:, 0], positions[:, 2], -positions[:, 1]], axis=1)
 
@@ -165,9 +161,9 @@ class ObjectNavEpisode(_Entry):
         """What to find; Habitat's underscores are spaces."""
         return Goal(self.object_category.replace("_", " "))
 
-    def goals_key(self, category: str | None = None) -> str:
-        """Key of this scene's goals of the category in `goals_by_category`."""
-        return f"{PurePosixPath(self.scene_id).name}_{category or self.object_category}"
+    def goals_key(self) -> str:
+        """Key of the episode's goals in `goals_by_category`."""
+        return f"{PurePosixPath(self.scene_id).name}_{self.object_category}"
 
 
 class EpisodeDataset(_Entry):

@@ -15,23 +15,12 @@ from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.trace import DetectionRecord, Ending, StepTrace
 from hypernav.core.world import GoalTruth, Instance, SceneTruth
 from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeStep
-from hypernav.lab.evaluation.failures import (
-    MISPLACED_M,
-    BelievedTarget,
-    Facts,
-    Failure,
-    TargetKind,
-)
+from hypernav.lab.evaluation.failures import MISPLACED_M, BelievedTarget, Facts, Failure, TargetKind
 from hypernav.search.planning.planner import PlannedPath, Planner
 from hypernav.simulator.houses.episodes.queries import near_misses
 
 _WRONG_BELIEFS = frozenset(
-    {
-        Failure.FALSE_DETECTION,
-        Failure.LANGUAGE,
-        Failure.WRONG_MAP,
-        Failure.TARGET_SURROUNDED,
-    }
+    {Failure.FALSE_DETECTION, Failure.LANGUAGE, Failure.WRONG_MAP, Failure.TARGET_SURROUNDED}
 )
 
 
@@ -69,13 +58,7 @@ class FailureEvidence:
     """Gathers the evidence for the rules of failure classification, step by step."""
 
     def __init__(self, truth: SceneTruth, goal: GoalTruth, config: HyPerNavConfig) -> None:
-        """Begin an episode.
-
-        Args:
-            truth: Ground truth of the scene.
-            goal: The region in which the goal counts as reached.
-            config: Configuration of the agent: its stop distance and its planner.
-        """
+        """Begin an episode."""
         self._truth = truth
         self._goal = goal.goal
         self._distance_of = goal.distance

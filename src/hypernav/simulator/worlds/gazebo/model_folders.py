@@ -20,12 +20,7 @@ from hypernav.simulator.worlds.scenes.material_images import Paint
 from hypernav.simulator.worlds.scenes.mesh_parts import MeshPart
 from hypernav.simulator.worlds.scenes.scene import Material
 
-VARIABLES = (
-    "GAZEBO_MODEL_PATH",
-    "GZ_SIM_RESOURCE_PATH",
-    "IGN_GAZEBO_RESOURCE_PATH",
-    "SDF_PATH",
-)
+VARIABLES = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "SDF_PATH")
 _LEVELS_UP = 4
 _FUEL = re.compile(
     r"https?://([^/]+)/(?:[\d.]+/)?([^/]+)/models/([^/]+)(?:/(?:tip/)?files)?(/.*)?$"
@@ -52,11 +47,7 @@ class ModelFolders:
     """
 
     def __init__(self, world: Path) -> None:
-        """Look around.
-
-        Args:
-            world: File of the world.
-        """
+        """Look around."""
         around = list(world.resolve().parents)[:_LEVELS_UP]
         named = [Path(item) for name in VARIABLES for item in _listed(name)]
         beside = [folder for above in around for folder in (above, *_models_in(above))]
@@ -149,11 +140,7 @@ class Meshes:
     """Mesh files by their paths, with one list of materials for all."""
 
     def __init__(self, allowance: Allowance) -> None:
-        """Begin with no file.
-
-        Args:
-            allowance: Memory that all of them may take.
-        """
+        """Begin with no file."""
         self.paints: list[Paint | Material] = []
         self._allowance = allowance
         self._read: dict[Found, list[MeshPart] | str] = {}
@@ -188,10 +175,7 @@ class Meshes:
         suffix = file.path.suffix.lower()
         if suffix == ".dae":
             return read_collada(
-                file.path,
-                lambda reference: _texture_of(file, reference),
-                self._allowance,
-                up="z",
+                file.path, lambda reference: _texture_of(file, reference), self._allowance, up="z"
             )[:2]
         if suffix in (".glb", ".gltf"):
             return read_gltf(file.path)
