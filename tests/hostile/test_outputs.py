@@ -94,7 +94,7 @@ IN_THE_WAY = {
 }
 
 
-@pytest.mark.parametrize("kind", ["folder", "pipe", "loop", "nowhere", "device"])
+@pytest.mark.parametrize("kind", ["folder", "pipe", "loop", "nowhere", "device", "another file"])
 @pytest.mark.parametrize(
     ("command", "name"), [(command, name) for command in IN_THE_WAY for name in IN_THE_WAY[command]]
 )
@@ -111,6 +111,8 @@ def test_what_lies_where_a_file_will_be_is_refused_first(command, name, kind, fo
             place.symlink_to("not/there")
         case "device":
             place.symlink_to("/dev/full")
+        case "another file":
+            place.symlink_to(folder / "file")
     ended = run([*COMMANDS[command], "--out", str(tmp_path)], folder, seconds=5)
     check(ended, 2, f"hypernav: {place} ")
     assert ended.err.count("\n") == 1

@@ -4,6 +4,8 @@ import os
 import signal
 import subprocess
 import sys
+import threading
+from contextlib import suppress
 
 import pytest
 
@@ -52,3 +54,33 @@ def test_a_folder_that_cannot_be_written(tmp_path):
         folder_lock(tmp_path / "file" / "in"),
     ):
         pass
+
+
+def test_the_folder_comes_open(tmp_path):
+    with folder_lock(tmp_path / "new") as folder:
+        folder.write("file", b"content")
+    assert (tmp_path / "new" / "file").read_bytes() == b"content"
+
+
+def test_a_lock_waits_as_long_as_it_may(tmp_path):
+    held = folder_lock(tmp_path)
+    held.__enter__()
+    release = threading.Timer(0.2, held.__exit__, (None, None, None))
+    release.start()
+    with folder_lock(tmp_path, patience_s=20.0):
+        release.join()
+
+
+@pytest.mark.parametrize("name", [".lock", ".lock.owner"])
+@pytest.mark.parametrize("is_hard", [True, False])
+def test_neither_lock_nor_owner_is_written_through_a_link(tmp_path, name, is_hard):
+    mine, folder = tmp_path / "mine", tmp_path / "folder"
+    mine.write_text("mine")
+    folder.mkdir()
+    if is_hard:
+        os.link(mine, folder / name)
+    else:
+        (folder / name).symlink_to(mine)
+    with suppress(RunFolderError), folder_lock(folder):
+        pass
+    assert mine.read_text() == "mine"

@@ -59,3 +59,14 @@ def test_a_piece_that_finds_no_room_leaves_the_file_as_before(tmp_path):
 def test_the_rights_of_a_new_file(tmp_path):
     with closing(AppendOnlyFile(tmp_path / "file", mode=0o600)):
         assert os.stat(tmp_path / "file").st_mode & 0o777 == 0o600
+
+
+def test_nothing_is_appended_to_a_file_that_is_also_elsewhere(tmp_path):
+    (tmp_path / "mine").write_bytes(b"mine")
+    os.link(tmp_path / "mine", tmp_path / "hard")
+    (tmp_path / "link").symlink_to("mine")
+    for name, words in (("hard", "is also a file elsewhere"), ("link", "is a link")):
+        with pytest.raises(OSError, match=words):
+            AppendOnlyFile(tmp_path / name)
+    with closing(AppendOnlyFile(tmp_path / "hard", to_read=True)) as file:
+        assert file.read(0, 9) == b"mine"

@@ -99,15 +99,16 @@ class ForeignFolder:
                     os.unlink(fresh, dir_fd=parent)
                 raise
 
-    def descriptor_of(self, name: str, flags: int) -> int:
+    def descriptor_of(self, name: str, flags: int, mode: int = 0o666) -> int:
         """A descriptor of a regular file, which the caller closes.
 
         Args:
             name: The file.
             flags: How it is opened, as for `os.open`.
+            mode: Permissions of a new file.
         """
         with self._parent(name) as (parent, last):
-            descriptor = _opened(last, flags, parent)
+            descriptor = _opened(last, flags, parent, mode)
             try:
                 _check_own(last, os.fstat(descriptor))
             except OSError:
@@ -166,10 +167,10 @@ class ForeignFolder:
                 os.close(descriptor)
 
 
-def _opened(name: str, flags: int, parent: int) -> int:
+def _opened(name: str, flags: int, parent: int, mode: int = 0o666) -> int:
     """A descriptor of what is in a folder, which is no link."""
     try:
-        return os.open(name, flags | _BELOW, 0o666, dir_fd=parent)
+        return os.open(name, flags | _BELOW, mode, dir_fd=parent)
     except OSError as error:
         # Systems differ in the error for a link, and for a socket.
         if error.errno in (errno.ELOOP, errno.EMLINK, errno.ENOTDIR, errno.ENXIO):

@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from hypernav.core.errors import OutputError
-from hypernav.io.foreign_folder import ForeignFolder
+from hypernav.io.foreign_folder import ForeignFolder, NotOwnError
 
 
 def write_whole(path: Path, content: str | bytes) -> None:
@@ -27,7 +27,8 @@ def write_whole(path: Path, content: str | bytes) -> None:
 class AppendOnlyFile:
     """Appends bytes completely or not at all, and passes them to the operating system at once.
 
-    Not thread-safe. A process that is killed may leave an incomplete last piece.
+    Only a file of the folder's own is written in place, with no other name: its folder may be a
+    stranger's. Not thread-safe. A process that is killed may leave an incomplete last piece.
 
     Attributes:
         size: Number of bytes.
@@ -44,10 +45,13 @@ class AppendOnlyFile:
         Raises:
             OSError: It cannot be opened.
         """
-        how = "rb" if to_read else "a+b"
-        self._file = open(  # noqa: SIM115  # closed by `close`
-            path, how, 0, opener=lambda name, flags: os.open(name, flags, mode)
-        )
+        how = os.O_RDONLY if to_read else os.O_RDWR | os.O_APPEND | os.O_CREAT
+        with ForeignFolder(path.parent) as folder:
+            descriptor = folder.descriptor_of(path.name, how, mode)
+        self._file = open(descriptor, "rb" if to_read else "a+b", 0)  # noqa: SIM115
+        if not to_read and os.fstat(descriptor).st_nlink > 1:
+            self._file.close()
+            raise NotOwnError(errno.EMLINK, f"{path.name} is also a file elsewhere (a hard link)")
         self.size = self._file.seek(0, os.SEEK_END)
 
     def append(self, data: bytes, *, sync: bool = False) -> None:

@@ -5,6 +5,7 @@ import json
 import math
 import os
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -269,7 +270,12 @@ def test_the_page_says_of_which_things_later_images_show_nothing(home):
 def test_the_page_says_how_high_floors_lie_wherever_the_robots_frame_begins(home):
     index = json.loads((home / "memory.json").read_text())
     (first,) = index["floors"]
-    index["floors"] = [{**first, "z": 12.0}, {**first, "z": 15.0}, {**first, "z": 9.0}]
+    index["floors"] = []
+    for number, z in enumerate((12.0, 15.0, 9.0), start=1):
+        name = f"floor-{number}/state-9.npz"
+        (home / name).parent.mkdir(exist_ok=True)
+        shutil.copy(home / first["state"]["name"], home / name)
+        index["floors"].append({**first, "z": z, "state": {**first["state"], "name": name}})
     (home / "memory.json").write_text(json.dumps(index))
     assert hypernav("memory", home) == 0
     page = (home / "index.html").read_text()
@@ -343,10 +349,10 @@ def test_what_is_forgotten_is_counted_by_its_label_and_so_are_images(home, capsy
 
 
 def test_nothing_is_said_to_be_forgotten_that_could_not_be_saved(home, monkeypatch, capsys):
-    def full(path, content):
+    def full(descriptor):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr("hypernav.search.mapping.storage.memory_writer.write_whole", full)
+    monkeypatch.setattr(os, "fsync", full)
     assert hypernav("memory", home, "--forget", "bed", "--forget-images") == 2
     said = capsys.readouterr()
     assert said.out == ""
@@ -357,16 +363,15 @@ def test_nothing_is_said_to_be_forgotten_that_could_not_be_saved(home, monkeypat
 def read_only(home, monkeypatch) -> Path:
     """The memory as on a read-only file system."""
 
-    def refused(lock):
-        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+    open_below = os.open
 
-    def write(path, content):
-        if path.is_relative_to(home):
+    def refuse_to_write(path, flags, mode=0o777, *, dir_fd=None):
+        folder = None if dir_fd is None else Path(os.readlink(f"/proc/self/fd/{dir_fd}"))
+        if flags & (os.O_RDWR | os.O_WRONLY) and folder and folder.is_relative_to(home):
             raise OSError(errno.EROFS, os.strerror(errno.EROFS))
-        path.write_text(content)
+        return open_below(path, flags, mode, dir_fd=dir_fd)
 
-    monkeypatch.setattr("hypernav.io.folder_lock.FileLock.acquire", refused)
-    monkeypatch.setattr("hypernav.app.cli.memory.write_whole", write)
+    monkeypatch.setattr(os, "open", refuse_to_write)
     return home
 
 

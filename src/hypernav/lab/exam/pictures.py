@@ -1,5 +1,6 @@
 """Small images of the questions, with true and answered boxes drawn in."""
 
+import io
 from pathlib import Path
 
 import cv2
@@ -10,6 +11,7 @@ from PIL import Image
 from hypernav.core.exploring.guidance import GuideView
 from hypernav.core.exploring.overview import Overview
 from hypernav.core.observation import Observation
+from hypernav.io.foreign_folder import ForeignFolder
 from hypernav.lab.exam.questions import Answered, ExamQuestion
 from hypernav.search.drawing import palette
 from hypernav.search.perception.image_recall import sheet_of
@@ -25,9 +27,13 @@ def picture_of(folder: Path, question_id: str) -> Path:
 
 def write_picture(folder: Path, question: ExamQuestion, answered: Answered) -> None:
     """Draw a question and its boxes, true and answered, and write the image as WebP."""
-    path = picture_of(folder, question.id)
-    path.parent.mkdir(exist_ok=True)
-    Image.fromarray(_drawn(question, answered)).save(path, "WEBP", quality=70)
+    data = io.BytesIO()
+    Image.fromarray(_drawn(question, answered)).save(data, "WEBP", quality=70)
+    with ForeignFolder(folder) as home:
+        home.make_folder(PICTURES)
+        home.write(
+            f"{PICTURES}/{picture_of(folder, question.id).name}", data.getvalue(), sync=False
+        )
 
 
 def _drawn(question: ExamQuestion, answered: Answered) -> UInt8[np.ndarray, "_ _ 3"]:

@@ -13,6 +13,7 @@ import numpy as np
 from hypernav.app.build.exam_file import VERSION
 from hypernav.app.show.templating import data_uri, page_environment, plain
 from hypernav.core.errors import OutputError
+from hypernav.io.reading import read_file
 from hypernav.io.writing import write_whole
 from hypernav.lab.evaluation.checks.findings import Finding, State
 from hypernav.lab.evaluation.statistics import Comparison, compare, holm
@@ -239,14 +240,15 @@ def _examples(folder: Path, answers: Sequence[Answered]) -> list[dict[str, Any]]
     """Images and texts of at most nine answers, of as many types as possible."""
     found, kinds = [], set[str]()
     for one in sorted(answers, key=lambda one: one.kind in kinds or bool(kinds.add(one.kind))):
-        path = picture_of(folder, one.id)
-        if not path.exists():
+        try:
+            picture = read_file(picture_of(folder, one.id))
+        except OSError:
             continue
         said = next((e.answer for e in one.exchanges if e.by_model), "")
         truth = f"{len(one.true_boxes)} in the image" if one.true_boxes else "not in the image"
         found.append(
             {
-                "image": data_uri(path.read_bytes(), "image/webp"),
+                "image": data_uri(picture, "image/webp"),
                 "words": KINDS[one.kind],
                 "goal": one.goal,
                 "part": STRATA.get((one.kind, one.stratum), ""),

@@ -256,3 +256,34 @@ def test_every_start_has_a_line_from_its_first_moment(tmp_path, caplog):
     ]
     assert found[0].workers == 2
     assert caplog.text.count("left out") == 2
+
+
+@pytest.mark.parametrize(
+    "name",
+    [".lock", ".lock.owner", ".run.json.new", ".sessions.jsonl.new", "episodes.jsonl"],
+)
+@pytest.mark.parametrize("kind", ["link", "hard link", "pipe"])
+def test_a_run_from_a_stranger_leads_to_no_file_elsewhere(tmp_path, name, kind):
+    mine, folder = tmp_path / "mine", tmp_path / "run"
+    mine.write_text("")
+    folder.mkdir()
+    match kind:
+        case "link":
+            (folder / name).symlink_to(mine)
+        case "hard link":
+            os.link(mine, folder / name)
+        case "pipe":
+            os.mkfifo(folder / name)
+    if name == "episodes.jsonl":
+        (folder / "run.json").write_text(json.dumps({"configuration": CONFIGURATION}))
+    told = ""
+    try:
+        with store(folder) as run:
+            run.write_session(Session(began="now"))
+            run.add(record())
+    except RunFolderError as error:
+        told = str(error)
+    assert mine.read_text() == ""
+    # A new file takes the place of an owner; to lock or to replace a hard link does no harm.
+    is_harmless = name == ".lock.owner" or (kind == "hard link" and name != "episodes.jsonl")
+    assert bool(told) != is_harmless, told

@@ -41,6 +41,11 @@ def check_folder(folder: Path, files: Iterable[str] = ()) -> None:
         ) from error
     for name in files:
         check_regular(folder / name)
+        if (folder / name).is_symlink():  # the folder may be a stranger's
+            raise OutputError(
+                f"{folder / name} is a link where a file of the folder's own would be; remove it, "
+                "or choose another folder"
+            )
 
 
 def check_file(path: Path) -> None:

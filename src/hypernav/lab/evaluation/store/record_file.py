@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from hypernav.core.errors import RunFolderError
 from hypernav.io import writing
+from hypernav.io.foreign_folder import NotOwnError
 from hypernav.io.reading import read_file
 from hypernav.io.writing import AppendOnlyFile
 from hypernav.lab.evaluation.record import EpisodeKey, EpisodeLine
@@ -48,6 +49,8 @@ def _unwritable(path: Path, error: OSError) -> RunFolderError:
             f"{path.parent} was removed while the run wrote to it, with the episodes up to now; "
             "put it back and run the same command again, or begin anew"
         )
+    if isinstance(error, NotOwnError):
+        return RunFolderError(f"{path} cannot be written ({error.strerror}); remove that")
     return RunFolderError(
         f"{path} cannot be written ({error.strerror or error}); every episode up to now is safe. "
         "Free some space, then run the same command again: it resumes from here"

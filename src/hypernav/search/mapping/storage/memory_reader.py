@@ -1,7 +1,7 @@
 """Reads a memory: refuses what it can't be sure of, and leaves out damaged parts by name."""
 
 import hashlib
-import json
+from codecs import BOM_UTF8
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -213,7 +213,8 @@ def _index_in(home: ForeignFolder, allowance: Allowance) -> Index | None:
     """
     path = home.path / INDEX_NAME
     try:
-        facts = parse_json(home.read(INDEX_NAME, most=_MOST_INDEX_BYTES), allowance)
+        content = home.read(INDEX_NAME, most=_MOST_INDEX_BYTES)
+        facts = parse_json(content, allowance)
     except FileNotFoundError:
         _check_empty(home)
         return None
@@ -230,7 +231,7 @@ def _index_in(home: ForeignFolder, allowance: Allowance) -> Index | None:
             f"reads version {VERSION}; use the program that wrote it, or another folder"
         )
     try:
-        index = Index.model_validate_json(json.dumps(facts))
+        index = Index.model_validate_json(content.removeprefix(BOM_UTF8))
     except ValidationError as error:
         first = error.errors()[0]
         where = "".join(f"{part}." for part in first["loc"]).removesuffix(".")
