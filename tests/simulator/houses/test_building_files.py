@@ -10,6 +10,7 @@ from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
+from hypernav.lab.datasets.building_splits import SPLITS
 from hypernav.simulator.houses.building import BUILTIN_HOUSE, house
 from hypernav.simulator.houses.export.building_files import (
     ExportedBuilding,
@@ -51,6 +52,18 @@ def test_all_instances_come_back_with_their_labels(builtin_scene: Scene, loaded:
         assert np.allclose(other.box_min, instance.box_min, atol=1e-4)
         assert np.allclose(other.box_max, instance.box_max, atol=1e-4)
     assert distinct(loaded.faces) == distinct(builtin_scene.faces)
+
+
+@pytest.mark.parametrize("door", [export_building, building_page])
+def test_a_building_of_a_frozen_split_that_is_drawn_differently_is_refused(
+    door, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    name = next(name for name, split in SPLITS.items() if split.kind == "houses")
+    other = {name: {str(NUMBER): {"geometry": "0" * 16}}}
+    monkeypatch.setattr("hypernav.lab.datasets.shipped.shipped_buildings", lambda: other)
+    with pytest.raises(SceneError, match="is drawn differently here"):
+        door(house(NUMBER), tmp_path / "new")
+    assert not (tmp_path / "new").exists()
 
 
 def test_it_looks_the_same(builtin_scene: Scene, loaded: Scene):

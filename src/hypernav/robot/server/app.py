@@ -45,11 +45,15 @@ REFUSALS: dict[int | str, dict[str, Any]] = {
         401: "The token is missing or wrong.",
         403: "This page or host may not use this server.",
         404: "There is no such search, or nothing to show yet.",
+        405: "This path takes another method.",
         408: "The body did not arrive in time.",
         409: "Another observation is expected, see expected; or a key is that of another goal.",
         413: "The body is too large.",
         422: "A value is wrong; the message says which.",
         429: "Too many requests or searches.",
+        431: "The path or the headers are too long.",
+        500: "An error of the server; its log says more.",
+        503: "The memory cannot be read now; the message says why.",
         507: "The disk of the server is full.",
     }.items()
 }

@@ -1,6 +1,7 @@
 """Whether what a robot sees at its start is what its memory shows there."""
 
 import copy
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from box_views import CAMERA, room, view_of
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import MemoryStartError
+from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.search.mapping.config import MappingConfig
@@ -48,7 +50,9 @@ def raised(observation: Observation, z: float) -> Observation:
 
 
 def fit_of(map_: TopDownMap, observation: Observation) -> float | None:
-    return KnownFloor(map_).fit_of(observation).share
+    """Share of the patches in sight that fit; None where there are none."""
+    patches, contradict = KnownFloor(map_).fit_of(observation).counts
+    return 1.0 - contradict / patches if patches else None
 
 
 def check(map_: TopDownMap, observation: Observation, *, trusts_height: bool = False) -> None:
@@ -66,6 +70,31 @@ def test_a_robot_that_stands_where_it_says_fits(remembered, yaw):
     fit = fit_of(remembered, standing(2.0, 3.0, yaw))
     assert fit is not None
     assert fit > 0.8
+
+
+def test_more_pixels_are_no_more_evidence(remembered):
+    known, there = KnownFloor(remembered), Pose2(6.5, 2.0, 1.0)
+    doubts = []
+    for width in (640, 1280):
+        camera = PinholeCamera.from_hfov(width, width * 3 // 4, 79.0)
+        view = view_of(HALL, there, camera=camera)
+        said = view_of([], Pose2(2.0, 3.0, 0.0), camera=camera)
+        doubts.append(known.fit_of(replace(view, camera_to_map=said.camera_to_map)).doubt)
+    assert doubts[0] > 5.0
+    assert doubts[1] == pytest.approx(doubts[0], rel=0.25)  # of four times as many pixels
+
+
+def test_few_patches_that_contradict_refuse_nothing(remembered):
+    """A coarse camera that looks at a chair which was moved sees little else."""
+    seen = standing(2.0, 3.0, 0.0)
+    chair = ((3.0, 2.8, 0.0), (3.5, 3.3, 0.9))
+    depth = np.zeros_like(seen.depth)
+    shows_chair = standing(2.0, 3.0, 0.0, boxes=[chair]).depth
+    depth[shows_chair > 0.0] = shows_chair[shows_chair > 0.0]
+    only_chair = replace(seen, depth=depth)
+    patches, contradict = KnownFloor(remembered).fit_of(only_chair).counts
+    assert 0 < contradict <= patches <= 5
+    check(remembered, only_chair)
 
 
 def test_a_chair_that_came_since_changes_little(remembered):

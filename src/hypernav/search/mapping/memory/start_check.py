@@ -1,10 +1,11 @@
 """Whether a robot stands where its memory says, by what it sees at the start of a search."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Bool, Float64
+from jaxtyping import Bool, Float64, Int64
 
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import MemoryStartError
@@ -24,40 +25,57 @@ _NEAR_M = 0.15
 """Distance from a remembered obstacle within which a point belongs to it, metres."""
 _FAR_M = 0.35
 """Distance from all remembered obstacles beyond which a point contradicts the map, metres."""
-_LEAST_SHARE = 0.08
-"""Share of the sampled pixels that must tell something about the known map."""
-_LEAST_FIT = 0.6
-"""Share of the points that must agree with the map. In three training houses all of 117 images had
-0.86 or more where they were taken, and 83 % of 296 had less than this elsewhere in the house."""
+_PATCH_M = 0.25
+"""Side of a patch of the map, metres. What lies in one is seen or moved together, so it counts as
+one observation, however many pixels the camera has."""
+_CHANGED, _ELSEWHERE = 0.2, 0.5
+"""Share of the patches in sight that contradict the map: where the robot stands right and much has
+been moved (in training houses 0.09 on average, 0.36 at most), and where it stands elsewhere (0.73
+on average)."""
+_SURE = math.log(100.0)
+"""Log-likelihood ratio from which on one of both is taken for true (Wald's sequential test, 1945):
+at most one start in 100 with as many changes is refused."""
+_PATCHES_IN_A_ROW = 1e6
+"""More than any map has."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fit:
     """How what frames show fits a map.
 
     Attributes:
-        agreeing: Number of points near remembered obstacles.
-        contradicting: Number of points on remembered free floor, or behind remembered walls.
-        least: Number of both from which on they tell something.
+        patches: Number of the patch in which each point lies.
+        contradicts: Whether the point lies on remembered free floor, or behind remembered walls,
+            instead of near a remembered obstacle.
     """
 
-    agreeing: int = 0
-    contradicting: int = 0
-    least: float = 0.0
+    patches: Int64[np.ndarray, " n"]
+    contradicts: Bool[np.ndarray, " n"]
 
     @property
-    def share(self) -> float | None:
-        """Share of the points that agree, 0 to 1; None where too few tell."""
-        told = self.agreeing + self.contradicting
-        return self.agreeing / told if told > 0 and told >= self.least else None
+    def counts(self) -> tuple[int, float]:
+        """Number of patches, and how many contradict; one with points of both kinds in part."""
+        _, patch, points = np.unique(self.patches, return_inverse=True, return_counts=True)
+        shares = np.bincount(patch, self.contradicts, len(points)) / points
+        return len(points), float(shares.sum())
+
+    @property
+    def doubt(self) -> float:
+        """Log-likelihood ratio of standing elsewhere to standing where the pose says."""
+        patches, contradict = self.counts
+        return contradict * math.log(_ELSEWHERE / _CHANGED) + (patches - contradict) * math.log(
+            (1.0 - _ELSEWHERE) / (1.0 - _CHANGED)
+        )
 
     def __add__(self, other: "Fit") -> "Fit":
-        """How what both show fits; what is enough to tell for one frame is enough for all."""
+        """How what both show fits; a patch that both show counts once."""
         return Fit(
-            self.agreeing + other.agreeing,
-            self.contradicting + other.contradicting,
-            max(self.least, other.least),
+            np.concatenate([self.patches, other.patches]),
+            np.concatenate([self.contradicts, other.contradicts]),
         )
+
+
+_NOTHING_SEEN = Fit(np.empty(0, np.int64), np.empty(0, bool))
 
 
 class KnownFloor:
@@ -92,10 +110,10 @@ class KnownFloor:
         inside = self._walls.contains(cells)
         points, (rows, columns) = points[inside], cells[inside].T
         is_behind = ~self._in_sight(observation.camera_to_map.translation[:2], points)
-        agree = int((self._obstacles[rows, columns] & ~is_behind).sum())
-        contradict = int((self._open[rows, columns] | is_behind).sum())
-        sampled = observation.depth[::_STRIDE, ::_STRIDE].size
-        return Fit(agree, contradict, _LEAST_SHARE * sampled)
+        contradicts = self._open[rows, columns] | is_behind
+        tells = contradicts | self._obstacles[rows, columns]
+        x, y = np.floor(points[tells].T / max(_PATCH_M, self._walls.resolution_m))
+        return Fit((y * _PATCHES_IN_A_ROW + x).astype(np.int64), contradicts[tells])
 
     def _points(self, observation: Observation) -> Float64[np.ndarray, "n 2"]:
         """Points of obstacles in a frame, ``(x, y)``, metres."""
@@ -125,8 +143,7 @@ class StartCheck:
 
     What isn't known can't contradict, and one image may fit in many places. So after as many steps
     as a look around takes all frames are judged together. They are not judged before, since a moved
-    thing may fill two or three images. In ten training houses that noticed 545 of 640 wrong frames,
-    the first image alone 410; of 160 right ones, none was refused.
+    thing may fill two or three images (`benchmarks/start_check.py`).
     """
 
     def __init__(
@@ -147,7 +164,7 @@ class StartCheck:
         self._memory, self._folder = memory, folder
         self._number = memory.number_at(memory.height_of(observation))
         self._floor: KnownFloor | None = None
-        self._fit = Fit()
+        self._fit = _NOTHING_SEEN
         self._frames = memory.embodiment.motion.turns_of_a_circle
         self._left = self._frames
         if self._number is not None:
@@ -175,11 +192,11 @@ class StartCheck:
         z = self._memory.height_of(observation)
         if self._memory.number_at(z) == self._number:
             self._fit += self._floor.fit_of(counted_from(z, observation))
-        share, (x, y) = self._fit.share, observation.robot.xy
-        if (is_first or self.is_over) and share is not None and share < _LEAST_FIT:
+        if (is_first or self.is_over) and self._fit.doubt >= _SURE:
+            (x, y), (patches, contradict) = observation.robot.xy, self._fit.counts
             raise MemoryStartError(
                 f"what the robot sees at ({x:.1f}, {y:.1f}) is not what {self._folder} remembers "
-                f"there: {share:.0%} of it fits the map, at least {_LEAST_FIT:.0%} must; check "
+                f"there: {contradict:.0f} of the {patches} spots in sight contradict the map; check "
                 "that this is the same building and that poses are in the memory's map frame, let "
                 "--relocalize find where the robot is, or name another folder"
             )
@@ -192,12 +209,13 @@ class StartCheck:
         """
         z, (x, y) = self._memory.height_of(observation), observation.robot.xy
         for floor in self._memory.floors:
-            share = KnownFloor(floor.map).fit_of(counted_from(z, observation)).share
-            if share is not None and share >= _LEAST_FIT:
+            fit = KnownFloor(floor.map).fit_of(counted_from(z, observation))
+            if fit.doubt <= -_SURE:
+                patches, contradict = fit.counts
                 raise MemoryStartError(
                     f"the robot's pose is {z:.1f} m high, where {self._folder} knows no floor, and "
-                    f"{share:.0%} of what it sees at ({x:.1f}, {y:.1f}) fits the floor at "
-                    f"{floor.z:.1f} m; check that heights are in the memory's map frame, or let "
-                    "--relocalize find where the robot is. If it really is on another floor, begin "
+                    f"{patches - contradict:.0f} of the {patches} spots in sight at "
+                    f"({x:.1f}, {y:.1f}) fit the floor at {floor.z:.1f} m; check that heights are "
+                    "in the memory's map frame, or let --relocalize find where the robot is. If it really is on another floor, begin "
                     "where that looks different, or name another folder"
                 )

@@ -18,10 +18,11 @@ from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.world import Instance
-from hypernav.simulator.houses.assembly import CompactScene, to_scene
+from hypernav.simulator.houses.assembly import CompactScene
 from hypernav.simulator.houses.building import Building
 from hypernav.simulator.houses.export.glb import with_backs, write_house, write_semantics
 from hypernav.simulator.houses.generator import build_compact, storeys_of
+from hypernav.simulator.houses.house_cache import checked_scene
 from hypernav.simulator.worlds.navmesh.grid_mesh import mesh_from_grid
 from hypernav.simulator.worlds.navmesh.navmesh_writer import navmesh_bytes
 from hypernav.simulator.worlds.navmesh.robot_navmesh import computed_for
@@ -74,7 +75,8 @@ def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
         out_dir: Folder to write to; created if missing.
 
     Raises:
-        SceneError: The folder cannot be written.
+        SceneError: The folder cannot be written; or the building belongs to a split that is
+            shipped, and is drawn differently here.
     """
     name = building.file_stem
     files = ExportedBuilding(
@@ -85,12 +87,12 @@ def export_building(building: Building, out_dir: Path) -> ExportedBuilding:
         out_dir / f"{name}.navmesh",
     )
     try:
-        out_dir.mkdir(parents=True, exist_ok=True)
         house = build_compact(building)
+        scene = checked_scene(building, house, name)
+        out_dir.mkdir(parents=True, exist_ok=True)
         rooms = [room.name for plan in storeys_of(building) for room in plan.rooms]
         seen = with_backs(house)
         write_house(seen, files.glb)
-        scene = to_scene(house, name)
         files.objects.write_text(json.dumps(_objects(scene, seen), indent=1) + "\n")
         colors = _colors(len(house.names))
         write_semantics(seen, colors, files.semantic_glb)

@@ -11,11 +11,11 @@ from hypernav.core.errors import SceneError
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.world import Instance
 from hypernav.io.writing import write_whole
-from hypernav.simulator.houses.assembly import to_scene
 from hypernav.simulator.houses.building import Building
 from hypernav.simulator.houses.export.building_views import interior_views, views_from_above
 from hypernav.simulator.houses.export.walk import walk_data, walk_graph
 from hypernav.simulator.houses.generator import build_compact, storeys_of
+from hypernav.simulator.houses.house_cache import checked_scene
 from hypernav.simulator.houses.plan.floor_plan import OUTER_M, WALL_M, FloorPlan, Opening, Rect
 from hypernav.simulator.houses.plan.openings import leaf_rect
 from hypernav.simulator.worlds.drawing.renderer import CpuRenderer
@@ -127,7 +127,8 @@ def building_page(
         File of the page.
 
     Raises:
-        SceneError: The page cannot be written.
+        SceneError: The page cannot be written; or the building belongs to a split that is
+            shipped, and is drawn differently here.
     """
     path = out if out.suffix == ".html" else out / f"{building.file_stem}.html"
     text = _page(building, progress)
@@ -143,7 +144,7 @@ def _page(building: Building, progress: Callable[[int, int], None] | None) -> st
     storeys = storeys_of(building)
     # The walk is on the storey with the entrance.
     plan = next(plan for plan in storeys if plan.floor_z == 0.0)
-    scene = to_scene(build_compact(building), building.scene)
+    scene = checked_scene(building, build_compact(building), building.scene)
     grid = WalkableGrid.from_scene(scene, floor_z=0.0 if scene.storeys else None)
     graph = walk_graph(grid, plan)
     with closing(CpuRenderer(scene)) as renderer:
