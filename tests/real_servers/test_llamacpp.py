@@ -172,8 +172,8 @@ def test_a_server_that_loads_its_model_is_waited_for(
 ):
     caplog.set_level(logging.WARNING)
     with start_llamacpp() as server:
-        waits = {"first_wait_s": 0.01, "longest_wait_s": 0.02, "patience_s": 60.0}
-        assert asker(server.url, **waits).ask(ROOM).fault is None
+        chat = asker(server.url, first_wait_s=0.01, longest_wait_s=0.02, patience_s=60.0)
+        assert chat.ask(ROOM).fault is None
     assert "answered 503: Loading model; wait: the server is up" in caplog.text
 
 
@@ -185,7 +185,7 @@ def test_an_abandoned_answer_is_cancelled_and_not_asked_again(llamacpp):
     with pytest.raises(ModelUnavailableError, match="in 1 attempt within a patience"):
         chat.ask(large)
     assert until(lambda: not is_busy(llamacpp.root), 60.0)
-assert llamacpp.said().count("cancel task") == cancelled + 1
+    assert llamacpp.said().count("cancel task") == cancelled + 1
 
 
 def test_a_server_that_is_killed_in_the_middle(start_llamacpp):
