@@ -28,6 +28,11 @@ from hypernav.core.errors import (
     ModelSetupError,
     ModelUnavailableError,
 )
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.trace import ExchangeLog
 from hypernav.io.bounded_http import Deadline
 from hypernav.lab.exam import bank
 from hypernav.search.models.chat.config import ChatConfig
@@ -35,6 +40,7 @@ from hypernav.search.models.chat.message_parts import jpeg_data_url
 from hypernav.search.models.chat.server.http_client import HttpClient
 from hypernav.search.models.chat.server.openai_chat import OpenAiChat
 from hypernav.search.models.chat.server.reply_errors import RefusedError
+from hypernav.search.perception.local.vlm_detector import VlmDetector, VlmDetectorConfig
 
 SMALL = (
     *("embodiment.camera.width=160", "embodiment.camera.height=120"),
@@ -132,6 +138,29 @@ def test_several_images_are_all_seen(llamacpp):
     each = 112 // 28 * 168 // 28 + 2  # with the marks of its begin and end
     counted = [tokens(count) for count in (0, 1, 2, 6)]
     assert np.diff(counted).tolist() == [each, each, 4 * each]
+
+
+@pytest.mark.parametrize(("least", "sent"), [((), (644, 476)), (("1024",), (1064, 784))])
+def test_boxes_are_read_at_the_size_at_which_the_model_saw_the_image(
+    start_llamacpp, least: tuple[str, ...], sent: tuple[int, int]
+):
+    """``--image-min-tokens``, as the server asks for itself in its log, enlarges images."""
+    with start_llamacpp(*least) as server:
+        server.wait()
+        with Forwarder(server.root) as between:
+            log = ExchangeLog()
+            config = VlmDetectorConfig(max_tokens=16, family="qwen2.5-vl")
+            detector = VlmDetector(asker(between.url), log, config)
+            camera = PinholeCamera.from_hfov(640, 480, 79.0)
+            depth = np.ones((480, 640), np.float32)
+            where = (Transform.identity(), Pose2(0.0, 0.0, 0.0))
+            seen = Observation(image(0, 480, 640), depth, camera, *where)
+            for _ in range(2):
+                detector.detect(seen, Goal("bed"))
+        assert detector.family.sent_size(640, 480) == sent
+        grounded = [one for one in log.drain() if one.kind == "ground"]
+        assert len(grounded) == (3 if least else 2)
+        assert grounded[0].tokens_in == grounded[-1].tokens_in
 
 
 def test_a_prompt_that_is_too_long_is_refused_at_once(llamacpp):

@@ -33,7 +33,11 @@ from hypernav.search.perception.explorers.map_question import (
     offered_blocks,
 )
 from hypernav.search.perception.local.grounding_format import read_grounding
-from hypernav.search.perception.local.vlm_detector import VlmDetectorConfig, grounding_question
+from hypernav.search.perception.local.vlm_detector import (
+    VlmDetectorConfig,
+    family_as_seen,
+    grounding_question,
+)
 from hypernav.search.perception.local.yes_no_checks import PresenceConfig, presence_question
 
 SHAPE = Goal("red rectangle")
@@ -299,8 +303,14 @@ def _check_coordinates(
 ) -> Iterator[Finding]:
     """In which coordinates the model answers, by a shape at a known position."""
     family, unknown = _family(chat, config)
-    answer = grounding_answer(chat, config)
+    question = grounding_question(config, family, drawn_shape(), SHAPE)
+    answer = chat.ask(question)
     seconds.append(answer.seconds)
+    seen = family_as_seen(family, question, answer, chat.ask)
+    if seen is not family:
+        family = seen
+        said = f"the server enlarges images, to at least {seen.least_tokens} tokens"
+        yield Finding("images", State.NOTE, f"{said}; they are sent as large as that")
     best = max(_READINGS, key=lambda name: _overlap(answer.text, family_named(name)))
     scale = _scale(answer.text)
     if _overlap(answer.text, family) >= _MATCH and not unknown:
