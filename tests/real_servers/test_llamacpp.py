@@ -160,7 +160,8 @@ def test_boxes_are_read_at_the_size_at_which_the_model_saw_the_image(
         assert detector.family.sent_size(640, 480) == sent
         grounded = [one for one in log.drain() if one.kind == "ground"]
         assert len(grounded) == (3 if least else 2)
-        assert grounded[0].tokens_in == grounded[-1].tokens_in
+        first, second = sorted(one.tokens_in for one in grounded)[-2:]
+        assert first == second  # sent as large as the server would make it, it stays as it is
 
 
 def test_a_prompt_that_is_too_long_is_refused_at_once(llamacpp):
