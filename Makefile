@@ -32,8 +32,8 @@ mutants: $(VENV)/.installed-dev  ## half an hour of small faults in what the rob
 	$(BIN)/python -m pip install --quiet --group mutants
 	$(BIN)/python scripts/mutants.py
 
-test-vlm: $(VLM)/.installed  ## the tests with real, tiny networks, and of the GPU renderer; installs the CPU build of torch
-	$(VLM)/bin/pytest tests/local_vlm tests/simulator/worlds/drawing/test_warp_renderer.py --timeout 600
+test-vlm: $(VLM)/.installed  ## the tests with real, tiny networks and llama.cpp's server, and of the GPU renderer; installs the CPU build of torch
+	$(VLM)/bin/pytest tests/local_vlm tests/real_servers tests/simulator/worlds/drawing/test_warp_renderer.py --timeout 600
 
 lint: $(VENV)/.installed-dev $(VENV)/.installed-docs  ## style, spelling, types, and who may import whom
 	$(BIN)/ruff format --check .
@@ -104,6 +104,7 @@ $(VLM)/.installed: pyproject.toml
 	$(VLM)/bin/python -m pip install --quiet --upgrade pip
 	$(VLM)/bin/python -m pip install --quiet torch==2.13.0
 	$(VLM)/bin/python -m pip install --quiet transformers==5.23.0 accelerate openai
+	$(VLM)/bin/python -m pip install --quiet xllamacpp==2026.10.11549 gguf==0.19.0
 	$(VLM)/bin/python -m pip install --quiet --no-deps torchvision==0.28.0
 	$(VLM)/bin/python -m pip install --quiet --editable '.[bags,ros2,onnx,hm3d,ifc,robot,foxglove,rerun,gpu]' --group dev
 	touch $@

@@ -7,7 +7,7 @@ import sys
 import time
 import urllib.request
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 import pytest
@@ -48,11 +48,11 @@ class LlamaServer:
         pytest.fail(f"llama.cpp's server did not start: {self.said()[-2000:]}")
 
 
-Start = Callable[..., "contextmanager[LlamaServer]"]
+Start = Callable[..., AbstractContextManager[LlamaServer]]
 
 
 @pytest.fixture(scope="session")
-def start_llamacpp(tmp_path_factory: pytest.TempPathFactory):
+def start_llamacpp(tmp_path_factory: pytest.TempPathFactory) -> Start:
     """Starts a server; takes its ``--image-min-tokens``, if any."""
     for package in ("xllamacpp", "gguf"):
         pytest.importorskip(package, reason="needs llama.cpp: pip install xllamacpp gguf")
@@ -84,7 +84,7 @@ def start_llamacpp(tmp_path_factory: pytest.TempPathFactory):
 
 
 @pytest.fixture(scope="session")
-def llamacpp(start_llamacpp) -> Iterator[LlamaServer]:
+def llamacpp(start_llamacpp: Start) -> Iterator[LlamaServer]:
     """One server for all tests that don't stop it."""
     with start_llamacpp() as server:
         server.wait()

@@ -36,13 +36,13 @@ class Forwarder:
                     target + self.path, body or None, headers, method=self.command
                 )
                 try:
-                    reply = urllib.request.urlopen(asked)
+                    reply, status = urllib.request.urlopen(asked), 200
                 except urllib.error.HTTPError as error:
-                    reply = error
+                    reply, status = error, error.code
                 said = reply.read()
                 if owner:
                     said = said.replace(b'"owned_by":"llamacpp"', f'"owned_by":"{owner}"'.encode())
-                self.send_response(reply.status)
+                self.send_response(status)
                 self.send_header("Content-Type", reply.headers["Content-Type"])
                 self.end_headers()
                 self.wfile.write(said)

@@ -28,6 +28,11 @@ from hypernav.core.errors import (
     ModelSetupError,
     ModelUnavailableError,
 )
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Pose2, Transform
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.trace import ExchangeLog
 from hypernav.io.bounded_http import Deadline
 from hypernav.lab.exam import bank
 from hypernav.search.models.chat.config import ChatConfig
@@ -35,6 +40,7 @@ from hypernav.search.models.chat.message_parts import jpeg_data_url
 from hypernav.search.models.chat.server.http_client import HttpClient
 from hypernav.search.models.chat.server.openai_chat import OpenAiChat
 from hypernav.search.models.chat.server.reply_errors import RefusedError
+from hypernav.search.perception.local.vlm_detector import VlmDetector, VlmDetectorConfig
 
 SMALL = (
     *("embodiment.camera.width=160", "embodiment.camera.height=120"),
@@ -134,6 +140,30 @@ def test_several_images_are_all_seen(llamacpp):
     assert np.diff(counted).tolist() == [each, each, 4 * each]
 
 
+@pytest.mark.parametrize(("least", "sent"), [((), (644, 476)), (("1024",), (1064, 784))])
+def test_boxes_are_read_at_the_size_at_which_the_model_saw_the_image(
+    start_llamacpp, least: tuple[str, ...], sent: tuple[int, int]
+):
+    """``--image-min-tokens``, as the server asks for itself in its log, enlarges images."""
+    with start_llamacpp(*least) as server:
+        server.wait()
+        with Forwarder(server.root) as between:
+            log = ExchangeLog()
+            config = VlmDetectorConfig(max_tokens=16, family="qwen2.5-vl")
+            detector = VlmDetector(asker(between.url), log, config)
+            camera = PinholeCamera.from_hfov(640, 480, 79.0)
+            depth = np.ones((480, 640), np.float32)
+            where = (Transform.identity(), Pose2(0.0, 0.0, 0.0))
+            seen = Observation(image(0, 480, 640), depth, camera, *where)
+            for _ in range(2):
+                detector.detect(seen, Goal("bed"))
+        assert detector.family.sent_size(640, 480) == sent
+        grounded = [one for one in log.drain() if one.kind == "ground"]
+        assert len(grounded) == (3 if least else 2)
+        first, second = sorted(one.tokens_in for one in grounded)[-2:]
+        assert first == second  # sent as large as the server would make it, it stays as it is
+
+
 def test_a_prompt_that_is_too_long_is_refused_at_once(llamacpp):
     with pytest.raises(ModelRejectedError, match=r"larger context than the server has"):
         asker(llamacpp.url).ask(Question("other", "word " * 3000))
@@ -172,8 +202,8 @@ def test_a_server_that_loads_its_model_is_waited_for(
 ):
     caplog.set_level(logging.WARNING)
     with start_llamacpp() as server:
-        waits = {"first_wait_s": 0.01, "longest_wait_s": 0.02, "patience_s": 60.0}
-        assert asker(server.url, **waits).ask(ROOM).fault is None
+        chat = asker(server.url, first_wait_s=0.01, longest_wait_s=0.02, patience_s=60.0)
+        assert chat.ask(ROOM).fault is None
     assert "answered 503: Loading model; wait: the server is up" in caplog.text
 
 
@@ -185,7 +215,7 @@ def test_an_abandoned_answer_is_cancelled_and_not_asked_again(llamacpp):
     with pytest.raises(ModelUnavailableError, match="in 1 attempt within a patience"):
         chat.ask(large)
     assert until(lambda: not is_busy(llamacpp.root), 60.0)
-assert llamacpp.said().count("cancel task") == cancelled + 1
+    assert llamacpp.said().count("cancel task") == cancelled + 1
 
 
 def test_a_server_that_is_killed_in_the_middle(start_llamacpp):

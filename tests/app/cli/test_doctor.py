@@ -1,3 +1,4 @@
+import re
 from collections.abc import Iterator
 
 import pytest
@@ -43,6 +44,8 @@ def test_a_healthy_server_is_well(server: ScriptedServer, capsys: pytest.Capture
     assert len(timed) == 3
     for word in ("maps", "presence"):
         assert any(line.startswith(f"ok    {word}:") for line in lines)
+    pace = next(line for line in lines if line.startswith("ok    pace:"))
+    assert re.search(r"an answer takes .* search of about 53 questions", pace)
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from hypernav.app.cli.options.agent import AgentOptions
 from hypernav.app.cli.options.commands import EvalOptions
 from hypernav.app.cli.run_choice import worker_count
 from hypernav.lab.evaluation.runner import available_cores
+from servers.scripted import ScriptedServer
 
 QUICK = ("--workers", "1", "--max-steps", "30", *SMALL)
 
@@ -220,6 +221,17 @@ def test_a_plan_by_an_exam_runs_nothing_and_tells_the_cost(room, tmp_path, capsy
     auto = ("--reasoner", "auto", "--out", tmp_path / "run")
     assert hypernav(*plan, *auto) == 0
     assert "210 calls of the model, 105 in a search" in capsys.readouterr().err
+
+
+def test_a_plan_by_episodes_first_asks_the_model_how_long_it_takes(room, tmp_path, capsys):
+    with ScriptedServer() as server:
+        server.delay_s = 0.3
+        who = ("--vlm", server.spec, "--workers", "1", "--max-steps", "1", "--out", tmp_path)
+        assert hypernav("eval", f"scene:{room}#1", *who, "--plan", "--set", *SMALL[1:]) == 0
+    said = capsys.readouterr().err
+    pace = re.search(r"an answer takes 0.\d+ s; .* takes \d+ s; this run has 2 searches", said)
+    assert pace is not None
+    assert pace.start() < said.index("by these 2 episodes:")
 
 
 @pytest.mark.slow

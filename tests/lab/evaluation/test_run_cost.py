@@ -13,6 +13,7 @@ from hypernav.lab.evaluation.run_cost import (
     cost_by_exam,
     cost_lines,
     kinds_asked,
+    pace_words,
 )
 
 DEFAULT = preset("default")
@@ -105,3 +106,23 @@ def test_money_is_told_where_there_is_a_price():
 def test_an_exam_without_searches_says_how_to_get_them():
     with pytest.raises(ConfigError, match="--predict"):
         cost_by_exam(EXAM.model_copy(update={"predictions": ()}), "default", DEFAULT, KINDS)
+
+
+@pytest.mark.parametrize(
+    ("kinds", "changes", "words"),
+    [
+        (("ground", "crop", "choose block", "verify"), {}, "about 53 questions takes 9 min"),
+        (("ground", "crop", "choose block", "verify"), {"crops": 0}, "about 33 questions"),
+        (("choose block", "verify"), {}, "about 1 questions takes 14 s"),
+        ((), {}, "an answer takes 10 s"),
+    ],
+)
+def test_one_answer_tells_how_long_a_search_takes(
+    kinds: tuple[str, ...], changes: dict[str, int], words: str
+):
+    config = preset("default")
+    crops = changes.get("crops", config.grounding.score_crops)
+    grounding = config.grounding.model_copy(update={"score_crops": crops})
+    said = pace_words(10.0, config.model_copy(update={"grounding": grounding}), kinds)
+    assert said.startswith("an answer takes 10 s")
+    assert words in said

@@ -12,6 +12,7 @@ from hypernav.io.layered_config import layered
 from hypernav.lab.evaluation.checks.data_folder import check_data
 from hypernav.lab.evaluation.checks.findings import Finding, State
 from hypernav.lab.evaluation.checks.vlm_checkup import check_up
+from hypernav.lab.evaluation.run_cost import pace_words
 from hypernav.search.models.chat.vlm_spec import open_chat, parse_vlm_spec
 
 _MARKS = {
@@ -70,7 +71,14 @@ def _check_model(vlm: str, options: DoctorOptions) -> Iterator[Finding]:
     config = layered(preset("default"), file=options.config, assignments=options.set)
     # Report a fault at once, not after two minutes of retries.
     chat = open_chat(spec, config.chat.model_copy(update={"patience_s": 0.0}))
-    return check_up(chat, config.grounding, config.overview, config.block_choice, config.presence)
+    return check_up(
+        chat,
+        config.grounding,
+        config.overview,
+        config.block_choice,
+        config.presence,
+        lambda seconds: pace_words(seconds, config),
+    )
 
 
 def _shown(findings: Iterator[Finding], console: Terminal) -> list[Finding]:

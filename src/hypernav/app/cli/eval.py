@@ -25,6 +25,7 @@ from hypernav.app.cli.screen.search_lines import unusable_answers_line, warnings
 from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.core.episode import Episode, lives_of
 from hypernav.core.errors import ConfigError
+from hypernav.lab.evaluation.checks.vlm_checkup import grounding_answer
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.report.report_text import interval, percent
 from hypernav.lab.evaluation.run_cost import (
@@ -32,6 +33,7 @@ from hypernav.lab.evaluation.run_cost import (
     cost_by_exam,
     cost_lines,
     kinds_asked,
+    pace_words,
 )
 from hypernav.lab.evaluation.runner import (
     RunProgress,
@@ -55,6 +57,7 @@ from hypernav.lab.evaluation.workers.job import Job
 from hypernav.lab.evaluation.workers.process_pool import ProcessPool
 from hypernav.lab.evaluation.workers.ray_pool import RayPool
 from hypernav.lab.evaluation.workers.worker_pool import WorkerPool
+from hypernav.search.models.chat.vlm_spec import open_chat, parse_vlm_spec
 
 _MOST_REASONS = 3
 """Largest number of reasons that are printed for episodes that don't count or didn't run."""
@@ -213,6 +216,8 @@ def evaluate(
     """
     with warnings_on(console):
         plan, episodes = planned(options, console)
+        if options.plan:
+            _say_pace(options, plan.config, len(episodes), console)
     with RunStore(folder, plan.configuration(episodes)) as store:
         if heading:
             console.print(heading)
@@ -251,6 +256,18 @@ def _first_lives(episodes: Sequence[Episode]) -> list[Episode]:
             break
         first += life.episodes
     return first
+
+
+def _say_pace(options: EvalOptions, config: HyPerNavConfig, count: int, console: Console) -> None:
+    """Say how long searches take by one answer of a server, before any of them."""
+    vlm = options.who.vlm
+    kinds = kinds_asked(choose_components(options.who.specs, presence=config.presence.enabled))
+    if vlm is None or parse_vlm_spec(vlm).kind != "openai" or not kinds:
+        return
+    with console.status("asking the model …"):
+        answer = grounding_answer(open_chat(vlm, config.chat), config.grounding)
+    said = pace_words(answer.seconds, config, kinds)
+    console.print(f"{said}; this run has {count} searches", markup=False, soft_wrap=True)
 
 
 def _say_cost_by_exam(options: EvalOptions, exam: Path, console: Console) -> None:

@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.status import Status
 
+from hypernav.app.build.built_agent import BuiltAgent
 from hypernav.app.build.memories import check_memory_size, open_memory
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.build.worlds import open_world
@@ -57,6 +58,7 @@ from hypernav.io.folder_lock import folder_lock
 from hypernav.lab.datasets.benchmarks import robot_in
 from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.lab.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
+from hypernav.lab.evaluation.run_cost import kinds_asked, pace_words
 from hypernav.search.mapping.storage.memory_folder import MemoryFolder
 from hypernav.simulator.worlds.simulated_robot import check_standable
 
@@ -150,7 +152,7 @@ def _find(options: FindOptions, goal: Goal, folder: Path) -> ExitStatus:
             EpisodeRecorder(folder.absolute(), **asdict(info)) as recorder,
             opened_views(options.views, info, recorder) as views,
         ):
-            stopped_by = _search(search, views, console, status)
+            stopped_by = _search(search, views, console, status, parts, config)
             status.update("writing the page …")
             with interruptions_put_off():
                 early = KeyboardInterrupt | OutputError | MemoryStartError
@@ -247,9 +249,15 @@ def start_values(start: Pose2, start_z: float | None) -> list[float]:
 
 
 def _search(
-    search: EpisodeRun, views: Views, console: Terminal, status: Status
+    search: EpisodeRun,
+    views: Views,
+    console: Terminal,
+    status: Status,
+    parts: BuiltAgent,
+    config: HyPerNavConfig,
 ) -> KeyboardInterrupt | MemoryStartError | ModelSetupError | OutputError | None:
     """Run the search to its end; returns the error that stopped it, if any."""
+    is_paced = False
     try:
         views.await_watchers(status)
         status.update("the first step …")
@@ -257,6 +265,12 @@ def _search(
             for step in search:
                 with interruptions_put_off():  # an incomplete frame would break the video
                     views.add(step.trace, step.grid, step.observation)
+                asked = parts.ledger.total
+                if asked.calls and not is_paced:
+                    is_paced = True
+                    kinds = kinds_asked(parts.chosen)
+                    said = pace_words(asked.seconds / asked.calls, config, kinds)
+                    console.print(said, markup=False, soft_wrap=True)
                 status.update(escape(live_line(step)))
                 views.keep_pace()
     except (KeyboardInterrupt, MemoryStartError, ModelSetupError, OutputError) as stop:

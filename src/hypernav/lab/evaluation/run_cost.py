@@ -1,6 +1,6 @@
 """What a run will cost, by what one search costs: from an exam, or from its first episodes."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from hypernav.app.build.choosing import ChosenComponents
@@ -23,6 +23,8 @@ _KINDS = {
 }
 """Kinds of questions that a component asks a model, as in traces."""
 FEWER_LOOKS = "--set search.looks=at-destinations"
+TYPICAL = {"ground": 32.0, "crop": 20.0, "choose block": 0.4, "verify": 1.0}
+"""Questions of a search with `default`, by kind, in a dozen searches; docs/models.md says which."""
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,30 @@ def kinds_asked(chosen: ChosenComponents) -> list[str]:
         if choice is not None and "chat" in asked_by(choice):
             kinds += own
     return [*kinds, "verify"] if chosen.presence else kinds
+
+
+def pace_words(seconds: float, config: HyPerNavConfig, kinds: Iterable[str] = TYPICAL) -> str:
+    """How long a search takes at the pace of an answer, for people.
+
+    Args:
+        seconds: Time of an answer about an image.
+        config: Configuration of the search.
+        kinds: Kinds of questions that the model is asked.
+    """
+    images = TYPICAL["ground"]
+    if config.search.looks == "at-destinations":
+        images = min(images, _images_at_destinations(config, TYPICAL["choose block"]))
+    calls = {kind: TYPICAL[kind] for kind in TYPICAL if kind in kinds}
+    for kind in {"ground", "crop"} & calls.keys():
+        calls[kind] *= images / TYPICAL["ground"]
+    if not config.grounding.score_crops:
+        calls.pop("crop", None)
+    count = sum(calls.values())
+    said = f"an answer takes {seconds:.2g} s"
+    if not count:  # no count of other methods' questions is known
+        return said
+    took = _hours(count * seconds / 3600.0)
+    return f"{said}; at this pace a search of about {count:.0f} questions takes {took}"
 
 
 def cost_by_exam(
@@ -161,4 +187,6 @@ def _images_at_destinations(config: HyPerNavConfig, choices: float) -> float:
 
 
 def _hours(hours: float) -> str:
+    if hours < 1.0 / 60.0:
+        return f"{hours * 3600.0:.0f} s"
     return f"{hours * 60.0:.0f} min" if hours < 2.0 else f"{hours:.1f} h"

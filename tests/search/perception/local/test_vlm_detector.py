@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -6,7 +7,7 @@ import pytest
 from chat_models import Parrot
 from hypernav.app.build.component_specs import PresetName
 from hypernav.app.build.presets import preset
-from hypernav.core.chat import Answer, Question
+from hypernav.core.chat import Answer, Question, Usage
 from hypernav.core.errors import ConfigError, ModelUnavailableError
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.camera import PinholeCamera
@@ -297,3 +298,37 @@ def test_ones_own_words_go_before_a_familys(view: Observation):
         config = config if prompt is None else config.model_copy(update={"prompt": prompt})
         VlmDetector(parrot, ExchangeLog(), config).detect(view, BED)
         assert parrot.asked[0].text == begin
+
+
+class Enlarging(Parrot):
+    """llama.cpp with ``--image-min-tokens 1024`` and a system prompt: what it sees, it counts."""
+
+    def __init__(self, text: str, image_tokens: int, words: int = 80) -> None:
+        super().__init__(text)
+        self.image_tokens, self.words = image_tokens, words
+
+    def ask(self, question: Question) -> Answer:
+        shown = self.image_tokens + 2 if question.images else 0
+        usage = Usage(self.words + shown, 5)
+        return replace(super().ask(question), usage=usage)
+
+
+@pytest.mark.parametrize(
+    ("tokens", "words", "sent", "asked"),
+    [
+        (391, 80, (644, 476), 1),
+        (1064, 80, (1064, 784), 2),  # as llama.cpp was seen to count, 644x476 sent
+        (391, 2000, (644, 476), 2),  # many words, and no larger image
+    ],
+)
+def test_boxes_are_read_at_the_size_that_a_server_enlarges_images_to(
+    view: Observation, tokens: int, words: int, sent: tuple[int, int], asked: int
+):
+    half = [0, 0, sent[0] // 2, sent[1] // 2]
+    parrot = Enlarging(said(half), tokens, words)
+    detector = VlmDetector(parrot, ExchangeLog(), AS_THEY_ARE)
+    boxes = [one.box for one in detector.detect(view, BED)]
+    assert len(parrot.asked) == asked
+    assert [one.box for one in detector.detect(view, BED)] == boxes == [Box(0, 0, 320, 240)]
+    assert len(parrot.asked) == asked + 1
+    assert parrot.asked[-1].images[0].shape[:2] == (sent[1], sent[0])

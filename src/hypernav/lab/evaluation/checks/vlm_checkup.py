@@ -5,7 +5,7 @@ position, a map of which one room alone leads on, an image that shows a thing an
 a question that a free model would answer at length.
 """
 
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
@@ -33,7 +33,11 @@ from hypernav.search.perception.explorers.map_question import (
     offered_blocks,
 )
 from hypernav.search.perception.local.grounding_format import read_grounding
-from hypernav.search.perception.local.vlm_detector import VlmDetectorConfig, grounding_question
+from hypernav.search.perception.local.vlm_detector import (
+    VlmDetectorConfig,
+    family_as_seen,
+    grounding_question,
+)
 from hypernav.search.perception.local.yes_no_checks import PresenceConfig, presence_question
 
 SHAPE = Goal("red rectangle")
@@ -151,6 +155,7 @@ def check_up(
     overview: OverviewConfig,
     block_choice: VlmReasonerConfig,
     presence: PresenceConfig,
+    pace: Callable[[float], str],
 ) -> Iterator[Finding]:
     """Examine a model, one finding after the other; stops where going on makes no sense.
 
@@ -160,20 +165,24 @@ def check_up(
         overview: Drawing of the map.
         block_choice: Configuration of the map question.
         presence: Configuration of the question whether the goal is there.
+        pace: What the seconds of an answer about an image mean for a search, in words.
     """
+    seconds: list[float] = []
     try:
         model = chat
         if isinstance(chat, _BehindServer):
             model = yield from _check_server(chat)
         if model is None:
             return
-        sees = yield from _check_vision(model)
+        sees = yield from _check_vision(model, seconds)
         if sees:
-            yield from _check_coordinates(model, grounding)
+            yield from _check_coordinates(model, grounding, seconds)
         yield from _check_constraints(model)
         if sees:
             yield from _check_map(model, overview, block_choice)
             yield from _check_presence(model, presence)
+        if seconds:
+            yield Finding("pace", State.GOOD, pace(seconds[-1]))
     except ChatError as error:
         yield Finding("answers", State.FAULT, str(error), error.remedy or _WAIT)
 
@@ -255,7 +264,7 @@ def _remedy_without_words(chat: ChatModel) -> str:
     return _ALL_REASONING
 
 
-def _check_vision(chat: ChatModel) -> Generator[Finding, None, bool]:
+def _check_vision(chat: ChatModel, seconds: list[float]) -> Generator[Finding, None, bool]:
     """Whether the model takes images and tells one colour from another."""
     wrong = []
     for colour, rgb in _COLOURS.items():
@@ -267,6 +276,7 @@ def _check_vision(chat: ChatModel) -> Generator[Finding, None, bool]:
             remedy = "serve a model that takes images (llama.cpp: with --mmproj)"
             yield Finding("images", State.FAULT, f"no vision: {error}", error.remedy or remedy)
             return False
+        seconds.append(answer.seconds)
         if answer.fault is not None:
             said = f"whether it sees cannot be told: {answer.detail}"
             yield Finding("images", State.FAULT, said, _remedy_without_words(chat))
@@ -283,10 +293,24 @@ def _check_vision(chat: ChatModel) -> Generator[Finding, None, bool]:
     return True
 
 
-def _check_coordinates(chat: ChatModel, config: VlmDetectorConfig) -> Iterator[Finding]:
+def grounding_answer(chat: ChatModel, config: VlmDetectorConfig) -> Answer:
+    """The answer where the drawn shape is, the usual question of a search."""
+    return chat.ask(grounding_question(config, _family(chat, config)[0], drawn_shape(), SHAPE))
+
+
+def _check_coordinates(
+    chat: ChatModel, config: VlmDetectorConfig, seconds: list[float]
+) -> Iterator[Finding]:
     """In which coordinates the model answers, by a shape at a known position."""
     family, unknown = _family(chat, config)
-    answer = chat.ask(grounding_question(config, family, drawn_shape(), SHAPE))
+    question = grounding_question(config, family, drawn_shape(), SHAPE)
+    answer = chat.ask(question)
+    seconds.append(answer.seconds)
+    seen = family_as_seen(family, question, answer, chat.ask)
+    if seen is not family:
+        family = seen
+        said = f"the server enlarges images, to at least {seen.least_tokens} tokens"
+        yield Finding("images", State.NOTE, f"{said}; they are sent as large as that")
     best = max(_READINGS, key=lambda name: _overlap(answer.text, family_named(name)))
     scale = _scale(answer.text)
     if _overlap(answer.text, family) >= _MATCH and not unknown:

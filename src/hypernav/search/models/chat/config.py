@@ -28,9 +28,10 @@ class ChatConfig(RoomConfig):
     Attributes:
         published_model: Vision-language model of the published method (paper: QwenVL-7B). Results
             and reports name it beside the model in use, unless this has its family and size.
-        timeout_s: Longest wait for one attempt, during which a robot stands still.
-        patience_s: Time after which an unanswered question is given up. Failed attempts are
-            repeated until then; 0 asks once.
+        timeout_s: Silence after which an attempt is given up, unless the server still answers when
+            it is asked for its models; of a model that streams, every piece ends the silence.
+        patience_s: Silence after which a question is given up; a robot stands still meanwhile.
+            Failed attempts are repeated until then; 0 asks once.
         first_wait_s: Wait between the first two attempts; doubled each time.
         longest_wait_s: Longest wait between two attempts. A server's own ``Retry-After`` is cut to
             it, too.

@@ -6,7 +6,8 @@ makers that says so. A model without such a page is in no family: it is not gues
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from importlib.resources import files
 from typing import Literal
 
@@ -54,6 +55,9 @@ class VlmFamily:
             server need not resize it and pixels mean the same on both sides; 0 sends it unchanged.
         min_pixels: Smallest area of the sent image.
         max_pixels: Largest area of the sent image.
+        token_px: Side of the square of the image that is one token, where the number of tokens
+            tells at which size the model saw it; 0 where it doesn't.
+        least_tokens: Tokens below which the server enlarges an image; it is sent as it would be.
         rows_first: Whether boxes are ``(y_min, x_min, y_max, x_max)``, and points ``(y, x)``.
         box_key: Key of a box in its JSON.
         points: Whether it is asked for points instead of boxes.
@@ -65,6 +69,8 @@ class VlmFamily:
     side_multiple: int = 0
     min_pixels: int = 56 * 56
     max_pixels: int = 16384 * 28 * 28
+    token_px: int = 0
+    least_tokens: int = 0
     rows_first: bool = False
     box_key: str = "bbox_2d"
     points: bool = False
@@ -85,13 +91,9 @@ class VlmFamily:
         """Width and height of the sent image."""
         if not self.side_multiple:
             return width, height
-        return smart_resize(
-            width,
-            height,
-            multiple=self.side_multiple,
-            min_pixels=self.min_pixels,
-            max_pixels=self.max_pixels,
-        )
+        fit = partial(smart_resize, multiple=self.side_multiple, max_pixels=self.max_pixels)
+        sent = fit(width, height, min_pixels=self.min_pixels)
+        return fit(*sent, min_pixels=self.least_tokens * self.token_px**2)
 
     def extent(self, width: int, height: int) -> tuple[float, float]:
         """The largest x and y in the model's coordinates for an image of this size."""
@@ -102,6 +104,15 @@ class VlmFamily:
             case _:
                 side = SIDES[self.space]
                 return side, side
+
+    def tokens(self, width: int, height: int) -> int:
+        """Number of tokens of an image of this size, once it is sent; 0 where it isn't known."""
+        sent = self.sent_size(width, height)
+        return sent[0] * sent[1] // self.token_px**2 if self.token_px else 0
+
+    def with_least_tokens(self, least: int) -> "VlmFamily":
+        """The family at a server that enlarges images of fewer tokens."""
+        return replace(self, least_tokens=least)
 
     def to_image(self, box: Box, width: int, height: int) -> Box:
         """Convert a box from the model's coordinates to pixels of an image of this size."""
@@ -160,14 +171,16 @@ _IN_PIXELS = (
 FAMILIES: dict[str, VlmFamily] = {
     family.name: family
     for family in (
-        VlmFamily("qwen2.5-vl", "pixels", side_multiple=28),
+        VlmFamily("qwen2.5-vl", "pixels", side_multiple=28, token_px=28),
         VlmFamily("qwen2-vl", "thousandths"),
         VlmFamily("qwen3-vl", "thousandths"),
         VlmFamily("glm-v", "thousandths"),
         VlmFamily("gemini", "thousandths", rows_first=True, box_key="box_2d"),
         # Images of up to 1568 pixels a side and about 1.15 megapixels are not resized.
         VlmFamily("claude", "pixels", side_multiple=28, max_pixels=1_150_000, asks=_IN_PIXELS),
-        VlmFamily("embodied-r1", "pixels", side_multiple=28, points=True, asks=_POINT_AT),
+        VlmFamily(
+            "embodied-r1", "pixels", side_multiple=28, token_px=28, points=True, asks=_POINT_AT
+        ),
         VlmFamily("molmo", "percent", points=True, asks=_POINT_TO),
         VlmFamily("molmo2", "thousandths", points=True, asks=_POINT_TO),
         VlmFamily("paligemma", "bins", rows_first=True, asks="detect {goal}"),

@@ -1,6 +1,7 @@
 """Detection by a vision-language model that is asked for boxes (paper: by Qwen-VL)."""
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Literal
 
@@ -41,6 +42,14 @@ CROP_MARGIN = 0.3
 """Width of the margin that a crop shows around its box, as a share of the box's sides."""
 _MAX_BOXES = 10
 """Largest number of boxes of an answer; further ones are dropped."""
+_ENLARGED = 1.25
+"""Share of an image's tokens above which it was enlarged, whatever surrounds it."""
+_USUAL_LEAST = 1024
+"""``--image-min-tokens`` that llama.cpp recommends for Qwen's models."""
+_MARKS_OF_AN_IMAGE = 4
+"""Largest number of tokens that mark the begin and the end of an image; Qwen's models have two."""
+_TOKENS_AROUND = 100
+"""Largest number of tokens that a chat template puts around a question; a byte has one at most."""
 _MIN_SIDE_PX = 4.0
 """Shortest side of a box; smaller boxes are dropped."""
 
@@ -106,6 +115,35 @@ def grounding_question(
     )
 
 
+def family_as_seen(
+    family: VlmFamily, question: Question, answer: Answer, ask: Callable[[Question], Answer]
+) -> VlmFamily:
+    """The family at a server that enlarges images, by the number of tokens that it counted.
+
+    llama.cpp with ``--image-min-tokens`` does, so that pixels would mean others on its side; sent
+    as large as that, images stay as they are. Only where an image seems to have far more tokens
+    than it should is the same question asked without it, which tells them from those of the words.
+
+    Args:
+        family: The family as its makers say.
+        question: A question about one image that was sent as this family wants it.
+        answer: Its answer.
+        ask: Asks the model.
+    """
+    height, width = question.images[0].shape[:2]
+    most = _ENLARGED * family.tokens(width, height)
+    words = len(question.text.encode()) + _TOKENS_AROUND
+    if not family.token_px or answer.usage.tokens_in - words <= most:
+        return family
+    bare = ask(Question(question.kind, question.text, max_tokens=1, at_once=True))
+    counted = answer.usage.tokens_in - bare.usage.tokens_in
+    if not bare.usage.tokens_in or counted <= most:
+        return family
+    usual = family.with_least_tokens(_USUAL_LEAST)
+    is_usual = abs(counted - usual.tokens(width, height)) <= _MARKS_OF_AN_IMAGE
+    return usual if is_usual else family.with_least_tokens(counted - _MARKS_OF_AN_IMAGE)
+
+
 class VlmDetector:
     """Asks for boxes of the goal. What can't be used of an answer is counted, never an error."""
 
@@ -124,6 +162,7 @@ class VlmDetector:
         self._crops = YesNoAsker(chat, log)
         self._config = config or VlmDetectorConfig()
         self._family: VlmFamily | None = None
+        self._is_size_known = False
         self.rejected: Counter[str] = Counter()
         """Number of boxes and answers that could not be used so far, by reason."""
 
@@ -161,6 +200,9 @@ class VlmDetector:
         """
         question = grounding_question(self._config, self.family, observation.rgb, goal)
         answer = self._chat.ask(question)
+        if not self._is_size_known:
+            self._is_size_known = True
+            self._family = family_as_seen(self.family, question, answer, self._ask_aside)
         height, width = observation.rgb.shape[:2]
         grounding = read_grounding(
             "" if answer.fault is Fault.CUT else answer.text,
@@ -176,6 +218,12 @@ class VlmDetector:
         boxes = [*grounding.boxes, *(around(one, observation) for one in grounding.points)]
         found = [replace(one, label=one.label or label_for(goal)) for one in boxes]
         return self._looked_at(found, observation, goal)
+
+    def _ask_aside(self, question: Question) -> Answer:
+        """Ask, and keep it for the trace."""
+        answer = self._chat.ask(question)
+        self._log.record(exchange_of(question, answer))
+        return answer
 
     def _looked_at(
         self, found: list[Detection], observation: Observation, goal: Goal
