@@ -1,7 +1,5 @@
 """What the scores of a network are worth, counted in views that show the same things."""
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 
@@ -12,6 +10,7 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.lab.exam.calibration import NO_BOX, log_odds_of
 from hypernav.lab.exam.network_scores import Tally
+from hypernav.search.models.onnx_detector import OnnxDetector, OnnxDetectorConfig
 
 BED, OVEN, WALL = Box(20, 20, 60, 80), Box(80, 20, 120, 80), Box(130, 90, 150, 110)
 LABELS = {1: ObjectLabel("bed"), 2: ObjectLabel("oven")}
@@ -32,11 +31,20 @@ def view(*shown: int) -> Observation:
     )
 
 
-def network(*told: tuple[str, Box, float]) -> SimpleNamespace:
-    found = [Detection(box, score, name) for name, box, score in told]
-    return SimpleNamespace(
-        config=SimpleNamespace(classes=("bed", "oven", "tv")), detect_all=lambda rgb: found
-    )
+class Network(OnnxDetector):
+    """Says what it is told to."""
+
+    def __init__(self, *told: tuple[str, Box, float]) -> None:
+        self.config = OnnxDetectorConfig(classes=("bed", "oven", "tv"))
+        self.told = told
+
+    def detect_all(self, rgb):
+        return [Detection(box, score, name) for name, box, score in self.told]
+
+    def _blob(self, rgb):
+        raise NotImplementedError
+
+    _decode = _output_shapes = _blob
 
 
 def tallied() -> Tally:
@@ -46,9 +54,9 @@ def tallied() -> Tally:
         [("bed", BED, 0.7), ("tv", OVEN, 0.6)],
         [("tv", OVEN, 0.4)],
     ):
-        tally.add("houses:1", view(1, 2), network(*told), 0.0)
-    tally.add("houses:1", view(1), network(), 0.0)  # where the oven isn't seen it isn't missed
-    tally.add("houses:2", view(1, 2), network(), 0.0)
+        tally.add("houses:1", view(1, 2), Network(*told), 0.0)
+    tally.add("houses:1", view(1), Network(), 0.0)  # where the oven isn't seen it isn't missed
+    tally.add("houses:2", view(1, 2), Network(), 0.0)
     return tally
 
 

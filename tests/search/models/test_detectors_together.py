@@ -1,14 +1,25 @@
 from dataclasses import dataclass, field
 
+import numpy as np
 import pytest
 
 from hypernav.core.config import Curve, along
 from hypernav.core.errors import GoalError
 from hypernav.core.geometry.boxes import Box, Detection
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
 from hypernav.search.models.detectors_together import DetectorsTogether
 
 BOX, NEARLY, ELSEWHERE = Box(10, 10, 50, 50), Box(12, 11, 52, 50), Box(200, 10, 250, 60)
+VIEW = Observation(
+    np.zeros((120, 320, 3), np.uint8),
+    np.ones((120, 320), np.float32),
+    PinholeCamera.from_hfov(320, 120, 79.0),
+    Transform.identity(),
+    Pose2(0.0, 0.0, 0.0),
+)
 CURVE: Curve = ((0.0, -2.0), (0.5, 0.0), (1.0, 4.0))
 
 
@@ -34,7 +45,7 @@ class Told:
 def weights(*detectors: Told) -> list[float]:
     """The weights of the goals that they find together."""
     together = DetectorsTogether(*detectors)
-    found = together.detect(None, Goal("bed"))  # type: ignore[arg-type]
+    found = together.detect(VIEW, Goal("bed"))
     return [along(together.score_weights, one.score) for one in found if one.is_goal]
 
 
@@ -76,7 +87,7 @@ def test_a_detector_without_a_name_for_it_doubts_nothing():
 def test_another_name_for_the_same_pixels_stays_beside_as_a_rival():
     rival = Detection(NEARLY, 0.9, "sofa", is_goal=False)
     together = DetectorsTogether(Told([bed(BOX, 0.6)]), Told([rival]))
-    found = together.detect(None, Goal("bed"))  # type: ignore[arg-type]
+    found = together.detect(VIEW, Goal("bed"))
     assert [(one.label, one.is_goal) for one in found] == [("sofa", False), ("bed", True)]
     assert all(0.0 <= one.score <= 1.0 for one in found)
     assert together.missed_weight < -1.0

@@ -43,8 +43,9 @@ def test_boxes_lie_inside_an_image_of_any_size(
         assert found.box.area > 0.0
 
 
-def test_an_image_that_shows_nothing_gives_no_box(detector: PicodetDetector):
-    assert detector.detect_all(np.full((480, 640, 3), 200, np.uint8)) == []
+def test_where_no_score_is_high_enough_there_is_no_box(test_data: Path, lounge: np.ndarray):
+    path = test_data / "models" / "picodet_s_416_coco.onnx"
+    assert PicodetDetector(path, OnnxDetectorConfig(score_threshold=1.0)).detect_all(lounge) == []
 
 
 def outputs(stride: int, row: int, column: int, distances: tuple[int, ...], label: int):
