@@ -25,7 +25,8 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.search.models.yolox import YoloxConfig, YoloxDetector
+from hypernav.search.models.onnx_detector import OnnxDetectorConfig
+from hypernav.search.models.yolox import YoloxDetector
 from hypernav.search.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.simulator.worlds.drawing.renderer import CpuRenderer
 from hypernav.simulator.worlds.surface.walkable import WalkableGrid
@@ -147,7 +148,7 @@ def main(
         scenes: Names of scenes, or files.
         images: Number of images of each.
     """
-    detector = YoloxDetector(model, YoloxConfig(score_threshold=LEAST_SCORE))
+    detector = YoloxDetector(model, OnnxDetectorConfig(score_threshold=LEAST_SCORE))
     for number, name in enumerate(scenes):
         keep_scene(name, out / f"{number:02d}", detector, images, number)
         print(f"{name}: {images} views", flush=True)

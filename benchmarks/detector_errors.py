@@ -24,7 +24,8 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
-from hypernav.search.models.yolox import YoloxConfig, YoloxDetector
+from hypernav.search.models.onnx_detector import OnnxDetectorConfig
+from hypernav.search.models.yolox import YoloxDetector
 from hypernav.search.perception.local.ground_truth import true_detection, visible_objects
 from hypernav.search.perception.local.noisy_detector import resembles
 from hypernav.simulator.houses.building import Building
@@ -178,7 +179,7 @@ def main(model: Path, first: int = 3000, count: int = 20, images: int = 60) -> N
         count: Number of houses.
         images: Number of images of each house.
     """
-    detector, tally = YoloxDetector(model, YoloxConfig()), Tally()
+    detector, tally = YoloxDetector(model, OnnxDetectorConfig()), Tally()
     for house in range(first, first + count):
         look_about(tally, house, generate(Building("houses", house)), detector, images)
     print(tally.report())

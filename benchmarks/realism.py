@@ -25,7 +25,8 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.labels import canonical
 from hypernav.core.world import Instance
-from hypernav.search.models.yolox import YoloxConfig, YoloxDetector
+from hypernav.search.models.onnx_detector import OnnxDetectorConfig
+from hypernav.search.models.yolox import YoloxDetector
 from hypernav.simulator.houses.building import house
 from hypernav.simulator.houses.generator import generate
 from hypernav.simulator.worlds.drawing.rays import RayCaster
@@ -264,7 +265,7 @@ def main(
         out: JSON file with all views.
         kinds: Kinds to measure; all eight if empty.
     """
-    detector = YoloxDetector(model, YoloxConfig(score_threshold=LEAST_SCORE))
+    detector = YoloxDetector(model, OnnxDetectorConfig(score_threshold=LEAST_SCORE))
     images = Album(album)
     views: list[View] = []
     numbers = [0] if scene is not None else list(range(first, first + count))

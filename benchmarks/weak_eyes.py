@@ -33,7 +33,7 @@ from hypernav.io.layered_config import layered
 from hypernav.lab.evaluation.record import EpisodeRecord
 from hypernav.lab.evaluation.workers.job import Job
 from hypernav.lab.evaluation.workers.worker import EpisodeWorker
-from hypernav.search.models.yolox import COCO_CLASSES
+from hypernav.search.models.closed_set import COCO_CLASSES
 
 KINDS = ("houses", "offices", "shops")
 SetName = Literal["known", "any"]

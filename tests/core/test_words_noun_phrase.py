@@ -4,7 +4,7 @@ from hypothesis import strategies as st
 
 from hypernav.core.labels import _ALIKE, _KINDS, normalise
 from hypernav.core.words import first_sentence, noun_phrase, without_lead_in
-from hypernav.search.models.yolox import COCO_CLASSES
+from hypernav.search.models.closed_set import COCO_CLASSES
 
 DESCRIPTIONS = {
     "The couch is located near the window and is surrounded by two plants.": "couch",

@@ -71,6 +71,30 @@ class Observation:
         moved = map_to_other @ self.camera_to_map
         return replace(self, camera_to_map=moved, robot=Pose2(x, y, yaw))
 
+    def part(self, rows: slice, columns: slice) -> "Observation":
+        """A rectangle of the image as an image of its own, with the camera that would take it.
+
+        Args:
+            rows: Its rows, from 0 on; those beyond the image are left out.
+            columns: Its columns.
+        """
+        window = np.s_[rows, columns]
+        depth, camera, truth = self.depth[window], self.camera, self.truth
+        height, width = depth.shape
+        return replace(
+            self,
+            rgb=self.rgb[window],
+            depth=depth,
+            camera=replace(
+                camera,
+                width=width,
+                height=height,
+                cx=camera.cx - columns.start,
+                cy=camera.cy - rows.start,
+            ),
+            truth=None if truth is None else replace(truth, ids=truth.ids[window]),
+        )
+
     def points_at(
         self, rows: Int64[np.ndarray, " n"], columns: Int64[np.ndarray, " n"]
     ) -> Float64[np.ndarray, "n 3"]:

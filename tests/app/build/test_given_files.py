@@ -23,6 +23,10 @@ def test_weights_and_vectors_are_files_that_components_are_given(tmp_path):
     assert given_files(zson, config) == (weights, goals)
     yolox = choose_components(ComponentSpecs(detector=f"yolox:{weights}"))
     assert given_files(yolox, config) == (weights,)
+    beside = written(tmp_path, f"{weights.name}.reliability.json")
+    assert given_files(yolox, config) == (weights, beside)
+    both = choose_components(ComponentSpecs(detector=f"yolox:{weights}+picodet:{goals}"))
+    assert given_files(both, config) == (weights, goals, beside)
     noisy = choose_components(ComponentSpecs(detector="noisy:0.7"))
     assert given_files(noisy, config) == ()
 

@@ -1,12 +1,15 @@
+from types import SimpleNamespace
+
 import pytest
 
 from hypernav.app.build.agents import build_search
 from hypernav.app.build.choosing import choose_components
 from hypernav.app.build.component_specs import ComponentSpecs
 from hypernav.app.build.presets import preset
-from hypernav.app.build.stand_ins import beside_published, segmenter_words
+from hypernav.app.build.stand_ins import beside_published, segmenter_words, unmeasured
 from hypernav.core.errors import ConfigError
 from hypernav.core.trace import ExchangeLog
+from hypernav.search.perception.local.config import LocalConfig
 from hypernav.search.perception.local.depth_cut import DepthCutConfig, DepthCutSegmenter
 from hypernav.search.perception.local.ground_truth import GroundTruthDetector
 
@@ -84,3 +87,18 @@ def test_a_search_around_own_components_cuts_as_configured(monkeypatch):
     config = preset("default").model_copy(update={"depth_cut": DepthCutConfig(depth_gap_m=0.3)})
     build_search(config, GroundTruthDetector(), ExchangeLog())
     assert [one.depth_gap_m for one in made] == [0.3]
+
+
+def test_a_detector_whose_scores_nobody_measured_says_so_with_the_remedy():
+    known, local = SimpleNamespace(score_weights=((0.0, -1.0), (1.0, 1.0))), LocalConfig()
+    chosen = choose_components(ComponentSpecs(detector=YOLOX))
+    told = unmeasured(chosen, SimpleNamespace(), local)
+    assert "nobody measured how far the scores of YOLOX (net.onnx) can be trusted" in told
+    assert f"hypernav exam --detector {YOLOX}" in told
+    assert unmeasured(chosen, known, local) == ""
+    assert unmeasured(chosen, SimpleNamespace(), LocalConfig(target="latest")) == ""
+    weighed = LocalConfig(score_weights=((0.0, -1.0), (1.0, 1.0)))  # by --exam
+    assert unmeasured(chosen, SimpleNamespace(), weighed) == ""
+    both = choose_components(ComponentSpecs(detector=f"{YOLOX}+picodet:pico.onnx"))
+    told = unmeasured(both, SimpleNamespace(parts=(known, SimpleNamespace())), local)
+    assert "hypernav exam --detector picodet:pico.onnx" in told

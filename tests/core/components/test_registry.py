@@ -156,3 +156,19 @@ def test_a_folder_that_is_gone_is_no_place_to_import_from(tmp_path, monkeypatch)
     (tmp_path / "gone").rmdir()
     with pytest.raises(ImportTargetError, match="there is no module 'nowhere'"):
         Registry("detector", "").find("nowhere:Thing")
+
+
+def test_several_are_joined_by_a_plus_where_they_can_be_used_together(shapes: Registry):
+    with pytest.raises(ConfigError, match="point\\+circle"):
+        shapes.find("point+circle:2")
+    entries = [shapes.find(name).entry for name in ("point", "circle:1", "box:1,2")]
+    both = Registry("shape", "", entries, together=Entry("together", "builtins:max"))
+    choice = both.find("circle:2+box:1,2")
+    assert [one.spec for one in choice.parts] == ["circle:2", "box:1,2"]
+    assert choice.spec == "circle:2+box:1,2"
+    assert choice.arguments == ("2", "1", "2")
+    assert choice.words() == "a circle (2) + box 1 + 2"
+    assert choice.load() is max
+    assert both.find("circle:a+b.onnx").arguments == ("a+b.onnx",)  # of a file's name
+    with pytest.raises(ConfigError, match="names one twice"):
+        both.find("circle:2+circle:2")

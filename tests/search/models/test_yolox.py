@@ -13,13 +13,9 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.search.models.yolox import (
-    COCO_CLASSES,
-    YoloxConfig,
-    YoloxDetector,
-    class_for,
-    keep_best_boxes,
-)
+from hypernav.search.models.closed_set import COCO_CLASSES, class_for
+from hypernav.search.models.onnx_detector import OnnxDetectorConfig, keep_best_boxes
+from hypernav.search.models.yolox import YoloxDetector
 
 pytest.importorskip("onnxruntime", reason="needs the extra 'onnx'")
 
@@ -53,23 +49,6 @@ def test_sees_both_sofas_of_a_real_lounge(detector: YoloxDetector, lounge: np.nd
     right, left = Box(370.0, 150.0, 640.0, 335.0), Box(0.0, 212.0, 310.0, 480.0)  # drawn by eye
     assert max(found[0].box.iou(right), found[1].box.iou(right)) > 0.85
     assert max(found[0].box.iou(left), found[1].box.iou(left)) > 0.6
-
-
-def test_weak_boxes_are_looked_at_once_more_from_nearer(lounge: np.ndarray, test_data: Path):
-    path = test_data / "models" / "yolox_nano.onnx"
-    once, twice = (
-        YoloxDetector(path, YoloxConfig(look_closer_below=below)) for below in (0.0, 0.6)
-    )
-    before = goals(once.detect(observe(lounge), Goal("chair")))
-    after = goals(twice.detect(observe(lounge), Goal("chair")))
-    assert {one.box for one in before} == {one.box for one in after}
-    score_of = {one.box: one.score for one in after}
-    assert all(score_of[one.box] == one.score for one in before if one.score >= 0.6)
-    weak = [one for one in before if one.score < 0.6]
-    assert weak
-    assert all(score_of[one.box] <= (one.score + 1.0) / 2.0 for one in weak)
-    assert any(score_of[one.box] != one.score for one in weak)
-    assert [one.score for one in after] == sorted((one.score for one in after), reverse=True)
 
 
 def test_finds_nothing_of_another_kind(detector: YoloxDetector, lounge: np.ndarray):
@@ -196,7 +175,7 @@ def test_onnx_file_of_another_network(tmp_path: Path):
 def test_wrong_number_of_classes(test_data: Path):
     with pytest.raises(ModelError, match="2 classes"):
         YoloxDetector(
-            test_data / "models" / "yolox_nano.onnx", YoloxConfig(classes=("bed", "sofa"))
+            test_data / "models" / "yolox_nano.onnx", OnnxDetectorConfig(classes=("bed", "sofa"))
         )
 
 

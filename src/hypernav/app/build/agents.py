@@ -7,13 +7,13 @@ from hypernav.app.build.built_agent import BuiltAgent
 from hypernav.app.build.chat import is_named, model_words, wrap_chat
 from hypernav.app.build.choosing import choose_components, role_in
 from hypernav.app.build.component_specs import ComponentSpecs
-from hypernav.app.build.construction import asked_by, make, section_of
+from hypernav.app.build.construction import asked_by, build
 from hypernav.app.build.given_files import given_files
 from hypernav.app.build.native import check_native_robot
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.build.prompts import prompt_hashes
 from hypernav.app.build.registries import AGENTS, ROLES, Factory
-from hypernav.app.build.stand_ins import beside_published, segmenter_words
+from hypernav.app.build.stand_ins import beside_published, segmenter_words, unmeasured
 from hypernav.app.show.captions import ITS_OWN
 from hypernav.core.components.abilities import ChecksModel, wants_named_things
 from hypernav.core.components.door import through_door
@@ -119,6 +119,7 @@ def build_agent(
         price=config.price,
         prompts={} if chosen.vlm is None else prompt_hashes(config),
         truth=truth,
+        detector_warning=unmeasured(chosen, detector, config.local),
     )
 
 
@@ -204,7 +205,7 @@ def _search(
         local=LocalPerception(
             detector,
             segmenter or DepthCutSegmenter(config.depth_cut),
-            config.local,
+            config.local.for_detector(detector),
             config.embodiment.camera,
             cell_size_m=config.mapping.cell_size_m,
             names_things=wants_named_things(explorer),
@@ -239,8 +240,7 @@ def _made(
 ) -> Any:
     """Build a component for its role (its kind, unless a reasoner), and let it through the door."""
     kind = "reasoner" if role in ROLES else role
-    section = section_of(choice, kind, config)
-    component = make(choice, offers if section is None else offers | {"config": section})
+    component = build(choice, kind, config, offers)
     return through_door(component, _protocol_of(choice, role), f"--{kind} {choice.spec}")
 
 

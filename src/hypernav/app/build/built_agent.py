@@ -45,6 +45,7 @@ class BuiltAgent:
         prompts: Hash of the words of every question to the chat model; empty without one.
         truth: Ground truth for stand-ins only, set by
             `hypernav.lab.episodes.episode_run.EpisodeRun`.
+        detector_warning: Sentence to show before a search; empty if its scores were measured.
     """
 
     agent: Agent
@@ -59,6 +60,7 @@ class BuiltAgent:
     price: PriceConfig
     prompts: dict[str, str]
     truth: EpisodeTruth
+    detector_warning: str = ""
 
     def check_goal(self, goal: Goal) -> None:
         """Refuse a goal that a component can never find, a detector of fixed classes for example.
@@ -73,7 +75,12 @@ class BuiltAgent:
     @property
     def warnings(self) -> list[str]:
         """Sentences to show before a search: which components are stand-ins, and the remedy."""
-        told = (self.segmenter.warning, reasoner_warning(self.chosen), warning_of(self.agent))
+        told = (
+            self.segmenter.warning,
+            reasoner_warning(self.chosen),
+            self.detector_warning,
+            warning_of(self.agent),
+        )
         return [warning for warning in told if warning]
 
     @property

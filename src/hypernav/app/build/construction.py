@@ -42,6 +42,26 @@ from hypernav.core.errors import ConfigError, ContractError
 from hypernav.io.layered_config import read_section
 
 
+def build(
+    choice: Choice[Factory], kind: str, config: HyPerNavConfig, offers: Mapping[str, Any]
+) -> Any:
+    """Make a component with its section of the configuration, or several that are used together.
+
+    Args:
+        choice: Component and its arguments.
+        kind: Its kind, under which ``own`` holds the section of another package's component.
+        config: Configuration of everything.
+        offers: Further arguments that its constructor may take.
+
+    Raises:
+        HyPerNavError: See `make` and `section_of`.
+    """
+    if choice.parts:
+        return choice.load()(*(build(one, kind, config, offers) for one in choice.parts))
+    section = section_of(choice, kind, config)
+    return make(choice, offers if section is None else {**offers, "config": section})
+
+
 def asked_by(choice: Choice[Factory]) -> dict[str, bool]:
     """Names of the parameters of a component's constructor, and whether each is required.
 
@@ -50,6 +70,9 @@ def asked_by(choice: Choice[Factory]) -> dict[str, bool]:
         ContractError: The component is neither a class nor a function.
         ImportTargetError: It cannot be imported.
     """
+    if choice.parts:
+        asked = [asked_by(one) for one in choice.parts]
+        return {name: any(one.get(name, False) for one in asked) for one in asked for name in one}
     factory = choice.load()
     if not callable(factory):
         raise ContractError(f"{choice.spec}: expected a class or a function, found {factory!r:.60}")

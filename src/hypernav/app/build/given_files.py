@@ -8,6 +8,7 @@ from pathlib import Path
 from hypernav.app.build.choosing import ChosenComponents
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.errors import ModelError
+from hypernav.search.models.reliability import file_beside
 
 _DIGITS = 16
 
@@ -20,6 +21,7 @@ def given_files(chosen: ChosenComponents, config: HyPerNavConfig) -> tuple[Path,
         config: Configuration of everything.
     """
     written = [text for choice in chosen.by_kind.values() for text in choice.arguments]
+    written += [str(file_beside(Path(text))) for text in written]
     if chosen.agent.entry.section == "policy":
         written.append(config.policy.goals)
     return tuple(Path(text) for text in dict.fromkeys(written) if os.path.isfile(text))

@@ -18,8 +18,8 @@ from hypernav.search.agents.policy import PolicyConfig
 from hypernav.search.agents.prompted import PromptedConfig
 from hypernav.search.mapping.config import MappingConfig, memory_of
 from hypernav.search.models.chat.config import ChatConfig
+from hypernav.search.models.onnx_detector import OnnxDetectorConfig
 from hypernav.search.models.sam import OnnxSamConfig, SamConfig
-from hypernav.search.models.yolox import YoloxConfig
 from hypernav.search.models.zero_shot import ZeroShotConfig
 from hypernav.search.perception.explorers.area_explorer import AreaConfig
 from hypernav.search.perception.explorers.block_explorer import OverviewConfig
@@ -91,6 +91,7 @@ class HyPerNavConfig(RoomConfig):
         price: Prices of tokens, for the cost in the results.
         depth_cut: Segmentation of a box without a model.
         yolox: Use of a YOLOX export.
+        picodet: Use of a PicoDet export.
         zero_shot: Use of an open-vocabulary detector.
         sam: Use of a SAM model.
         onnx_sam: Use of an exported SAM.
@@ -122,7 +123,8 @@ class HyPerNavConfig(RoomConfig):
     image_recall: ImageRecallConfig = ImageRecallConfig()
     price: PriceConfig = PriceConfig()
     depth_cut: DepthCutConfig = DepthCutConfig()
-    yolox: YoloxConfig = YoloxConfig()
+    yolox: OnnxDetectorConfig = OnnxDetectorConfig()
+    picodet: OnnxDetectorConfig = OnnxDetectorConfig()
     zero_shot: ZeroShotConfig = ZeroShotConfig()
     sam: SamConfig = SamConfig()
     onnx_sam: OnnxSamConfig = OnnxSamConfig()
@@ -294,7 +296,8 @@ def preset(name: PresetName | str) -> HyPerNavConfig:
         grounding=VlmDetectorConfig(score_crops=0, min_score=0.0),
         presence=PresenceConfig(unsure="yes"),
         image_recall=ImageRecallConfig(max_questions=0),
-        yolox=YoloxConfig(score_threshold=0.3, look_closer_below=0.0),
+        yolox=OnnxDetectorConfig(score_threshold=0.3),
+        picodet=OnnxDetectorConfig(score_threshold=0.3),
         block_choice=VlmReasonerConfig(
             mode="paper",
             facts=False,

@@ -35,6 +35,13 @@ DETECTORS: Registry[Factory] = Registry(
             section="yolox",
         ),
         Entry(
+            "picodet",
+            "hypernav.search.models.picodet:PicodetDetector",
+            form="picodet:PATH.onnx",
+            words="PicoDet ({files})",
+            section="picodet",
+        ),
+        Entry(
             "vlm",
             "hypernav.search.perception.local.vlm_detector:VlmDetector",
             words="{model}",
@@ -60,6 +67,7 @@ DETECTORS: Registry[Factory] = Registry(
             words="ground truth with systematic errors ({files})",
         ),
     ],
+    together=Entry("together", "hypernav.search.models.detectors_together:DetectorsTogether"),
 )
 """Detectors of the goal (`hypernav.core.components.protocols.Detector`)."""
 

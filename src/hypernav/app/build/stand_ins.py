@@ -4,6 +4,9 @@ import re
 from dataclasses import dataclass
 
 from hypernav.app.build.choosing import ChosenComponents
+from hypernav.core.components.abilities import score_weights_of
+from hypernav.search.models.onnx_detector import OnnxDetector
+from hypernav.search.perception.local.config import LocalConfig
 
 
 @dataclass(frozen=True)
@@ -64,6 +67,24 @@ def _is_named(published: str, model: str) -> bool:
     said = model.lower()
     has_size = re.search(rf"(?<![\d.]){re.escape(size)}(?![a-z\d])", said) is not None
     return has_size and family in re.sub(r"[^a-z]", "", said)
+
+
+def unmeasured(chosen: ChosenComponents, detector: object, local: LocalConfig) -> str:
+    """Sentence to show before a search with a detector whose scores were never measured."""
+    is_weighed = local.target == "candidates" and not chosen.is_whole_agent
+    if chosen.detector is None or local.score_weights or not is_weighed:
+        return ""
+    parts = getattr(detector, "parts", (detector,))
+    choices = chosen.detector.parts or (chosen.detector,)
+    for part, choice in zip(parts, choices, strict=True):
+        if not score_weights_of(part):
+            command = f"hypernav exam --detector {choice.spec}"
+            command += " --calibrate" if isinstance(part, OnnxDetector) else ", for --exam"
+            return (
+                f"nobody measured how far the scores of {choice.words(model='')} can be trusted, "
+                f"so they count little; measure it: {command}"
+            )
+    return ""
 
 
 def reasoner_warning(chosen: ChosenComponents) -> str:

@@ -1,7 +1,8 @@
 """The command `hypernav exam`: questions with known answers for a model, and a page about it."""
 
 from collections.abc import Sequence
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, nullcontext
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ from hypernav.lab.exam.bank import BANK_VERSION, Bank
 from hypernav.lab.exam.confusion import confusion_of
 from hypernav.lab.exam.examinee import Examinee, check_named
 from hypernav.lab.exam.gathering import questions_of
+from hypernav.lab.exam.network_scores import measure
 from hypernav.lab.exam.prediction import Prediction, predictions_of
 from hypernav.lab.exam.questions import Answered
 from hypernav.lab.exam.results import (
@@ -36,9 +38,11 @@ from hypernav.lab.exam.results import (
     write_results,
 )
 from hypernav.lab.exam.searches import SEARCHES, mimics_of, run_searches, spread_episodes
-from hypernav.lab.exam.sitting import FORECAST_AFTER, Progress, sit
+from hypernav.lab.exam.sitting import FORECAST_AFTER, Progress, nameless_of, sit
 from hypernav.search.models.chat.ledger import Ledger
 from hypernav.search.models.chat.vlm_spec import parse_vlm_spec
+from hypernav.search.models.onnx_detector import OnnxDetector
+from hypernav.search.models.reliability import write_reliability
 
 _AT_ONCE = 4
 _WAITS = {"timeout_s", "patience_s", "first_wait_s", "longest_wait_s", "device"}
@@ -66,6 +70,8 @@ def run(options: ExamOptions) -> int:
     check_option("--predict", options.predict, (0, 1000), "episodes")
     if options.compare is not None and options.config is not None:
         raise ConfigError("--compare names the two files; drop --config")
+    if options.calibrate:
+        return _calibrate(options)
     folder = options.out or Path("runs") / folder_name(f"exam-{_name(options)}")
     check_folder(folder)
     console = Terminal(soft_wrap=True)
@@ -94,6 +100,30 @@ def run(options: ExamOptions) -> int:
     return 0
 
 
+def _calibrate(options: ExamOptions) -> int:
+    """Measure what a network's scores are worth, and keep it beside the network."""
+    config = layered(preset(options.preset), file=options.config, assignments=options.set)
+    examinee = Examinee(config, ComponentSpecs(detector=options.detector), None)
+    examinee.check()
+    detector = examinee.detector
+    if not isinstance(detector, OnnxDetector):
+        raise ConfigError(
+            "--calibrate measures one network of a closed list: name it with --detector "
+            "yolox:FILE or picodet:FILE; of other detectors an exam without --calibrate tells "
+            "what scores are worth (exam.json)"
+        )
+    console = Terminal(soft_wrap=True)
+    measured = measure(detector, config, options.size, lambda scene: console.print(scene))
+    path = write_reliability(detector.path, measured)
+    console.print(
+        f"{measured.images} images: {measured.right} things named rightly, {measured.alike} taken "
+        f"for something else, {measured.nothing} boxes around nothing; searches with "
+        f"{detector.name} now use {path}",
+        markup=False,
+    )
+    return 0
+
+
 def _examined(
     options: ExamOptions, file: Path | None, folder: Path, console: Terminal
 ) -> tuple[list[Answered], Path]:
@@ -117,12 +147,15 @@ def _examined(
         bank = Bank(options.bank, options.size, examinee.kinds)
         examined = _described(options, config, bank, examinee, chat)
         answers = _watched(options, config, folder, bank, examinee, examined, console)
+        examined = replace(examined, nameless=nameless_of(folder))
+        if examined.nameless.words:
+            console.print(examined.nameless.words, markup=False)
         predicts = options.predict > 0 and options.compare is None
         page = folder / PAGE
         if not predicts or not (folder / RESULT).exists():  # before minutes of searches
             page = write_results(folder, examined, answers)
         if predicts:
-            predictions = _predicted(options, config, folder, answers, console)
+            predictions = _predicted(options, config, folder, examinee, answers, console)
             page = write_results(folder, examined, answers, predictions)
         return answers, page
 
@@ -131,6 +164,7 @@ def _predicted(
     options: ExamOptions,
     config: HyPerNavConfig,
     folder: Path,
+    examinee: Examinee,
     answers: Sequence[Answered],
     console: Terminal,
 ) -> list[Prediction]:
@@ -141,6 +175,10 @@ def _predicted(
     robot = {"embodiment": config.embodiment, "mapping": config.mapping}
     configs = {name: preset(name).model_copy(update=robot) for name in _PREDICTED}
     configs |= {options.preset: config} if options.preset in configs else {}
+    configs = {
+        name: one.model_copy(update={"local": one.local.for_detector(examinee.detector)})
+        for name, one in configs.items()
+    }
     console.print(f"searching {options.predict} times with stand-ins that err like it …")
     episodes = spread_episodes(config, options.predict)
     words = f"of {len(episodes)} searches with stand-ins"

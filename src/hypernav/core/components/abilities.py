@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from hypernav.core.components.protocols import Agent, Remembers
+from hypernav.core.config import Curve
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import ConfigError
 from hypernav.core.exploring.exploration import ExplorationView
@@ -15,6 +16,7 @@ from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
+from hypernav.core.score_weights import MISSED
 
 _MISSING = object()
 
@@ -190,6 +192,25 @@ def wants_named_things(explorer: object) -> bool:
 def gives_masks(detector: object) -> bool:
     """Whether a detector, or its class, says that all its detections carry their masks."""
     return bool(getattr(detector, "gives_masks", False))
+
+
+def looks_closer(detector: object) -> bool:
+    """Whether a detector's score in an enlarged part of the image is further evidence.
+
+    So it is with networks, and taken to be with every detector that says nothing else. A stand-in's
+    errors know nothing of enlargement.
+    """
+    return bool(getattr(detector, "looks_closer", True))
+
+
+def score_weights_of(detector: object) -> Curve:
+    """What a detector's scores are worth, as it says; empty if it doesn't (`score_weights`)."""
+    return tuple(getattr(detector, "score_weights", ()))
+
+
+def missed_weight_of(detector: object) -> float:
+    """What it is worth that a detector doesn't see a candidate (`hypernav.core.score_weights`)."""
+    return float(getattr(detector, "missed_weight", MISSED))
 
 
 def answers_at_once(component: object) -> bool:

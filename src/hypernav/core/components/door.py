@@ -21,7 +21,9 @@ from types import NoneType, UnionType
 from typing import Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
+from pydantic import TypeAdapter, ValidationError
 
+from hypernav.core.config import Curve
 from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import (
     CameraError,
@@ -48,6 +50,7 @@ from hypernav.core.interruptions import interruptions_of_kernels
 from hypernav.core.observation import Observation
 from hypernav.core.trace import StepTrace
 
+_CURVE: TypeAdapter[Curve] = TypeAdapter(Curve)
 Check = Callable[..., Any]
 """Checks what a method returned, given its arguments, and gives it in the form of its type."""
 
@@ -296,6 +299,19 @@ def _yes_or_no(value: Any, *_: Any, where: str = "") -> bool:
     return bool(value)
 
 
+def _curve(value: Any, *_: Any) -> Curve:
+    try:
+        return _CURVE.validate_python(value)
+    except ValidationError:
+        _expect(False, value, "points (score, weight), the scores rising")
+        raise
+
+
+def _weight(value: Any, *_: Any) -> float:
+    _expect(_is_number(value, -10.0, 0.0), value, "a number from -10 to 0")
+    return float(value)
+
+
 def _report(value: Any, *_: Any) -> dict[str, Any]:
     _expect(isinstance(value, dict), value, "a dict of JSON values")
     try:
@@ -316,7 +332,10 @@ def _of(kind: type, *, or_none: bool = False) -> Check:
     return check
 
 
-_FLAGS = ("looks_at_colours", "gives_masks", "answers_at_once", "wants_named_things")
+_FLAGS = (
+    *("looks_at_colours", "looks_closer", "gives_masks"),
+    *("answers_at_once", "wants_named_things"),
+)
 _ALL: dict[str, Check] = {
     "take_report": _report,
     "warning": _of(str),
@@ -335,6 +354,8 @@ CHECKS: dict[str, dict[str, Check]] = {
         "detect": _detections,
         "name_things": _things,
         "things_in": _detections,
+        "score_weights": _curve,
+        "missed_weight": _weight,
     },
     "Segmenter": _ALL | {"segment": _mask, "segment_point": _mask},
     "Explorer": _ALL | {"next_destination": _destination},

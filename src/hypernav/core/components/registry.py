@@ -88,11 +88,14 @@ class Choice(Generic[T]):
 
     Attributes:
         entry: Entry of the name.
-        arguments: Arguments after the name.
+        arguments: Arguments after the name; with parts all of theirs.
+        parts: Components that are used together, if the specification joins several by "+"; the
+            entry is then what joins them.
     """
 
     entry: Entry[T]
     arguments: tuple[str, ...] = ()
+    parts: "tuple[Choice[T], ...]" = ()
 
     def load(self) -> T:
         """The named component, imported by `Entry.load`."""
@@ -101,6 +104,8 @@ class Choice(Generic[T]):
     @property
     def spec(self) -> str:
         """The specification of the choice."""
+        if self.parts:
+            return "+".join(one.spec for one in self.parts)
         name = self.entry.name
         return f"{name}:{','.join(self.arguments)}" if self.arguments else name
 
@@ -110,6 +115,8 @@ class Choice(Generic[T]):
         Args:
             **fields: Values of fields other than ``files`` that the entry's words may contain.
         """
+        if self.parts:
+            return " + ".join(one.words(**fields) for one in self.parts)
         files = " + ".join(Path(argument).name for argument in self.arguments)
         words = self.entry.words or f"{self.entry.name} {{files}}"
         return words.format(files=files, **fields).strip()
@@ -124,7 +131,14 @@ class Registry(Generic[T]):
         ('net.onnx',)
     """
 
-    def __init__(self, kind: str, group: str, entries: Iterable[Entry[T]] = ()) -> None:
+    def __init__(
+        self,
+        kind: str,
+        group: str,
+        entries: Iterable[Entry[T]] = (),
+        *,
+        together: Entry[T] | None = None,
+    ) -> None:
         """Fill the registry.
 
         Args:
@@ -132,7 +146,9 @@ class Registry(Generic[T]):
             group: Group of entry points, by which components of installed packages are found; empty
                 if other packages cannot add any.
             entries: Built-in components.
+            together: What makes one of several, joined by "+"; None where one alone can be named.
         """
+        self._together = together
         self.kind = kind
         self.group = group
         self._entries: dict[str, Entry[T]] = {entry.name: entry for entry in entries}
@@ -170,12 +186,20 @@ class Registry(Generic[T]):
         """The component that a specification names.
 
         Args:
-            spec: ``NAME``, ``NAME:ARGUMENTS`` or ``package.module:Name[:ARGUMENTS]``.
+            spec: ``NAME``, ``NAME:ARGUMENTS`` or ``package.module:Name[:ARGUMENTS]``; where several
+                can be used together, these joined by ``+``.
 
         Raises:
             ConfigError: There is no such component, or the specification does not have its form.
             ImportTargetError: The component of another package cannot be imported.
         """
+        specs = self._joined(spec)
+        if self._together is not None and len(specs) > 1:
+            if len(set(specs)) < len(specs):
+                raise ConfigError(f"{self.kind} '{spec}' names one twice; name different ones")
+            parts = tuple(self.find(one) for one in specs)
+            arguments = tuple(text for one in parts for text in one.arguments)
+            return Choice(self._together, arguments, parts)
         name, _, rest = spec.partition(":")
         entry = self._entries.get(name) or self._installed(name)
         if entry is None:
@@ -184,6 +208,17 @@ class Registry(Generic[T]):
                 raise ConfigError(f"unknown {self.kind} '{spec}'; {self._advice(name)}")
             entry = self._imported(name, attribute)
         return Choice(entry, self._arguments(entry, spec, rest))
+
+    def _joined(self, spec: str) -> list[str]:
+        """The specifications that "+" joins; one in a file's name has no component's behind it."""
+        first, *others = spec.split("+")
+        specs = [first]
+        for text in others:
+            if self.knows(text.partition(":")[0]):
+                specs.append(text)
+            else:
+                specs[-1] += f"+{text}"
+        return specs
 
     def _installed(self, name: str) -> Entry[T] | None:
         """Entry that an installed package registers under a name."""

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,7 +16,7 @@ _ELSEWHERE_IOU = 0.1
 """Overlap with the true box below which a box was drawn somewhere and does not lead to the goal."""
 _LEAST = 8
 """Least number of answers with the goal there, and without it, to judge probabilities by."""
-_NO_BOX = -1.0
+NO_BOX = -1.0
 """Score of an answer without a box: less than that of any box."""
 
 
@@ -26,9 +27,27 @@ def calibration_of(answers: Sequence[Answered]) -> Calibration:
         for one in answers
         if one.kind == "presence" and one.chosen is not None
     ]
-    boxes = _true_probabilities(_boxes(answers))
-    log_odds = tuple((score, round(math.log(p / (1.0 - p)), 3)) for score, p in boxes)
-    return Calibration(presence=_true_probabilities(checks), boxes=log_odds)
+    boxes, _ = log_odds_of(_boxes(answers))
+    return Calibration(presence=_true_probabilities(checks), boxes=boxes)
+
+
+def log_odds_of(told: Sequence[tuple[float, bool]]) -> tuple[Curve, float]:
+    """What scores are worth, as shifts of the log-odds, and what it is worth that there is no box.
+
+    Args:
+        told: Scores, or `NO_BOX`, and whether it was the goal.
+
+    Returns:
+        The curve, empty if too little was told, and the shift without a box, 0 if too little was.
+    """
+    curve = tuple((s, round(math.log(p / (1.0 - p)), 3)) for s, p in _true_probabilities(told))
+    counts = Counter(is_so for _, is_so in told)
+    if min(counts[True], counts[False]) < _LEAST:
+        return curve, 0.0
+    none = Counter(is_so for score, is_so in told if score < 0.0)
+    half = 0.5 / min(counts[True], counts[False])
+    yes, no = (none[is_so] / counts[is_so] + half for is_so in (True, False))
+    return curve, round(math.log(yes / no), 3)
 
 
 def _yes(answered: Answered) -> float:
@@ -44,9 +63,9 @@ def _boxes(answers: Sequence[Answered]) -> list[tuple[float, bool]]:
         if one.kind != "boxes":
             continue
         score = 1.0 if one.probability is None else one.probability
-        told = score if one.boxes else _NO_BOX
+        told = score if one.boxes else NO_BOX
         if one.true_boxes and (one.overlap or 0.0) < _ELSEWHERE_IOU:
-            found.append((_NO_BOX, True))
+            found.append((NO_BOX, True))
             found += [(told, False)] if one.boxes else []
         else:
             found.append((told, bool(one.true_boxes)))

@@ -2,12 +2,12 @@
 
 import hashlib
 import threading
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from hypernav.app.build.component_specs import ComponentSpecs
-from hypernav.app.build.construction import asked_by, make, section_of
+from hypernav.app.build.construction import asked_by, build
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.build.registries import (
     ARROW_REASONERS,
@@ -18,7 +18,7 @@ from hypernav.app.build.registries import (
     SEGMENTERS,
     Factory,
 )
-from hypernav.core.components.abilities import ChecksModel
+from hypernav.core.components.abilities import ChecksGoal, ChecksModel
 from hypernav.core.components.door import through_door
 from hypernav.core.components.protocols import (
     ArrowReasoner,
@@ -31,13 +31,14 @@ from hypernav.core.components.protocols import (
 )
 from hypernav.core.components.registry import Choice, Registry
 from hypernav.core.episode import EpisodeTruth
-from hypernav.core.errors import ConfigError
+from hypernav.core.errors import ConfigError, GoalError
 from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.lab.exam.marking import Given, marked
 from hypernav.lab.exam.questions import NO_IMAGE, Answered, ExamQuestion, Kind
 from hypernav.search.perception.image_recall import ImageRecall
+from hypernav.search.perception.local.second_look import detect_twice
 from hypernav.search.perception.local.yes_no_checks import VlmPresenceCheck
 
 _OF_CHAT: tuple[Kind, ...] = ("presence", "images")
@@ -86,6 +87,8 @@ class Examinee:
         for choice, _ in self._choices.values():
             if chat is None and asked_by(choice).get("chat", False):
                 raise ConfigError(f"{choice.spec} needs a chat model; name it with --vlm")
+        self.detector: Detector | None = None
+        """The detector, once it was made by `check`; None if none is examined."""
         self._kept: dict[Kind, Any] = {}
         self._one_at_a_time = threading.Lock()
 
@@ -107,9 +110,24 @@ class Examinee:
             HyPerNavError: A component can't be made, or its model's coordinates are not known.
         """
         for kind in self._choices:
-            made = self._made(kind, ExchangeLog(), EpisodeTruth())
+            made: Any = self._made(kind, ExchangeLog(), EpisodeTruth())
+            if kind == "boxes":
+                self.detector = made
             if isinstance(made, ChecksModel):
                 made.check_model()
+
+    def can_name(self, question: ExamQuestion) -> bool:
+        """Whether its detector has a name for what it is to find; one with a closed list may not.
+
+        Of all other questions it is true.
+        """
+        if question.kind != "boxes" or not isinstance(self.detector, ChecksGoal):
+            return True
+        try:
+            self.detector.check_goal(question.goal)
+        except GoalError:
+            return False
+        return True
 
     def words(self, kind: Kind) -> str:
         """Specification of the component that answers a type of question."""
@@ -131,7 +149,7 @@ class Examinee:
         return marked(question, given, log.drain())
 
     def _given(self, question: ExamQuestion, log: ExchangeLog) -> Given:
-        goal, subject = question.goal, question.subject
+        goal, subject = question.goal, cast("Any", question.subject)
         use: Any = self._component(question, log)
         match question.kind:
             case "block":
@@ -143,7 +161,9 @@ class Examinee:
             case "direction":
                 return Given(str(use.direct(subject, goal).direction))
             case "boxes":
-                found = tuple(use.detect(subject, goal))
+                below = self._config.local.look_closer_below
+                told = detect_twice(use, subject, goal, below)
+                found = tuple(one for one in told if one.is_goal)
                 best = max((one.score for one in found), default=None)
                 return Given(found=found, probability=best)
             case "mask":
@@ -180,9 +200,8 @@ class Examinee:
         }
         offers |= {} if self._chat is None else {"chat": self._chat}
         option = {"boxes": "detector", "mask": "segmenter"}.get(kind, "reasoner")
-        section = section_of(choice, option, self._config)
-        offers |= {} if section is None else {"config": section}
-        made = through_door(make(choice, offers), protocol, f"--{option} {choice.spec}")
+        component = build(choice, option, self._config, offers)
+        made = through_door(component, protocol, f"--{option} {choice.spec}")
         if not asked.keys() & {"chat", "truth", "log"}:
             self._kept[kind] = made
         return made

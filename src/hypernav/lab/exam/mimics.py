@@ -95,6 +95,7 @@ class MimicDetector:
         asked: Counter of the questions.
         crops: Largest number of boxes of an image whose crops are asked about.
         looks_at_colours: See `hypernav.core.components.abilities.looks_at_colours`.
+        looks_closer: See `hypernav.core.components.abilities.looks_closer`.
     """
 
     sight: Sight
@@ -102,6 +103,7 @@ class MimicDetector:
     asked: Asked
     crops: int = 0
     looks_at_colours: bool = field(default=False, init=False)
+    looks_closer: bool = field(default=False, init=False)
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
         """Boxes of goals that are found and of things taken for the goal, the surest first.

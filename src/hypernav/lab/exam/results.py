@@ -4,7 +4,7 @@ import hashlib
 import json
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,7 @@ from hypernav.lab.exam.marks import TypeMarks, costs_of, marks_of
 from hypernav.lab.exam.pictures import picture_of
 from hypernav.lab.exam.prediction import Prediction
 from hypernav.lab.exam.questions import KINDS, STRATA, Answered
+from hypernav.lab.exam.sitting import Nameless
 from hypernav.search.models.chat.answer_parsing import unwrapped
 
 PAGE, RESULT = "index.html", "exam.json"
@@ -42,6 +43,7 @@ class Examined:
         prompts: Hashes of the texts of the questions.
         price_in_per_million: Price of a million prompt tokens; None if unknown.
         price_out_per_million: Price of a million answer tokens.
+        nameless: Questions that the detector has no name for.
     """
 
     model: str
@@ -52,6 +54,7 @@ class Examined:
     prompts: dict[str, str]
     price_in_per_million: float | None = None
     price_out_per_million: float | None = None
+    nameless: Nameless = field(default_factory=Nameless)
 
     def cost(self, answers: Sequence[Answered]) -> float | None:
         """Price of these answers, in the currency of the prices; None without a price."""

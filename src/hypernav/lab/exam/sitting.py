@@ -1,6 +1,5 @@
 """Runs the exam: asks every question once, several at a time, and resumes after a kill."""
 
-import json
 import os
 import time
 from collections import Counter
@@ -11,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
+from pydantic import BaseModel, ConfigDict, ValidationError
 
 from hypernav.core.errors import OutputError, RunFolderError
 from hypernav.lab.evaluation.store.record_file import append_line
@@ -121,7 +120,7 @@ def sit(
         pool = stack.enter_context(ThreadPoolExecutor(at_once))
         running: set[Future[Answered]] = set()
         try:
-            for question in _questions(folder, bank, gather, done, order):
+            for question in _questions(folder, bank, gather, examinee, done, order):
                 running.add(pool.submit(_asked, folder, examinee, question))
                 # A few wait in line, so that no thread is idle while the next building is made.
                 _collect(running, add, at_once + 8)
@@ -157,31 +156,94 @@ def read_answers(folder: Path) -> list[Answered]:
 
 
 def _questions(
-    folder: Path, bank: Bank, gather: Gather, done: dict[str, Answered], order: list[str]
+    folder: Path,
+    bank: Bank,
+    gather: Gather,
+    examinee: Examinee,
+    done: dict[str, Answered],
+    order: list[str],
 ) -> Iterator[ExamQuestion]:
     """The questions without an answer; adds the names of all to `order`, in the bank's order."""
-    known: dict[int, list[str]] = {}
-    for line in _whole_lines(folder / SHEETS):
-        try:
-            content = json.loads(line)
-            known[content["sheet"]] = content["ids"]
-        except (ValueError, KeyError, TypeError) as error:
-            raise RunFolderError(
-                f"{folder / SHEETS} is damaged; remove it, and the questions are made again"
-            ) from error
+    known = {one.sheet: one.ids for one in _read_sheets(folder)}
     taken = Counter[tuple[Any, str]]()
     for sheet in bank.sheets():
         if sum(taken.values()) >= bank.count:
             return
         ids = known.get(sheet.number)
         if ids is None or any(one not in done for one in ids):
-            chosen = bank.choose(gather(sheet), taken)
+            found = gather(sheet)
+            can_name = {id(one): examinee.can_name(one) for one in found}
+            chosen = bank.choose([one for one in found if can_name[id(one)]], taken)
             if ids is None:
                 ids = [one.id for one in chosen]
-                append_line(folder / SHEETS, json.dumps({"sheet": sheet.number, "ids": ids}))
+                boxes = [one for one in found if one.kind == "boxes"]
+                nameless = Counter(one.goal.text for one in boxes if not can_name[id(one)])
+                line = _SheetLine(
+                    sheet=sheet.number, ids=ids, boxes=len(boxes), nameless=dict(nameless)
+                )
+                append_line(folder / SHEETS, line.model_dump_json())
             yield from (one for one in chosen if one.id not in done)
         order += ids
         taken.update((one.split("/")[2], one.split("/")[3]) for one in ids)
+
+
+class _SheetLine(BaseModel):
+    """What was taken from a sheet: a line of `SHEETS`."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    sheet: int
+    ids: list[str]
+    boxes: int = 0
+    nameless: dict[str, int] = {}
+
+
+def _read_sheets(folder: Path) -> list[_SheetLine]:
+    try:
+        return [_SheetLine.model_validate_json(line) for line in _whole_lines(folder / SHEETS)]
+    except ValidationError as error:
+        raise RunFolderError(
+            f"{folder / SHEETS} is damaged; remove it, and the questions are made again"
+        ) from error
+
+
+@dataclass(frozen=True)
+class Nameless:
+    """Questions for boxes that a detector of a closed list was not asked, having no name for it.
+
+    Attributes:
+        share: Their share of all questions for boxes of the sheets, 0 to 1.
+        goals: What they are about, the most frequent first.
+    """
+
+    share: float = 0.0
+    goals: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """A sentence about them; empty if there are none."""
+        if not self.goals:
+            return ""
+        some = ", ".join(self.goals[:5]) + (" …" if len(self.goals) > 5 else "")
+        return (
+            f"{self.share:.0%} of the bank's questions for boxes were left out, since the detector "
+            f"has no name for the goal ({len(self.goals)} kinds of goals: {some})."
+        )
+
+
+def nameless_of(folder: Path) -> Nameless:
+    """The questions that an exam's detector could not be asked.
+
+    Raises:
+        RunFolderError: The folder is damaged.
+    """
+    sheets = _read_sheets(folder)
+    goals = Counter[str]()
+    for one in sheets:
+        goals.update(one.nameless)
+    boxes = sum(one.boxes for one in sheets)
+    order = tuple(goal for goal, _ in goals.most_common())
+    return Nameless(goals.total() / boxes if boxes else 0.0, order)
 
 
 def _asked(folder: Path, examinee: Examinee, question: ExamQuestion) -> Answered:

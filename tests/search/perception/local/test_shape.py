@@ -8,7 +8,7 @@ from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.kind_shapes import KINDS, kind_shape
 from hypernav.core.observation import Observation
-from hypernav.search.models.yolox import COCO_CLASSES
+from hypernav.search.models.closed_set import COCO_CLASSES
 from hypernav.search.perception.local.shape import (
     Form,
     ShapeEvidence,

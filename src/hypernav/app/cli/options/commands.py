@@ -191,7 +191,10 @@ class ExamOptions:
     vlm: str | None = None
     """Model to examine: openai:URL[#MODEL], local:PATH_OR_ID or replay:FILE."""
     detector: str | None = None
-    """Detector to examine in the model's place, or alone: yolox:PATH.onnx, zero-shot:ID, …"""
+    """Detector to examine in the model's place, or alone: yolox:PATH.onnx, picodet:PATH.onnx, …"""
+    calibrate: bool = False
+    """Instead of the questions, measure in training buildings what the scores of this network are
+    worth, and keep it beside its file, where searches find it."""
     segmenter: str | None = None
     """Segmenter to examine: depth-cut, sam:ID or onnx-sam:ENC.onnx,DEC.onnx."""
     reasoner: str | None = None

@@ -2,15 +2,13 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 from hypernav.app.build.agents import build_agent
 from hypernav.app.build.component_specs import ComponentSpecs
-from hypernav.app.build.construction import make, section_of
+from hypernav.app.build.construction import build
 from hypernav.app.build.presets import HyPerNavConfig
-from hypernav.app.build.registries import DETECTORS, SEGMENTERS, Factory
+from hypernav.app.build.registries import DETECTORS, SEGMENTERS
 from hypernav.app.build.worlds import open_world
-from hypernav.core.components.registry import Choice
 from hypernav.core.episode import Episode
 from hypernav.core.world import Simulator
 from hypernav.lab.evaluation.refinement.area_record import AreaRecord, EpisodeAreas
@@ -78,12 +76,7 @@ def _study(config: HyPerNavConfig, specs: ComponentSpecs, seed: int) -> EpisodeS
     return EpisodeStudy(
         config,
         driver,
-        _made(segmenter, "segmenter", config),
-        None if detector is None else _made(detector, "detector", config),
+        build(segmenter, "segmenter", config, {}),
+        None if detector is None else build(detector, "detector", config, {}),
         seed=seed,
     )
-
-
-def _made(choice: Choice[Factory], kind: str, config: HyPerNavConfig) -> Any:
-    section = section_of(choice, kind, config)
-    return make(choice, {} if section is None else {"config": section})

@@ -10,6 +10,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.kind_shapes import KindShape
 from hypernav.core.observation import Observation
+from hypernav.core.score_weights import MISSED, NEUTRAL
 from hypernav.search.mapping.memory.candidate import (
     Candidate,
     GoalEvidence,
@@ -23,14 +24,6 @@ from hypernav.search.mapping.memory.visibility import is_cut_off, seems_to_hold,
 from hypernav.search.perception.local.config import LocalConfig
 from hypernav.search.perception.local.shape import form_evidence
 
-_YOLOX = (
-    *((0.0, -0.8), (0.1, -0.4), (0.2, 0.0), (0.3, 0.2), (0.45, 1.2)),
-    *((0.6, 1.8), (0.8, 2.3), (0.95, 2.7), (1.0, 5.0)),
-)
-"""Shifts of the log-odds by one image, by score: logarithms of how often YOLOX-nano gives the score
-to the goal, divided by how often to what it mistakes for it, in further views of both in training
-buildings (docs/results/models.md). Only a score near 1 counts more than was measured."""
-_MISSED = -0.8  # shift by an image that should show a candidate, but gave no sighting of it
 _RIVAL_SHARE = 0.5  # share of the shift that counts for a detection of another thing there
 _SHAPE_SHARE = 0.5  # share of the shift that counts for the form in one image
 _BELIEVED = 3.0
@@ -85,7 +78,7 @@ class Sighting:
 
 def weight_of(score: float, config: LocalConfig) -> float:
     """Shift of the log-odds by the score of a detection, 0 to 1."""
-    return along(config.score_weights or _YOLOX, float(score))
+    return along(config.score_weights or NEUTRAL, float(score))
 
 
 def is_convincing(evidence: GoalEvidence, config: LocalConfig) -> bool:
@@ -245,7 +238,7 @@ def with_sightings(
     for number, one in known.items():
         weight = weights.get(number)
         if weight is None and _is_missed(one, observation):
-            weight = _MISSED
+            weight = MISSED if config.missed_weight is None else config.missed_weight
         if weight is not None:
             weight -= _rivalry(one, others, observation, config)
             known[number] = one.with_look(observation.robot.xy, weight)

@@ -1,10 +1,12 @@
 """Configuration of local perception: from detections to goal areas."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field
 
+from hypernav.core.components.abilities import missed_weight_of, score_weights_of
 from hypernav.core.config import Curve, RoomConfig
+from hypernav.core.score_weights import NEUTRAL
 
 
 def _odd(side: int) -> int:
@@ -48,9 +50,14 @@ class LocalConfig(RoomConfig):
             for the goal.
         rejected_for_looks: Number of images for which a rejected target is not taken for the goal
             again, where target is "latest".
+        look_closer_below: Score of the goal below which the detector is asked once more, about the
+            part of the image around the box, enlarged; the score is then the mean of both, and may
+            be below the detector's threshold. 0 never looks closer.
         score_weights: Scores of boxes, in rising order, and how much an image with such a box
-            shifts the log-odds that this is the goal, as measured by an exam; empty takes what was
-            measured of YOLOX-nano.
+            shifts the log-odds that this is the goal, as measured by an exam; empty takes what is
+            known of the detector, or `hypernav.core.score_weights.NEUTRAL`.
+        missed_weight: The same shift by an image that should show a candidate, but gave no box of
+            it; None takes what is known of the detector.
     """
 
     published_segmenter: str = ""
@@ -64,4 +71,15 @@ class LocalConfig(RoomConfig):
     entry_reach_m: float = Field(default=0.8, ge=0.0, le=50.0)
     target: Literal["latest", "candidates"] = "candidates"
     rejected_for_looks: int = Field(default=40, ge=1, le=10_000)
+    look_closer_below: float = Field(default=0.6, ge=0.0, le=1.0)
     score_weights: Curve = ()
+    missed_weight: float | None = Field(default=None, ge=-10.0, le=0.0)
+
+    def for_detector(self, detector: object) -> "LocalConfig":
+        """The configuration with what is known of a detector, where it says nothing itself."""
+        known: dict[str, Any] = {}
+        if not self.score_weights:
+            known["score_weights"] = score_weights_of(detector) or NEUTRAL
+        if self.missed_weight is None:
+            known["missed_weight"] = missed_weight_of(detector)
+        return self.model_copy(update=known)

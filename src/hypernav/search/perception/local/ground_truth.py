@@ -13,6 +13,7 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.observation import LabelledPixels, Observation
+from hypernav.search.models.reliability import known
 
 MIN_AREA_SHARE = 0.0005
 """Share of the image below which objects are overlooked, as by a real detector: 12×12 pixels in
@@ -33,12 +34,14 @@ class GroundTruthDetector:
         min_area_share: Share of the image below which objects are overlooked.
         gives_masks: See `hypernav.core.components.abilities.gives_masks`.
         looks_at_colours: See `hypernav.core.components.abilities.looks_at_colours`.
+        score_weights: See `hypernav.core.components.abilities.score_weights_of`; its scores are 1.
     """
 
     min_area_share: float = MIN_AREA_SHARE
 
     gives_masks = True
     looks_at_colours = False
+    score_weights = known()["yolox-nano"].boxes
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
         """Visible instances that satisfy the goal, largest first.

@@ -37,6 +37,7 @@ from hypernav.search.perception.local.belief import (
     with_sightings,
 )
 from hypernav.search.perception.local.config import LocalConfig
+from hypernav.search.perception.local.second_look import detect_twice
 from hypernav.search.perception.local.shape import measure_of, measured_form, shape_evidence
 
 _MANY_PIXELS = 4000  # above it only every second pixel in both directions is used
@@ -262,7 +263,7 @@ class LocalPerception:
         search.evidence = before_a_look(search.evidence)
         if not asks:
             return []
-        detections = self.detector.detect(observation, goal)
+        detections = detect_twice(self.detector, observation, goal, config.look_closer_below)
         least = 0.0 if config.target == "latest" else _STRONG
         strong = [one for one in detections if one.score >= least]
         floor.sightings = self._with_things(floor.sightings, observation, strong)

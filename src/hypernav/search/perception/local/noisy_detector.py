@@ -12,6 +12,7 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel, normalise, same_name
 from hypernav.core.observation import Observation
+from hypernav.search.models.reliability import known
 from hypernav.search.perception.local.ground_truth import (
     true_detection,
     true_labels,
@@ -123,9 +124,14 @@ class NoisyDetector:
 
     Attributes:
         looks_at_colours: See `hypernav.core.components.abilities.looks_at_colours`.
+        looks_closer: See `hypernav.core.components.abilities.looks_closer`.
+        score_weights: See `hypernav.core.components.abilities.score_weights_of`; YOLOX-nano's,
+            which it imitates.
     """
 
     looks_at_colours = False
+    looks_closer = False
+    score_weights = known()["yolox-nano"].boxes
 
     def __init__(
         self, level: str, truth: EpisodeTruth, config: DetectorQuality | None = None

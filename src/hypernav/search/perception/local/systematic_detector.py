@@ -15,6 +15,7 @@ from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel, same_name
 from hypernav.core.observation import LabelledPixels, Observation
+from hypernav.search.models.reliability import known
 from hypernav.search.perception.local.ground_truth import (
     MIN_AREA_SHARE,
     true_detection,
@@ -194,9 +195,14 @@ class SystematicDetector:
 
     Attributes:
         looks_at_colours: See `hypernav.core.components.abilities.looks_at_colours`.
+        looks_closer: See `hypernav.core.components.abilities.looks_closer`.
+        score_weights: See `hypernav.core.components.abilities.score_weights_of`; YOLOX-nano's,
+            which it imitates.
     """
 
     looks_at_colours = False
+    looks_closer = False
+    score_weights = known()["yolox-nano"].boxes
 
     def __init__(self, level: str) -> None:
         """Create the detector.

@@ -18,6 +18,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.models.chat.answer_parsing import final_answer
 from hypernav.search.models.chat.vlm_families import FamilyName, VlmFamily, family_named, family_of
+from hypernav.search.models.reliability import known
 from hypernav.search.perception.exchanges import YesNoAsker, check_placeholders, exchange_of
 from hypernav.search.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.search.perception.local.grounding_format import (
@@ -145,7 +146,17 @@ def family_as_seen(
 
 
 class VlmDetector:
-    """Asks for boxes of the goal. What can't be used of an answer is counted, never an error."""
+    """Asks for boxes of the goal. What can't be used of an answer is counted, never an error.
+
+    Attributes:
+        looks_closer: See `hypernav.core.components.abilities.looks_closer`; it asks about crops
+            itself.
+        score_weights: See `hypernav.core.components.abilities.score_weights_of`; YOLOX-nano's,
+            until an exam of the model says more.
+    """
+
+    looks_closer = False
+    score_weights = known()["yolox-nano"].boxes
 
     def __init__(
         self, chat: ChatModel, log: ExchangeLog, config: VlmDetectorConfig | None = None
