@@ -22,7 +22,7 @@ class RedThings:
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
         hue, saturation, value = cv2.split(cv2.cvtColor(observation.rgb, cv2.COLOR_RGB2HSV))
         red = ((hue < 8) | (hue > 172)) & (saturation > 140) & (value > 60)
-        count, numbers, stats, _ = cv2.connectedComponentsWithStats(red.astype(np.uint8))
+        _, numbers, stats, _ = cv2.connectedComponentsWithStats(red.astype(np.uint8))
         detections = []
         for number, (left, top, width, height, area) in enumerate(stats.tolist()):
             if number > 0 and area > 200:
