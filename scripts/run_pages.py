@@ -13,8 +13,8 @@ What can't be run says why: ``<!-- not run: it needs a robot -->`` in the line a
 Of these, and of commands within sentences, the program's own parser reads the options
 (`page_commands`), and of Python the syntax is checked, and that what it takes from hypernav is
 there. Blocks of other languages, and those without a language that hold no command, are only shown.
-Of a notebook (``.ipynb``) all cells are run, in a kernel and an empty folder of its own. As many pages
-are followed side by side as the machine has cores.
+Of a notebook (``.ipynb``) all cells are run, in a kernel and an empty folder of its own. As many
+pages are followed side by side as the machine has cores.
 
 Run: python scripts/run_pages.py [--write] PAGE…
 """
