@@ -45,7 +45,8 @@ lint: $(VENV)/.installed-dev $(VENV)/.installed-docs  ## style, spelling, types,
 	$(BIN)/python scripts/write_pages.py --check $(WRITTEN)
 
 docs: $(VENV)/.installed-docs  ## run what the pages say, and build the site
-	$(BIN)/python scripts/run_pages.py README.md CONTRIBUTING.md docs/*.md docs/*/*.md
+	$(BIN)/python scripts/run_pages.py README.md CONTRIBUTING.md docs/*.md docs/*/*.md \
+	  examples/notebooks/*.ipynb
 	$(BIN)/mkdocs build --strict
 
 results: $(VENV)/.installed-dev  ## measure a table of the docs anew: make results TABLE=exploring; hours
@@ -95,7 +96,7 @@ $(VENV)/.installed-dev: $(BIN)/python pyproject.toml
 	touch $@
 
 $(VENV)/.installed-docs: $(BIN)/python pyproject.toml
-	$(BIN)/python -m pip install --quiet --editable '.[robot]' --group docs
+	$(BIN)/python -m pip install --quiet --editable '.[notebook,robot]' --group docs
 	touch $@
 
 # The torchvision of the package index wants CUDA's torch; only its Python parts are used.

@@ -13,8 +13,8 @@ What can't be run says why: ``<!-- not run: it needs a robot -->`` in the line a
 Of these, and of commands within sentences, the program's own parser reads the options
 (`page_commands`), and of Python the syntax is checked, and that what it takes from hypernav is
 there. Blocks of other languages, and those without a language that hold no command, are only shown.
-As many pages are followed side by
-side as the machine has cores.
+Of a notebook (``.ipynb``) all cells are run, in a kernel and an empty folder of its own. As many
+pages are followed side by side as the machine has cores.
 
 Run: python scripts/run_pages.py [--write] PAGE…
 """
@@ -47,6 +47,13 @@ _PAGE_WHY = re.compile(r"^<!-- commands are not run: .+ -->$", re.MULTILINE)
 _RUN = ("python", "sh", "console")
 _SHELL = ("sh", "bash", "")
 _FILE = re.compile(r"# ([\w.-]+\.\w+)\n")
+_NOTEBOOKS = ".ipynb"
+_NOTEBOOK = """
+import sys
+import nbclient, nbformat
+notebook = nbformat.read(sys.argv[1], as_version=4)
+nbclient.NotebookClient(notebook, timeout=float(sys.argv[2])).execute()
+"""
 _SECONDS = re.compile(r"\b\d+(?:\.\d+)? (ms|s|min)\b")
 _FIRST_RUN = re.compile(r"^(?:first run: compiling.*|…)\n", re.MULTILINE)
 
@@ -93,6 +100,7 @@ def main() -> int:
     faults = [
         f"{page}:{fault}"
         for page in arguments.pages
+        if page.suffix != _NOTEBOOKS
         for fault in faults_of_unrun(page.read_text("utf-8"))
     ]
     if not arguments.check:
@@ -129,6 +137,10 @@ def _faults(page: Path, *, write: bool) -> list[str]:
     """What is wrong with what a page runs."""
     faults = list[str]()
     with tempfile.TemporaryDirectory() as folder:
+        if page.suffix == _NOTEBOOKS:
+            command = [sys.executable, "-c", _NOTEBOOK, str(page.absolute()), str(_MOST_S)]
+            done = _call(command, folder)
+            return [f"{page}: a cell fails\n{done.stdout}"] if done.returncode else []
         for block in blocks_of(page.read_text("utf-8")):
             if not block.is_run:
                 continue

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
         StartError,
     )
     from hypernav.core.exploring.exploration import Destination, ExplorationView
+    from hypernav.core.exploring.overview import BlockChoice, Overview
     from hypernav.core.geometry.boxes import Box, Detection
     from hypernav.core.geometry.camera import PinholeCamera
     from hypernav.core.geometry.grid import OccupancyGrid
@@ -82,6 +83,7 @@ __all__ = [
     "Action",
     "Agent",
     "Base",
+    "BlockChoice",
     "BlockReasoner",
     "Box",
     "BoxRoom",
@@ -126,6 +128,7 @@ __all__ = [
     "OccupancyGrid",
     "OpenSearch",
     "Outcome",
+    "Overview",
     "PinholeCamera",
     "Pose2",
     "PresenceCheck",
@@ -187,6 +190,8 @@ _MODULES = {
     "RoomConfig": "hypernav.core.config",
     "Destination": "hypernav.core.exploring.exploration",
     "ExplorationView": "hypernav.core.exploring.exploration",
+    "BlockChoice": "hypernav.core.exploring.overview",
+    "Overview": "hypernav.core.exploring.overview",
     "Embodiment": "hypernav.core.embodiment",
     "Episode": "hypernav.core.episode",
     "Outcome": "hypernav.core.episode",

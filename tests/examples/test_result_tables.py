@@ -138,7 +138,9 @@ def test_every_table_and_value_that_a_page_asks_for_is_there(tables):
     results = tables.Results()
     for page in PAGES:
         drawn = results.page(page.read_text("utf-8"))
-        assert not re.search(r"^ *<!-- *table|\{\{ ?[\w.-]", drawn, re.MULTILINE), page  # misspelled
+        assert not re.search(r"^ *<!-- *table|\{\{ ?[\w.-]", drawn, re.MULTILINE), (
+            page
+        )  # misspelled
 
 
 def test_every_measured_row_knows_its_measures_and_its_command(tables, monkeypatch):
