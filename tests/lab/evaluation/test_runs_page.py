@@ -57,7 +57,7 @@ def write_search(folder: Path, **changes) -> None:
 def root(tmp_path: Path) -> Path:
     root = tmp_path / "runs"
     write_run(root / "ours", "hypernav", record("0"), record("1", spl=0.9), apart("2"))
-    lost = record("1", failure=Failure.NOT_FOUND, why="it never saw the bed")
+    lost = record("1", failure=Failure.NEVER_SEEN, why="it never saw the bed")
     write_run(root / "nearest", "frontier", record("0", spl=0.3), lost)
     write_search(root / "2026" / "first search")
     return root

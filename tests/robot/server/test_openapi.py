@@ -16,6 +16,8 @@ _PATHS = {
     "/v1/robots/{name}/wait": {"post"},
     "/v1/stop": {"post"},
     "/v1/things": {"get"},
+    "/v1/things/of/{name}": {"get"},
+    "/v1/things/{floor}/{number}/image": {"get"},
     "/v1/searches": {"get", "post"},
     "/v1/searches/{name}": {"get"},
     "/v1/searches/{name}/observations": {"post"},

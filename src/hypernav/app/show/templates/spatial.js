@@ -33,6 +33,7 @@
     const ink = (name) => new three.MeshBasicMaterial({ color: color(name), side: three.DoubleSide });
 
     // Every floor is a group, which can be hidden, and moved up from those below it.
+    const below = 1.5 * (content.cloud?.spacing ?? 0); // the map lies under the lowest points of its floor
     const floors = new Map();
     for (const floor of [...content.floors].sort((a, b) => a.z - b.z)) {
       const group = new three.Group();
@@ -48,7 +49,7 @@
         new three.PlaneGeometry(...floor.size),
         new three.MeshBasicMaterial({ map: texture, transparent: true, side: three.DoubleSide }),
       );
-      plate.position.set(floor.corner[0] + floor.size[0] / 2, floor.corner[1] + floor.size[1] / 2, floor.z - 0.03);
+      plate.position.set(floor.corner[0] + floor.size[0] / 2, floor.corner[1] + floor.size[1] / 2, floor.z - below);
       group.add(plate);
       scene.add(group);
       floors.set(floor.number, group);

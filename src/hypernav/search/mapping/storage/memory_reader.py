@@ -284,7 +284,7 @@ def _check_robot(
         )
 
 
-def _content(folder: Path, record: FileRecord) -> bytes:
+def checked_content(folder: Path, record: FileRecord) -> bytes:
     """The content of a file of the memory.
 
     Raises:
@@ -322,7 +322,7 @@ def _floor_without_map(
 
 def _restore(floor: Floor, folder: Path, record: FloorRecord) -> dict[int, np.ndarray]:
     """Fill a floor from its file; returns the patches of its key images by number."""
-    content = _content(folder, record.state)
+    content = checked_content(folder, record.state)
     with zipfile.ZipFile(io.BytesIO(content)) as parts:
         Allowance().spend(sum(one.file_size for one in parts.infolist()), "a floor")
     with np.load(io.BytesIO(content), allow_pickle=False) as arrays:
@@ -348,7 +348,7 @@ def _add_image(
     """Add a key image; False if a file of it is damaged."""
     known = patches.get(record.number)
     try:
-        jpeg, png = _content(folder, record.jpeg), _content(folder, record.png)
+        jpeg, png = checked_content(folder, record.jpeg), checked_content(folder, record.png)
         image = record.image(jpeg, png, np.empty(0, np.int64) if known is None else known)
         images.add(image if known is not None else with_patches(image))
     except (ValueError, CameraError):
