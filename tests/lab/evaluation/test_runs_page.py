@@ -102,9 +102,7 @@ def test_the_page_is_made_anew_when_an_episode_ends(root: Path) -> None:
     assert len(overview(root).searches) == 7
 
 
-def test_a_run_says_of_which_commit_it_is(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_says_of_which_commit_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("hypernav.lab.evaluation.runner.commit", lambda: "1234abc+")
     write_run(tmp_path / "run", "hypernav", record())
     assert overview(tmp_path).runs[0]["commit"] == "1234abc+"

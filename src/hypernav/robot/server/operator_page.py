@@ -152,9 +152,7 @@ class KnownThings:
             words = f"the image of the thing can't be read: {error}"
             raise RequestRefusedError(words, error="memory", status=503) from error
         if image is None:
-            raise RequestRefusedError(
-                "no key image shows the thing", error="unknown", status=404
-            )
+            raise RequestRefusedError("no key image shows the thing", error="unknown", status=404)
         return image
 
     def check(self, thing: ThingName) -> None:
