@@ -29,7 +29,9 @@ _EVERY_BEFORE, _MOST_ON_STAIRS, _EVERY_AFTER = 8, 26, 2
 def main(folder: Path) -> None:
     """Write the images of a search."""
     frames = _frames(folder)
-    _write_moving(frames, _IMAGES / "search.webp", quality=72)
+    # It begins where the robot sets off: before that it turns, and sees walls.
+    first = next(n for n, mode in enumerate(_modes(folder)) if mode is not Mode.LOOK_AROUND)
+    _write_moving(frames[first:], _IMAGES / "search.webp", quality=72)
     for name, step in _STILLS.items():
         still = frames[step].resize(_STILL, Image.Resampling.LANCZOS)
         still.save(_IMAGES / f"how-{name}.webp", quality=82, method=6)
@@ -37,8 +39,7 @@ def main(folder: Path) -> None:
 
 def film_of_stairs(folder: Path, name: str) -> None:
     """Write a film in which a search over stairs is on them most of the time."""
-    lines = (folder / "trace.jsonl").read_text().splitlines()
-    modes = [StepTrace.model_validate_json(line).mode for line in lines]
+    modes = _modes(folder)
     on_stairs = [step for step, mode in enumerate(modes) if mode is Mode.CLIMB]
     first, last = on_stairs[0], on_stairs[-1]
     shown = [
@@ -49,6 +50,12 @@ def film_of_stairs(folder: Path, name: str) -> None:
     ]
     frames = _frames(folder)
     _write_moving([frames[step] for step in shown], _IMAGES / f"{name}.webp", quality=54)
+
+
+def _modes(folder: Path) -> list[Mode]:
+    """The mode of every step."""
+    lines = (folder / "trace.jsonl").read_text().splitlines()
+    return [StepTrace.model_validate_json(line).mode for line in lines]
 
 
 def _frames(folder: Path) -> list[Image.Image]:

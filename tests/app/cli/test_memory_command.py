@@ -13,13 +13,12 @@ import pytest
 
 from box_scenes import room_glb
 from hypernav.app.cli.main import main
-from hypernav.app.cli.memory import mark, ways
+from hypernav.app.cli.memory import ways
 from hypernav.core.errors import OutputError
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.io.folder_lock import folder_lock
 from hypernav.search.mapping.memory.key_images import KeyImage
-from hypernav.search.mapping.memory.thing import Thing
 from memory_folders import change_index, files_of
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
@@ -449,12 +448,9 @@ def test_a_thing_is_marked_where_its_image_shows_it():
         camera_to_map=optical_to_base(1.0), robot=Pose2(0.0, 0.0, 0.0), patches=np.empty(0, int),
     )  # fmt: skip
 
-    def at(low, high):
-        return Thing(0, "bed", 1.0, low, high, ((0.0, 0.0, 1.0),), 1.0, 1, 1)
-
-    shown = mark(at((4.0, 1.0, 0.5), (4.0, 2.0, 1.0)), image)
+    shown = image.box_of((4.0, 1.0, 0.5), (4.0, 2.0, 1.0))
     assert shown == pytest.approx((0.25, 0.5, 0.125, 10.0 / 120.0))  # y is to the left
-    cut = mark(at((4.0, -9.0, 0.0), (4.0, 9.0, 1.0)), image)
+    cut = image.box_of((4.0, -9.0, 0.0), (4.0, 9.0, 1.0))
     assert cut is not None
     assert cut[::2] == (0.0, 1.0)
-    assert mark(at((-4.0, 1.0, 0.5), (-3.0, 2.0, 1.0)), image) is None
+    assert image.box_of((-4.0, 1.0, 0.5), (-3.0, 2.0, 1.0)) is None

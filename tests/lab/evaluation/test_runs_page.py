@@ -57,7 +57,7 @@ def write_search(folder: Path, **changes) -> None:
 def root(tmp_path: Path) -> Path:
     root = tmp_path / "runs"
     write_run(root / "ours", "hypernav", record("0"), record("1", spl=0.9), apart("2"))
-    lost = record("1", failure=Failure.NOT_FOUND, why="it never saw the bed")
+    lost = record("1", failure=Failure.NEVER_SEEN, why="it never saw the bed")
     write_run(root / "nearest", "frontier", record("0", spl=0.3), lost)
     write_search(root / "2026" / "first search")
     return root
@@ -102,9 +102,7 @@ def test_the_page_is_made_anew_when_an_episode_ends(root: Path) -> None:
     assert len(overview(root).searches) == 7
 
 
-def test_a_run_says_of_which_commit_it_is(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_says_of_which_commit_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("hypernav.lab.evaluation.runner.commit", lambda: "1234abc+")
     write_run(tmp_path / "run", "hypernav", record())
     assert overview(tmp_path).runs[0]["commit"] == "1234abc+"

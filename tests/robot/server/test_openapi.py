@@ -16,6 +16,8 @@ _PATHS = {
     "/v1/robots/{name}/wait": {"post"},
     "/v1/stop": {"post"},
     "/v1/things": {"get"},
+    "/v1/things/of/{name}": {"get"},
+    "/v1/things/{floor}/{number}/image": {"get"},
     "/v1/searches": {"get", "post"},
     "/v1/searches/{name}": {"get"},
     "/v1/searches/{name}/observations": {"post"},
@@ -31,7 +33,22 @@ _PATHS = {
 }
 
 
-_REFUSALS = "400 401 403 404 405 408 409 413 422 429 431 500 503 507".split()
+_REFUSALS = [
+    "400",
+    "401",
+    "403",
+    "404",
+    "405",
+    "408",
+    "409",
+    "413",
+    "422",
+    "429",
+    "431",
+    "500",
+    "503",
+    "507",
+]
 
 
 def test_the_document_names_every_path(link):

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from selenium import webdriver
+from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
@@ -557,6 +558,43 @@ def test_the_page_notes_which_things_have_no_way_and_says_that_the_memory_is_bro
         page.driver.refresh()
         page.until(lambda: "memory.json is broken" in page.memory.text)
         assert buttons() == []
+
+
+@pytest.mark.slow
+def test_a_remembered_thing_has_its_picture_and_its_place_on_the_map(page, tmp_path):
+    home = tmp_path / "home"
+    with robot_server(
+        tmp_path / "state", lambda request: replace(real_plan(request), memory=home), memory=home
+    ) as link:
+        drive(link, link.open(), BoxRoom())
+        page.until(lambda: link.call("GET", "/v1/things").json)
+        page.driver.get(f"http://127.0.0.1:{link.port}/")
+        picture = "#things canvas[data-drawn=true]"
+        page.until(lambda: page.driver.find_elements(By.CSS_SELECTOR, "#things canvas"))
+        page.driver.execute_script("document.getElementById('things').scrollIntoView()")
+        page.until(lambda: page.driver.find_elements(By.CSS_SELECTOR, picture))
+        page.until(lambda: page.map_size_m)
+        whole = page.map.screenshot_as_png
+        page.driver.find_element(By.CSS_SELECTOR, "[data-zoom='1.5']").click()
+        page.until(lambda: page.map.screenshot_as_png != whole)
+        nearer = page.map.screenshot_as_png
+        ActionChains(page.driver).drag_and_drop_by_offset(page.map, 40, 30).perform()
+        page.until(lambda: page.map.screenshot_as_png != nearer)
+        page.driver.find_element(By.CSS_SELECTOR, "[data-zoom='0']").click()
+        page.until(lambda: page.map.get_attribute("data-zoomed") == "false")
+        assert not page.driver.get_log("browser")
+
+
+def test_an_empty_page_says_what_to_run_and_a_searching_robot_is_named(page, tmp_path):
+    with robot_server(tmp_path) as link:
+        page.driver.get(f"http://127.0.0.1:{link.port}/")
+        page.until(lambda: page.connection.text.endswith("Connected"))
+        command = f"hypernav robot wait --server http://127.0.0.1:{link.port} --scene houses:7"
+        assert page.driver.find_element(By.ID, "try").text == command
+        assert "No robot waits for a goal." in page.find_words.text
+        link.observe(link.open("quick"), body_of(0))
+        page.until(lambda: "The robot is looking for “quick”" in page.find_words.text)
+        assert not page.empty.is_displayed()
 
 
 @pytest.mark.slow

@@ -1,5 +1,6 @@
 """A server with a memory: what one search learns of the building, the next one knows."""
 
+import io
 import json
 import math
 import shutil
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from PIL import Image
 
 from hypernav.app.build.memories import open_memory
 from hypernav.app.build.presets import HyPerNavConfig
@@ -283,6 +285,35 @@ def test_an_operator_sends_a_robot_to_one_of_the_remembered_things(tmp_path, pla
         record = journal.record
     assert record.request.thing is not None
     assert record.request.thing.model_dump() == door["thing"]
+
+
+def test_a_remembered_thing_is_shown_by_its_picture_and_on_the_map_of_its_building(tmp_path, plan):
+    home = tmp_path / "home"
+    with robot_server(tmp_path / "state", plan, memory=home) as link:
+        first = link.open()
+        drive(link, first, BoxRoom())
+        (door,) = [one for one in things_of(link) if one["label"] == "door"]
+        assert door["has_image"]
+        (left, bottom), (right, top) = door["outline"]
+        assert left <= door["position"][0] <= right
+        assert bottom <= door["position"][1] <= top
+        path = "/v1/things/{floor}/{number}/image".format(**door["thing"])
+        picture = Image.open(io.BytesIO(link.call("GET", path).content))
+        assert max(picture.size) <= 160
+        assert link.call("GET", "/v1/things/1/999/image").status == 409
+        assert link.call("GET", "/v1/things/7/0/image").status == 409
+        assert link.call("GET", first.replace("searches", "things/of")).json == things_of(link)
+        for file in home.glob("**/*.jpg"):
+            file.write_bytes(b"something else")
+        refused = link.call("GET", path)
+        assert refused.status == 503
+        assert ".jpg" in refused.json["message"]
+
+
+def test_a_search_without_the_memory_shows_none_of_its_things(tmp_path):
+    with robot_server(tmp_path / "state", memory=tmp_path / "home") as link:
+        search = link.open("quick")
+        assert link.call("GET", search.replace("searches", "things/of")).json == []
 
 
 def things_of(link: RobotLink) -> list[dict[str, Any]]:

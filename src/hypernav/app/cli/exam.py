@@ -1,7 +1,7 @@
 """The command `hypernav exam`: questions with known answers for a model, and a page about it."""
 
 from collections.abc import Sequence
-from contextlib import ExitStack, closing, nullcontext
+from contextlib import ExitStack, closing
 from dataclasses import replace
 from functools import partial
 from pathlib import Path

@@ -3,7 +3,6 @@
 The page shows a plan of every floor with its things, key images and the history.
 """
 
-import itertools
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -49,8 +48,6 @@ _PLAN_PX = 900
 _DRIVEN_M = 1.0
 """Distance between two positions, metres, beyond which another search began, or on stairs."""
 _THUMBNAIL_PX = 240
-_NEAREST_M = 0.1
-"""Distance in front of a camera, metres, from which a corner of a thing is marked."""
 _OUTCOMES = {
     "found": "found",
     "not_found": "not found",
@@ -229,26 +226,8 @@ def _thing(thing: Thing, view: MapView, images: _Images) -> dict[str, Any]:
         "missed": thing.missed,
         "last_search": thing.last_search,
         "image": uri,
-        "mark": None if shown is None else mark(thing, shown),
+        "mark": None if shown is None else shown.box_of(thing.low, thing.high),
     }
-
-
-def mark(thing: Thing, image: KeyImage) -> tuple[float, float, float, float] | None:
-    """Where a key image shows a thing, as the box around its corners there.
-
-    Returns:
-        Left, top, width and height as shares of the image; None if no corner is in front of it.
-    """
-    corners = np.array(list(itertools.product(*zip(thing.low, thing.high, strict=True))))
-    seen = image.camera_to_map.inverse().apply(corners)
-    seen = seen[seen[:, 2] > _NEAREST_M]
-    if not len(seen):
-        return None
-    at = image.camera.project(seen) / (image.camera.width, image.camera.height)
-    (left, top), (right, bottom) = (
-        bound.clip(0.0, 1.0).tolist() for bound in (at.min(0), at.max(0))
-    )
-    return (left, top, right - left, bottom - top)
 
 
 def _thumbnail(image: KeyImage) -> str:

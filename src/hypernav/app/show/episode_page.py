@@ -27,7 +27,8 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import Mode, StepTrace, floor_of
 from hypernav.search.drawing import palette
 
-EMBED_LIMIT_BYTES = 20_000_000
+EMBED_LIMIT_BYTES = 2_400_000
+"""Largest film in a page, which with it and the view in three dimensions stays below 5 MB."""
 _MAP_SIZE = 960
 _BAND_PX = {"desk": 1000.0, "phone": 300.0}
 """Least width of the band of floors by screen, pixels of the style sheet."""

@@ -38,8 +38,8 @@ _BLANK = np.full((HEIGHT, WIDTH, 3), palette.GROUND, dtype=np.uint8)
 
 Image = UInt8[np.ndarray, "_ _ 3"]
 
-_LABEL_TEXT = 14
-_CHIP_HEIGHT = 22
+_LABEL_TEXT = 18
+_CHIP_HEIGHT = 26
 
 _WINDOW_TEXT = 16
 
@@ -146,22 +146,22 @@ def paste(frame: Image, image: Image, left: int, top: int) -> None:
 def _draw_header(frame: Image, title: EpisodeInfo, step: StepTrace) -> None:
     shapes.rectangle(frame, (0, 0), (WIDTH, 64), palette.PAPER)
     shapes.rectangle(frame, (0, 64), (WIDTH, 65), palette.FAINT)
-    goal = shortened(f"Find {captions.quoted(title.goal)}", 22, 600.0, bold=True)
-    draw_text(frame, goal, (_MARGIN, 23), 22, bold=True)
-    line = shortened(title.credits, 13, WIDTH - 2.0 * _MARGIN)
-    draw_text(frame, line, (_MARGIN, 49), 13, color=palette.MUTED)
-    draw_badge(frame, captions.MODES[step.mode], palette.MODES[step.mode], _MAP_LEFT, 23)
+    goal = shortened(f"Find {captions.quoted(title.goal)}", 26, 640.0, bold=True)
+    draw_text(frame, goal, (_MARGIN, 21), 26, bold=True)
+    line = shortened(title.credits, 16, WIDTH - 2.0 * _MARGIN)
+    draw_text(frame, line, (_MARGIN, 50), 16, color=palette.MUTED)
+    draw_badge(frame, captions.MODES[step.mode], palette.MODES[step.mode], _MAP_LEFT, 21)
     limit = f" of {title.step_limit}" if title.step_limit is not None else ""
     count = f"{captions.floor_prefix(step)}step {step.step + 1}{limit}"
-    draw_text(frame, count, (WIDTH - _MARGIN, 23), 16, align=1.0)
+    draw_text(frame, count, (WIDTH - _MARGIN, 21), 20, align=1.0)
 
 
 def draw_badge(frame: Image, text: str, color: palette.Rgb, left: float, middle: float) -> None:
     """Draw a word on a coloured background with round ends, in place."""
-    width = text_width(text, 15, bold=True) + 28.0
-    shapes.rounded_box(frame, left, middle - 14.0, width, 28.0, color, radius=14.0)
+    width = text_width(text, 18, bold=True) + 28.0
+    shapes.rounded_box(frame, left, middle - 15.0, width, 30.0, color, radius=15.0)
     ink = palette.ink_on(color)
-    draw_text(frame, text, (left + 14.0, middle), 15, bold=True, color=ink)
+    draw_text(frame, text, (left + 14.0, middle), 18, bold=True, color=ink)
 
 
 def _draw_notes(
@@ -170,16 +170,16 @@ def _draw_notes(
     """Draw mode, detections and latest decision below the camera image."""
     width = float(_CAMERA[0])
     reason = captions.sentence(step.reason or captions.MODES_EXPLAINED[step.mode])
-    line = shortened(reason, 17, width, bold=True)
-    draw_text(frame, line, (_MARGIN, _NOTES_TOP + 9), 17, bold=True)
+    line = shortened(reason, 21, width, bold=True)
+    draw_text(frame, line, (_MARGIN, _NOTES_TOP + 9), 21, bold=True)
     if title.has_detector or step.exchanges or step.detections:
-        sees = shortened(f"Camera: {captions.camera_caption(step)}", 14, width)
-        draw_text(frame, sees, (_MARGIN, _NOTES_TOP + 33), 14, color=palette.MUTED)
+        sees = shortened(f"Camera: {captions.camera_caption(step)}", 18, width)
+        draw_text(frame, sees, (_MARGIN, _NOTES_TOP + 35), 18, color=palette.MUTED)
     if decision is not None:
         shapes.rectangle(
-            frame, (_MARGIN, _NOTES_TOP + 47), (_MARGIN + width, _NOTES_TOP + 48), palette.FAINT
+            frame, (_MARGIN, _NOTES_TOP + 50), (_MARGIN + width, _NOTES_TOP + 51), palette.FAINT
         )
-        _draw_decision(frame, decision, _NOTES_TOP + 60)
+        _draw_decision(frame, decision, _NOTES_TOP + 64)
 
 
 def _draw_decision(frame: Image, decision: Decision, top: int) -> None:
@@ -190,13 +190,13 @@ def _draw_decision(frame: Image, decision: Decision, top: int) -> None:
         draw_bars(frame, exchange.probabilities, round(_MARGIN + width + 24.0), top)
     who = captions.component_caption(exchange.asked)
     asked = f"Step {decision.step + 1}, asked {who}: {captions.final_question(exchange.question)}"
-    for line in wrapped(asked, 13, width, lines=2):
-        draw_text(frame, line, (_MARGIN, top), 13, color=palette.MUTED)
-        top += 18
-    top += 3
-    for line in wrapped(captions.quoted(exchange.answer), 14, width, lines=2):
-        draw_text(frame, line, (_MARGIN, top), 14)
-        top += 19
+    for line in wrapped(asked, 17, width, lines=2):
+        draw_text(frame, line, (_MARGIN, top), 17, color=palette.MUTED)
+        top += 20
+    top += 2
+    for line in wrapped(captions.quoted(exchange.answer), 18, width, lines=2):
+        draw_text(frame, line, (_MARGIN, top), 18)
+        top += 21
 
 
 def draw_bars(frame: Image, probabilities: dict[str, float], left: int, top: int) -> None:

@@ -3,14 +3,17 @@
 The page needs no build step and loads nothing from other sites.
 """
 
+import io
 import json
 import threading
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Annotated
 
+import numpy as np
 from fastapi import APIRouter, Query, Request
 from fastapi import Path as PathParameter
+from PIL import Image
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
@@ -22,7 +25,7 @@ from hypernav.core.errors import MemoryFolderError, RequestRefusedError
 from hypernav.core.goal import Goal
 from hypernav.robot.server.searches.searches import check_remembers_things, no_such_thing
 from hypernav.robot.server.waiting_robots import WaitingRobots
-from hypernav.robot.server.watching import STOP_BODY, ShownSearches
+from hypernav.robot.server.watching import STOP_BODY, Name, ShownSearches
 from hypernav.robot.wire.replies import Status
 from hypernav.robot.wire.requests import (
     LONGEST_WAIT_FOR_GOAL_S,
@@ -40,9 +43,14 @@ from hypernav.robot.wire.requests import (
 from hypernav.search.drawing import palette
 from hypernav.search.mapping.stairs.floor_exits import routes
 from hypernav.search.mapping.storage.memory_index import Index
-from hypernav.search.mapping.storage.memory_reader import read_index
+from hypernav.search.mapping.storage.memory_reader import read_image, read_index
 from hypernav.search.mapping.storage.memory_writer import INDEX_NAME
 
+_PICTURE_PX = 160
+_LEAST_PX = 40.0
+_AROUND = 1.6
+"""Side of the picture of a thing, pixels, least side of what it shows of an image, and how much it
+shows around the thing."""
 _FOLDER = Path(__file__).parent / "page"
 _KINDS = {".html": "text/html", ".css": "text/css", ".js": "text/javascript"}
 _HEADERS = {
@@ -130,6 +138,23 @@ class KnownThings:
             raise RequestRefusedError(known, error="memory", status=503)
         return known
 
+    def image_of(self, thing: ThingName) -> bytes:
+        """The part of a key image that shows a thing, JPEG.
+
+        Raises:
+            RequestRefusedError: There is no such thing or image, or it can't be read.
+        """
+        self.check(thing)
+        assert self._folder is not None
+        try:
+            image = _image_of(self._folder, thing)
+        except (ValueError, MemoryFolderError) as error:
+            words = f"the image of the thing can't be read: {error}"
+            raise RequestRefusedError(words, error="memory", status=503) from error
+        if image is None:
+            raise RequestRefusedError("no key image shows the thing", error="unknown", status=404)
+        return image
+
     def check(self, thing: ThingName) -> None:
         """Refuse to send a robot to a thing that is not known.
 
@@ -161,12 +186,15 @@ def _read(folder: Path) -> list[RememberedThing] | str:
     climbs = index.robot.body.climbs_stairs
     stairs = [one.connector() for one in index.connectors] if climbs else []
     reached = routes(index.floor, {k: one for k, one in enumerate(stairs) if one.is_usable})
+    images = {one.number for one in index.images}
     known = [
         RememberedThing(
             thing=ThingName(floor=number + 1, number=one.number),
             label=one.label,
             position=one.position,
             chance=round(one.chance, 2),
+            outline=(one.low[:2], one.high[:2]),
+            has_image=one.image in images,
             no_way="" if number in reached else _no_way(index),
         )
         for number, floor in enumerate(index.floors)
@@ -174,6 +202,36 @@ def _read(folder: Path) -> list[RememberedThing] | str:
         if not one.is_gone
     ]
     return sorted(known, key=lambda one: (one.label, -one.chance))
+
+
+def _image_of(folder: Path, name: ThingName) -> bytes | None:
+    """The part of a key image that shows a thing, with its surroundings; None if none does.
+
+    Raises:
+        ValueError: Its file is missing or damaged.
+        MemoryFolderError: The memory can't be read.
+    """
+    index = read_index(folder)
+    floors = () if index is None else index.floors[name.floor - 1 : name.floor]
+    thing = floors[0].all_things().find(name.number) if floors else None
+    images = () if index is None else index.images
+    record = next((one for one in images if thing and one.number == thing.image), None)
+    if thing is None or record is None:
+        return None
+    image = read_image(folder, record)
+    left, top, width, height = image.box_of(thing.low, thing.high) or (0.0, 0.0, 1.0, 1.0)
+    side = max(width * image.camera.width, height * image.camera.height, _LEAST_PX) * _AROUND
+    middle = np.array([left + width / 2.0, top + height / 2.0])
+    middle *= (image.camera.width, image.camera.height)
+    picture = Image.fromarray(image.rgb)
+    box = [*(middle - side / 2.0), *(middle + side / 2.0)]
+    edges = (0, 0, picture.width, picture.height)
+    inside = (*map(max, box[:2], edges[:2]), *map(min, box[2:], edges[2:]))
+    picture = picture.crop(tuple(round(float(one)) for one in inside))
+    picture.thumbnail((_PICTURE_PX, _PICTURE_PX))
+    file = io.BytesIO()
+    picture.save(file, "JPEG", quality=80)
+    return file.getvalue()
 
 
 def _no_way(index: Index) -> str:
@@ -231,6 +289,21 @@ def operator_routes(
     def things() -> list[RememberedThing]:
         """What the memory knew after the last search, without what is gone; none without one."""
         return known.all()
+
+    @routes.get(f"{THINGS}/of/{{name}}")
+    def things_of(name: Name) -> list[RememberedThing]:
+        """The same for the map of a search; none if the search knows nothing of the memory."""
+        return known.all() if searches.find(name).has_memory_frame else []
+
+    @routes.get(f"{THINGS}/{{floor}}/{{number}}/image", response_class=Response)
+    def image_of_thing(
+        floor: Annotated[int, PathParameter(ge=1, le=1000)],
+        number: Annotated[int, PathParameter(ge=0, le=10**9)],
+    ) -> Response:
+        """What a remembered thing looks like: the part of a key image around it."""
+        content = known.image_of(ThingName(floor=floor, number=number))
+        headers = {"cache-control": "no-store", "x-content-type-options": "nosniff"}
+        return Response(content, media_type="image/jpeg", headers=headers)
 
     @routes.post(STOP_ALL, openapi_extra=STOP_BODY)
     async def stop_all(request: Request) -> list[Status]:

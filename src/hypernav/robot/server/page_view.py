@@ -96,6 +96,11 @@ class LiveSearch:
                 self.maps = {**self.maps, floor_of(step): self.grid}
         self._note_change()
 
+    @property
+    def has_memory_frame(self) -> bool:
+        """Whether its map and that of a server's memory lie in one frame; there is no server."""
+        return False
+
     def map_of(self, floor: int) -> OccupancyGrid | None:
         """Last map of a floor; None if there is none."""
         return self.maps.get(floor)

@@ -108,6 +108,11 @@ class ShownSearch(Protocol):
         """Last map of every floor, by its number; empty before the first decision."""
         ...
 
+    @property
+    def has_memory_frame(self) -> bool:
+        """Whether its map and that of the server's memory lie in one frame."""
+        ...
+
     def map_of(self, floor: int) -> OccupancyGrid | None:
         """Last map of a floor; None if there is none."""
         ...

@@ -274,6 +274,8 @@ class RememberedThing(Message):
         label: The detector's word for it.
         position: Its middle ``(x, y, z)``, ``map`` frame, heights above the floor, metres.
         chance: Chance that it is what it was taken for and still there, 0 to 1.
+        outline: Lowest and highest corner ``(x, y)`` of it seen from above, metres.
+        has_image: Whether a key image shows it; ``THINGS/FLOOR/NUMBER/image`` is the part of it.
         no_way: That a robot on the floor where the last search ended knows no stairs to the floor
             of the thing, or climbs none, for people; else empty. No reason to refuse it as a goal:
             another robot, or one that was carried, may be on that floor. A server whose plan goes
@@ -285,6 +287,8 @@ class RememberedThing(Message):
     position: tuple[float, float, float]
     chance: float
     no_way: str = ""
+    outline: tuple[tuple[float, float], tuple[float, float]] | None = None
+    has_image: bool = False
 
 
 class WaitingRobot(Message):

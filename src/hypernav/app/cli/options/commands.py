@@ -348,7 +348,7 @@ class Export:
 
 @options
 class Show:
-    """Make a page about a building: a walk through its plan, views, list of objects."""
+    """Make a page about a building: a view to be turned, plans, images, list of objects."""
 
     building: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="ID")]
     """Number of a house, for example 1234; or offices:N, shops:N, crowded:N or storeys:N."""

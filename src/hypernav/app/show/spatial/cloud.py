@@ -8,12 +8,12 @@ from jaxtyping import Float, Float64, Int64, UInt8
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 
-MOST_POINTS = 250_000
+MOST_POINTS = 600_000
 """Number of points that a page holds; beyond it they are set further apart."""
 _FINEST_M = 0.04
 _ROWS = 120
 """Number of rows of an image that are read; the others repeat what these show."""
-_MERGED_AT = 1_500_000
+_MERGED_AT = 3_000_000
 _FARTHEST_M = 8.0
 """Depth, metres, beyond which the points of an image lie too far apart to make a surface."""
 _BITS = 20
@@ -91,8 +91,8 @@ class ColouredCloud:
             self._coarsen()
 
     def _coarsen(self) -> None:
-        """Set the points half as far apart again."""
-        before, self.spacing_m = self.spacing_m, self.spacing_m * 1.5
+        """Set the points a quarter further apart."""
+        before, self.spacing_m = self.spacing_m, self.spacing_m * 1.25
         for floor, (codes, rgb) in self._kept.items():
             middles = (_cells(codes) + 0.5) * before
             self._kept[floor] = _first(_codes(middles, self.spacing_m), rgb)

@@ -147,9 +147,7 @@ def _paths(steps: Sequence[StepTrace]) -> list[dict[str, Any]]:
     return parts
 
 
-def _candidates(
-    steps: Sequence[StepTrace], heights: Mapping[int, float]
-) -> list[dict[str, Any]]:
+def _candidates(steps: Sequence[StepTrace], heights: Mapping[int, float]) -> list[dict[str, Any]]:
     """What looked like the goal: its last area, and whether the search ended with it."""
     marks = []
     found = runs(steps, lambda step: (floor_of(step), bool(step.goal_area)))

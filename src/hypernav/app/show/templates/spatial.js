@@ -33,6 +33,7 @@
     const ink = (name) => new three.MeshBasicMaterial({ color: color(name), side: three.DoubleSide });
 
     // Every floor is a group, which can be hidden, and moved up from those below it.
+    const below = 1.5 * (content.cloud?.spacing ?? 0); // the map lies under the lowest points of its floor
     const floors = new Map();
     for (const floor of [...content.floors].sort((a, b) => a.z - b.z)) {
       const group = new three.Group();
@@ -48,7 +49,7 @@
         new three.PlaneGeometry(...floor.size),
         new three.MeshBasicMaterial({ map: texture, transparent: true, side: three.DoubleSide }),
       );
-      plate.position.set(floor.corner[0] + floor.size[0] / 2, floor.corner[1] + floor.size[1] / 2, floor.z - 0.03);
+      plate.position.set(floor.corner[0] + floor.size[0] / 2, floor.corner[1] + floor.size[1] / 2, floor.z - below);
       group.add(plate);
       scene.add(group);
       floors.set(floor.number, group);
@@ -121,16 +122,18 @@
       tell(area, floor, sentence);
     }
     const outline = (geometry, name) => new three.LineSegments(new three.EdgesGeometry(geometry), new three.LineBasicMaterial({ color: color(name) }));
-    const boxes = new Map();
+    const resting = content.isQuiet ? 0 : 0.22; // how much is to be seen of a box that nobody chose
+    const boxes = [];
     for (const { floor, low, high, color: name, words: sentence, row } of content.boxes) {
       const geometry = new three.BoxGeometry(...high.map((top, axis) => Math.max(top - low[axis], 0.05)));
       const box = new three.Mesh(geometry, ink(name));
       box.material.transparent = true;
-      box.material.opacity = 0.22;
+      box.material.opacity = resting;
       box.material.depthWrite = false;
       box.position.set(...high.map((top, axis) => (top + low[axis]) / 2));
       box.add(outline(geometry, name));
-      boxes.set(row, box);
+      box.children[0].visible = resting > 0;
+      boxes.push(box);
       tell(box, floor, sentence, row);
     }
     const frame = (corners, name) => {
@@ -281,7 +284,11 @@
       if (row) document.dispatchEvent(new CustomEvent("chosen-in-space", { detail: row }));
     });
     document.addEventListener("chosen-on-page", ({ detail }) => {
-      for (const [row, box] of boxes) box.material.opacity = row === detail ? 0.7 : 0.22;
+      for (const box of boxes) {
+        const isChosen = box.userData.row === detail;
+        box.material.opacity = isChosen ? 0.7 : resting;
+        box.children[0].visible = isChosen || resting > 0;
+      }
       draw();
     });
     document.addEventListener("step-shown", ({ detail }) => stand(detail));

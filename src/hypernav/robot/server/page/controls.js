@@ -1,6 +1,6 @@
 // The operator's controls: a goal for a waiting robot, and STOP.
 
-import { Refused, getJson, pause, post, rememberToken, connection } from "./server.js";
+import { Refused, getJson, pause, post, request, rememberToken, connection } from "./server.js";
 import { element, metres } from "./elements.js";
 
 const POLL_MS = 1000;
@@ -15,6 +15,7 @@ const byId = (id) => document.getElementById(id);
 export class GoalBox {
   robots = [];
   note = "";
+  searching = []; // goals of the searches under way
 
   constructor(onSent) {
     this.onSent = onSent;
@@ -48,7 +49,7 @@ export class GoalBox {
     select.hidden = free.length < 2;
     byId("send").disabled = free.length === 0;
     for (const button of byId("things").querySelectorAll("button")) button.disabled = free.length === 0;
-    byId("find-words").textContent = this.note || waitingWords(robots, free);
+    byId("find-words").textContent = this.note || waitingWords(robots, free, this.searching);
   }
 
   /** Sends a robot to the goal in the box or, with `what`, to a remembered thing. */
@@ -104,25 +105,55 @@ export class Memory {
   }
 
   show(things) {
-    byId("things").replaceChildren(...things.map(({ thing, label, position: [x, y], chance, no_way: noWay }) => {
+    byId("things").replaceChildren(...things.map(({ thing, label, position: [x, y], chance, no_way: noWay, has_image: hasImage }) => {
       const where = `floor ${thing.floor}, at ${metres(x)}, ${metres(y)} ·\u00a0${Math.round(100 * chance)}\u00a0%\u00a0sure`;
       const button = element("button", { type: "button", "aria-label": `Go to the ${label} on ${where}` }, "Go there");
       button.addEventListener("click", () => this.goalBox.send({ goal: label, thing }));
       const words = [element("span", { class: "when" }, where)];
       if (noWay) words.push(element("span", { class: "when why" }, `Note: ${noWay}.`));
-      return element("li", {}, element("span", { class: "goal" }, label), ...words, button);
+      const picture = hasImage ? [pictureOf(thing, label)] : [];
+      return element("li", {}, ...picture, element("span", { class: "goal" }, label), ...words, button);
     }));
     this.goalBox.show(this.goalBox.robots);
   }
 }
 
-function waitingWords(robots, free) {
+const pictures = new IntersectionObserver((entries) => {
+  for (const { isIntersecting, target } of entries) {
+    if (!isIntersecting) continue;
+    pictures.unobserve(target);
+    drawPicture(target);
+  }
+});
+
+/** The picture of a remembered thing, which is fetched when somebody comes to see it. */
+function pictureOf({ floor, number }, label) {
+  const canvas = element("canvas", { role: "img", "aria-label": `Picture of the ${label}`, width: "160", height: "160", "data-thing": `${floor}/${number}` });
+  pictures.observe(canvas);
+  return canvas;
+}
+
+async function drawPicture(canvas) {
+  try {
+    const image = await createImageBitmap(await (await request(`v1/things/${canvas.dataset.thing}/image`)).blob());
+    const scale = Math.max(canvas.width / image.width, canvas.height / image.height);
+    const [width, height] = [image.width * scale, image.height * scale];
+    canvas.getContext("2d").drawImage(image, (canvas.width - width) / 2, (canvas.height - height) / 2, width, height);
+    canvas.dataset.drawn = "true";
+  } catch {
+    canvas.hidden = true; // the list goes on without it
+  }
+}
+
+function waitingWords(robots, free, searching) {
   const told = robots.find((robot) => robot.given);
   if (told) return `${told.name} was told to find “${told.given.goal}”, and begins.`;
   const refused = free.find((robot) => robot.refused);
   if (refused) return `${refused.name} could not begin: ${refused.refused}`;
   if (free.length === 1) return `${free[0].name} waits for a goal.`;
   if (free.length) return `${free.length} robots wait for a goal.`;
+  if (searching.length === 1) return `The robot is looking for “${searching[0]}”; it takes a new goal when it waits again.`;
+  if (searching.length) return `${searching.length} robots are searching; one takes a new goal when it waits again.`;
   return "No robot waits for a goal.";
 }
 

@@ -30,6 +30,7 @@ export class Follower {
   steps = [];
   stairs = {}; // the ends of stairs on every floor, from each step on that changed them
   floorWords = {}; // the floors in words, with their heights
+  things = []; // what the memory knew, where the map of the search is that of the memory
   hasMoved = false; // whether the robot came to stairs or to a floor since these were fetched
   maps = new Map(); // the last map of each floor
   unmapped = new Set(); // floors left before this page was opened of which the server has no map
@@ -82,6 +83,9 @@ export class Follower {
         await this.updateMap(status.map);
         await this.fetchOtherFloors();
       }
+    }
+    if (!this.status || JSON.stringify(status.start) !== JSON.stringify(this.status.start)) {
+      this.things = await getJson(`v1/things/of/${this.id}`, { signal: this.ended.signal }).catch(() => []);
     }
     this.status = { ...status, receivedMs: performance.now() };
     this.onChange(this);

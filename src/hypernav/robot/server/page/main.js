@@ -4,8 +4,9 @@ import { drawCamera } from "./camera.js";
 import { GoalBox, Memory, armStop, armToken } from "./controls.js";
 import { element, metres, swatch } from "./elements.js";
 import { Follower, floorOf, namesFloors, whereIs } from "./follower.js";
+import { Lens } from "./lens.js";
 import { drawMap } from "./map.js";
-import { connection, getJson, pause } from "./server.js";
+import { connection, getJson, hasToken, pause } from "./server.js";
 import { Timeline } from "./timeline.js";
 import { ACTIONS, COLORS, MODES, QUESTIONS } from "./vocabulary.js";
 
@@ -27,11 +28,13 @@ const LEGEND = [
   ["goal area", COLORS.goal],
   ["stairs taken or tried", COLORS.stairs],
   ["obstacle", COLORS.occupied],
+  ["remembered thing", COLORS.ink, "M1 1h14v14H1zM3 3v10h10V3z"],
   ["unknown", COLORS.unknown],
 ];
 
 const byId = (id) => document.getElementById(id);
 const timeline = new Timeline(show);
+const lens = new Lens(byId("map"), document.querySelectorAll("[data-zoom]"), show);
 let follower = null;
 let floorOfRobot = null;
 let floorChosen = null; // by hand, until the robot goes to another floor
@@ -42,6 +45,7 @@ function follow(id) {
   timeline.reset();
   floorChosen = null;
   imageShown = null;
+  lens.nearer(0);
   follower = new Follower(id, show);
 }
 
@@ -69,7 +73,7 @@ function show() {
   floorOfRobot = step ? floorOf(step) : null;
   const floor = floorChosen ?? floorOfRobot;
   const map = step && maps.get(floor);
-  drawMap(byId("map"), map, steps, stairs, timeline.shown, floor);
+  drawMap(byId("map"), map, steps, stairs, timeline.shown, floor, { lens, things: follower.things });
   showFloor(steps, floorWords, floor);
   if (step) {
     byId("map").setAttribute("aria-label", mapWords(map, step, floor));
@@ -203,6 +207,8 @@ async function list() {
       const latest = found[0];
       const isBusy = follower && (isChosen || follower.status?.state !== "ended");
       if (latest && latest.id !== follower?.id && !isBusy) follow(latest.id);
+      goalBox.searching = found.filter((one) => !one.ending).map((one) => one.goal);
+      byId("empty").hidden = found.length > 0 || goalBox.robots.length > 0;
       const now = JSON.stringify([follower?.id, found.map((one) => [one.id, stateWord(one), one.next_sequence])]);
       if (now !== shown) showList(found);
       shown = now;
@@ -250,6 +256,8 @@ window.addEventListener("resize", show);
 setInterval(() => { if (follower?.status && isSilent(follower.status)) show(); }, POLL_MS);
 armToken();
 armStop();
-new Memory(new GoalBox(() => { isChosen = false; }));
+byId("try").textContent = `hypernav robot wait --server ${location.origin} --scene houses:7${hasToken() ? " --token-file FILE" : ""}`;
+const goalBox = new GoalBox(() => { isChosen = false; });
+new Memory(goalBox);
 list();
 getJson("v1/health").then(({ version }) => { byId("version").textContent = version; }).catch(() => {});

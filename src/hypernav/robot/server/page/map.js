@@ -7,7 +7,7 @@ const MARGIN_M = 0.6;
 const LEAST_M = 4;
 
 /** Draws the map of a floor and everything on it at the shown step, sharp on any screen. */
-export function drawMap(canvas, map, steps, stairs, shown, floor) {
+export function drawMap(canvas, map, steps, stairs, shown, floor, { lens, things }) {
   const ratio = window.devicePixelRatio || 1;
   canvas.width = Math.round(canvas.clientWidth * ratio);
   canvas.height = Math.round(canvas.clientHeight * ratio);
@@ -15,12 +15,14 @@ export function drawMap(canvas, map, steps, stairs, shown, floor) {
   context.fillStyle = COLORS.unknown;
   context.fillRect(0, 0, canvas.width, canvas.height);
   if (!map || shown < 0) return;
-  const view = fit(canvas, map.extent);
+  const view = fit(canvas, map.extent, lens);
+  lens.scale = view.scale / ratio;
   const draw = new Painter(context, view, ratio);
   const step = steps[shown];
   const walked = steps.slice(0, shown + 1);
   const isHere = floorOf(step) === floor;
   draw.cells(map);
+  draw.things(things.filter((one) => one.thing.floor === floor && one.outline), lens.zoom);
   if (isHere) draw.area(step.goal_area);
   if (isHere) draw.blocks(steps, shown);
   for (const walk of walksOn(floor, walked)) draw.line(walk, COLORS.trajectory_new, 2);
@@ -45,12 +47,12 @@ function walksOn(floor, steps) {
 }
 
 /** Metres to pixels: `at(x, y)` and `scale` pixels a metre. */
-function fit(canvas, extent) {
+function fit(canvas, extent, lens) {
   const { rows, columns, resolution_m: size, origin } = extent;
   const width = Math.max(columns * size + 2 * MARGIN_M, LEAST_M);
   const height = Math.max(rows * size + 2 * MARGIN_M, LEAST_M);
-  const scale = Math.min(canvas.width / width, canvas.height / height);
-  const middle = [origin[0] + (columns * size) / 2, origin[1] + (rows * size) / 2];
+  const scale = lens.zoom * Math.min(canvas.width / width, canvas.height / height);
+  const middle = [origin[0] + (columns * size) / 2 + lens.aside[0], origin[1] + (rows * size) / 2 + lens.aside[1]];
   const at = (x, y) => [canvas.width / 2 + (x - middle[0]) * scale, canvas.height / 2 - (y - middle[1]) * scale];
   return { at, scale };
 }
@@ -67,6 +69,21 @@ class Painter {
     const pixel = this.view.scale * extent.resolution_m;
     this.context.imageSmoothingEnabled = false;
     this.context.drawImage(image, left, bottom - extent.rows * pixel, extent.columns * pixel, extent.rows * pixel);
+  }
+
+  /** The things of the memory; nearer, where there is room, with their names. */
+  things(things, zoom) {
+    const { context, ratio } = this;
+    context.strokeStyle = COLORS.ink;
+    context.lineWidth = ratio;
+    context.font = `600 ${11 * ratio}px system-ui, sans-serif`;
+    context.textAlign = "center";
+    for (const { outline: [low, high], label } of things) {
+      const [left, bottom] = this.view.at(...low);
+      const [right, top] = this.view.at(...high);
+      context.strokeRect(left, top, right - left, bottom - top);
+      if (zoom > 1.4) this.text(label, (left + right) / 2, (top + bottom) / 2 + 4 * ratio);
+    }
   }
 
   area(polygons) {

@@ -28,6 +28,8 @@ export function rememberToken(token) {
   sessionStorage.setItem(TOKEN_KEY, token);
 }
 
+export const hasToken = () => sessionStorage.getItem(TOKEN_KEY) !== null;
+
 /** A response of the server. Throws `Refused`, or a `TypeError` where the server can't be reached. */
 export async function request(path, { method = "GET", body, waitMs = 0, signal } = {}) {
   const headers = {};

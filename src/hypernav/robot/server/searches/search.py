@@ -85,6 +85,16 @@ class Search:
         return not self.is_over and self.record.memory is not None and (start is None or start.sure)
 
     @property
+    def has_memory_frame(self) -> bool:
+        """Whether its map and that of the server's memory lie in one frame, also once it is over.
+
+        A robot that doesn't know where it is in the memory shows so only once it was found there.
+        """
+        start = self._now.start
+        is_known = not self.record.relocalize if start is None else start.sure
+        return self.record.memory is not None and is_known
+
+    @property
     def silent_s(self) -> float:
         """Time since the robot's last message, seconds; 0 while it waits for an answer."""
         is_silent = self._now.state is SearchState.WAITING

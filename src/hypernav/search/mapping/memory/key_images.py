@@ -4,6 +4,7 @@ A frame is kept if it shows enough surface that no key image shows, or a thing t
 Beyond the bound the image is forgotten first whose surfaces the others show, too.
 """
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Iterable
@@ -32,11 +33,15 @@ _THING_PATCHES = 8
 _DEPTH_STEP = 4
 """Stride of the pixels whose depth is kept: surfaces are told by every 16th one."""
 _JPEG_QUALITY = 85
+_NEAREST_M = 0.1
+"""Distance in front of a camera, metres, from which a corner of a thing is marked."""
 _NOTES_BYTES = 2000
 """Size of an image's pose, files and patches in the files of a memory; rounded up."""
 _LAYERS = 1 << 10
 _ACROSS = 1 << 16
 """Numbers of patches on top of each other and side by side; more than any building has."""
+
+Corner = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +95,27 @@ class KeyImage:
     def depth(self) -> Float32[np.ndarray, "rows columns"]:
         """The kept depth, metres."""
         return _decoded(self.png, cv2.IMREAD_UNCHANGED).astype(np.float32) / np.float32(1000.0)
+
+    def box_of(self, low: Corner, high: Corner) -> tuple[float, float, float, float] | None:
+        """Where it shows a thing, as the box around the thing's corners.
+
+        Args:
+            low: Lowest corner of the thing, heights above the floor, metres.
+            high: Its highest corner.
+
+        Returns:
+            Left, top, width and height as shares of the image; None if no corner is in front of it.
+        """
+        corners = np.array(list(itertools.product(*zip(low, high, strict=True))))
+        seen = self.camera_to_map.inverse().apply(corners)
+        seen = seen[seen[:, 2] > _NEAREST_M]
+        if not len(seen):
+            return None
+        at = self.camera.project(seen) / (self.camera.width, self.camera.height)
+        (left, top), (right, bottom) = (
+            bound.clip(0.0, 1.0).tolist() for bound in (at.min(0), at.max(0))
+        )
+        return (left, top, right - left, bottom - top)
 
 
 @dataclass(eq=False)

@@ -18,7 +18,7 @@ from hypernav.io.reading import JPEG, PNG, Allowance, image_size, read_file
 from hypernav.io.reading import MOST_BYTES as MOST_BYTES_READ
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.memory.floor import MOST_POSITIONS, Floor
-from hypernav.search.mapping.memory.key_images import MOST_BYTES, KeyImages, with_patches
+from hypernav.search.mapping.memory.key_images import MOST_BYTES, KeyImage, KeyImages, with_patches
 from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.storage.memory_index import (
     FORMAT,
@@ -187,6 +187,20 @@ def read_index(folder: Path) -> Index | None:
         raise MemoryFolderError(
             f"{folder} is no folder; name the folder of a memory, or a new one"
         ) from error
+    except OSError as error:
+        raise _unreadable(folder, error) from error
+
+
+def read_image(folder: Path, record: ImageRecord) -> KeyImage:
+    """A key image of a memory, without what it shows of the map.
+
+    Raises:
+        ValueError: A file of it is missing or damaged.
+        MemoryFolderError: It can't be read now.
+    """
+    try:
+        with ForeignFolder(folder) as home:
+            return _image(home, record, Allowance("a memory"), np.empty(0, np.int64))
     except OSError as error:
         raise _unreadable(folder, error) from error
 
@@ -415,14 +429,26 @@ def _add_image(
     """Add a key image; False if a file of it is damaged."""
     known, shown = patches.get(record.number), len(images.showing)
     try:
-        jpeg, png = (_content(home, one, allowance) for one in (record.jpeg, record.png))
-        _check_sizes(record, jpeg, png)
-        image = record.image(jpeg, png, np.empty(0, np.int64) if known is None else known)
+        image = _image(home, record, allowance, np.empty(0, np.int64) if known is None else known)
         images.add(image if known is not None else with_patches(image))
     except (ValueError, CameraError):
         return False
     _spend(home, allowance, _BYTES_PER_PATCH * (len(images.showing) - shown), "what images show")
     return True
+
+
+def _image(
+    home: ForeignFolder, record: ImageRecord, allowance: Allowance, patches: np.ndarray
+) -> KeyImage:
+    """A key image from its two files.
+
+    Raises:
+        ValueError: One is missing, damaged, or of another size than its camera's.
+        MemoryFolderError: One can't be read now.
+    """
+    jpeg, png = (_content(home, one, allowance) for one in (record.jpeg, record.png))
+    _check_sizes(record, jpeg, png)
+    return record.image(jpeg, png, patches)
 
 
 def _check_sizes(record: ImageRecord, jpeg: bytes, png: bytes) -> None:

@@ -1,4 +1,4 @@
-"""Web page about one building: floor plan and walk, top view, interior views, list of objects."""
+"""Web page about one building: a view to be turned, plans, images, list of objects."""
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
@@ -6,14 +6,15 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
+from hypernav.app.show.spatial.view import library
 from hypernav.app.show.templating import image_uri, page_environment
 from hypernav.core.errors import SceneError
 from hypernav.core.labels import ObjectLabel
 from hypernav.core.world import Instance
 from hypernav.io.writing import write_whole
 from hypernav.simulator.houses.building import Building
+from hypernav.simulator.houses.export.building_space import building_space
 from hypernav.simulator.houses.export.building_views import interior_views, views_from_above
-from hypernav.simulator.houses.export.walk import walk_data, walk_graph
 from hypernav.simulator.houses.generator import build_compact, storeys_of
 from hypernav.simulator.houses.house_cache import checked_scene
 from hypernav.simulator.houses.plan.floor_plan import OUTER_M, WALL_M, FloorPlan, Opening, Rect
@@ -121,7 +122,7 @@ def building_page(
         building: The building.
         out: File of the page; or a folder, in which it is called ``house_N.html`` or
             ``office_N.html``.
-        progress: Function that is called with the numbers of drawn panoramas and of all.
+        progress: Function that is called with the numbers of drawn images and of all.
 
     Returns:
         File of the page.
@@ -142,14 +143,12 @@ def building_page(
 
 def _page(building: Building, progress: Callable[[int, int], None] | None) -> str:
     storeys = storeys_of(building)
-    # The walk is on the storey with the entrance.
     plan = next(plan for plan in storeys if plan.floor_z == 0.0)
     scene = checked_scene(building, build_compact(building), building.scene)
     grid = WalkableGrid.from_scene(scene, floor_z=0.0 if scene.storeys else None)
-    graph = walk_graph(grid, plan)
     with closing(CpuRenderer(scene)) as renderer:
         views = interior_views(scene, plan, building.number, 4, grid=grid, renderer=renderer)
-        walk = walk_data(scene, plan, graph, grid=grid, renderer=renderer, progress=progress)
+        space = building_space(scene, storeys, renderer, progress)
     rooms = [room for plan in storeys for room in plan.rooms if not room.is_outside]
     labels = [i.label for i in scene.instances if i.label and i.label.category != "window"]
     return (
@@ -169,7 +168,8 @@ def _page(building: Building, progress: Callable[[int, int], None] | None) -> st
             ],
             above=[image_uri(view) for view in views_from_above(scene, storeys)],
             views=[image_uri(view) for view in views],
-            walk=walk,
+            space=space,
+            library=library(),
             categories=_by_category(labels),
             total=len(labels),
             triangles=f"{len(scene.faces):,}",
