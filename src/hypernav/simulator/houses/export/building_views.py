@@ -31,13 +31,14 @@ def storey_alone(scene: Scene, plan: FloorPlan) -> Scene:
     return scene.of_faces(shown[scene.face_instance])
 
 
-def view_from_above(scene: Scene, width: int = 1280) -> Image:
+def view_from_above(scene: Scene) -> Image:
     """Image of a building without its ceilings, straight from above."""
     hidden = np.array([i.name.startswith(("ceiling", "chandelier")) for i in scene.instances])
     open_scene = scene.of_faces(~hidden[scene.face_instance])
     vertices = scene.vertices.astype(np.float64)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     size = high - low
+    width = 1280
     height = max(int(width * size[1] / size[0]), width // 4)
     focal = 2.5 * width
     above = 1.04 * max(size[0] * focal / width, size[1] * focal / height) + high[2]

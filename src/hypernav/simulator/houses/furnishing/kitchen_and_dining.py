@@ -24,6 +24,7 @@ from hypernav.simulator.houses.objects.belongings import (
 )
 from hypernav.simulator.houses.objects.furniture import kitchen_units, seating, storage, tables
 
+_SHORTEST_ROW_M = 2.2
 _ON_COUNTER = (
     kitchenware.microwave,
     kitchenware.toaster,
@@ -137,19 +138,18 @@ def _lay_table(layout: RoomLayout, table: PlacedModel, seats: int) -> None:
         scatter(layout, table, small, rng.integer(1, 3))
 
 
-def furnish_kitchen(layout: RoomLayout, *, table: bool, island: bool = True) -> None:
+def furnish_kitchen(layout: RoomLayout, *, table: bool) -> None:
     """Furnish with units and appliances, perhaps a table or an island, a bin, a plant.
 
     Args:
         layout: Layout of the room.
         table: Whether the room gets a dining table.
-        island: Whether the room may get a free-standing worktop.
     """
     rng = layout.rng
     place_units(layout)
     if table and min(layout.inner.width, layout.inner.depth) > 2.4:
         place_dining(layout, seats=rng.choice((2, 4)))
-    elif island and min(layout.inner.width, layout.inner.depth) > 3.2 and rng.chance(0.7):
+    elif min(layout.inner.width, layout.inner.depth) > 3.2 and rng.chance(0.7):
         _island(layout)
     things = (
         (household.trash_can, 0.8),
@@ -176,14 +176,14 @@ def _island(layout: RoomLayout) -> None:
             return
 
 
-def place_units(layout: RoomLayout, shortest: float = 2.2) -> bool:
+def place_units(layout: RoomLayout) -> bool:
     """Place fitted units along the wall with most space; False if no wall has enough."""
     best: tuple[float, str, float, float] | None = None
     for side in layout.rng.shuffled(SIDES):
         for start, end in _runs(layout, side):
             length = min(end - start, 4.3)
             score = length + 0.3 * layout.rng.unit()
-            if length >= shortest and (best is None or score > best[0]):
+            if length >= _SHORTEST_ROW_M and (best is None or score > best[0]):
                 best = (score, side, start, end)
     if best is None:
         return False

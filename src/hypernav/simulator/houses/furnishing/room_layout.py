@@ -332,7 +332,6 @@ class RoomLayout:
         access: bool = False,
         where: str = "any",
         gap: float = SKIRTING_M,
-        z: float = 0.0,
         reserve_front: bool = True,
     ) -> PlacedModel | None:
         """Place a model with its back to some wall, if it fits anywhere.
@@ -344,14 +343,13 @@ class RoomLayout:
             access: Whether its front must be reached with full walking width.
             where: Order of positions: "any", "corner" (corners first) or "middle" (middles first).
             gap: Distance to the wall, metres.
-            z: Height of the model, metres.
             reserve_front: Whether the floor before it stays reserved.
         """
         for side in self.rng.shuffled(sides):
             start, end, _ = self.wall_line(side)
             half = model.width / 2 + 0.02
             for t in self._positions(start + half, end - half, where):
-                pose = self.pose_at_wall(model, side, t, gap, z)
+                pose = self.pose_at_wall(model, side, t, gap)
                 if self.fits(model, pose, front=front, access=access):
                     return self.place(
                         model, pose, front=front if reserve_front else 0.0, access=access

@@ -11,15 +11,12 @@ from hypernav.simulator.houses.modelling.model import Mesh, Vector, join, unit_v
 from hypernav.simulator.houses.modelling.solids import grid_faces
 
 
-def sheet(
-    points: Float64[np.ndarray, "nu nv 3"], *, closed_u: bool = False, fit: bool = False
-) -> Mesh:
+def sheet(points: Float64[np.ndarray, "nu nv 3"], *, closed_u: bool = False) -> Mesh:
     """Curved surface through a grid of points, shaded smoothly, facing u × v.
 
     Args:
         points: Grid of points, metres.
         closed_u: Whether the last row continues at the first (repeat the first row at the end).
-        fit: Whether texture coordinates run from 0 to 1 instead of in metres.
     """
     nu, nv = points.shape[:2]
     du = slopes(points)
@@ -27,12 +24,7 @@ def sheet(
         du[0] = du[-1] = points[1] - points[-2]
     dv = slopes(points.transpose(1, 0, 2)).transpose(1, 0, 2)
     normals = unit_vectors(cross(du, dv))
-    if fit:
-        u = np.linspace(0.0, 1.0, nu)[:, None] + np.zeros((1, nv))
-        v = np.zeros((nu, 1)) + np.linspace(0.0, 1.0, nv)[None, :]
-    else:
-        u, v = _lengths(points, 0), _lengths(points, 1)
-    uv = np.stack([u, v], axis=-1)
+    uv = np.stack([_lengths(points, 0), _lengths(points, 1)], axis=-1)
     return Mesh(
         points.reshape(-1, 3), normals.reshape(-1, 3), uv.reshape(-1, 2), grid_faces(nu, nv)
     )

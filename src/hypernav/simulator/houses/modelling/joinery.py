@@ -14,7 +14,6 @@ def four_legs(
     *,
     thick: float = 0.045,
     taper: float = 0.7,
-    splay: float = 0.0,
     round_: bool = False,
 ) -> list[Mesh]:
     """Legs under the corners of a rectangle, their outer sides flush with it.
@@ -25,7 +24,6 @@ def four_legs(
         height: Height of the legs, metres.
         thick: Side or diameter at the upper end, metres.
         taper: Thickness at the floor as a share of the thickness at the upper end.
-        splay: Distance of the feet outside of the upper ends, metres.
         round_: Whether the legs are round instead of square.
     """
     hx, hy = x / 2.0 - thick / 2.0, y / 2.0 - thick / 2.0
@@ -33,7 +31,7 @@ def four_legs(
     for sx in (-1.0, 1.0):
         for sy in (-1.0, 1.0):
             top = (sx * hx, sy * hy, height)
-            foot = (sx * (hx + splay), sy * (hy + splay), 0.0)
+            foot = (sx * hx, sy * hy, 0.0)
             legs.append(
                 rod(foot, top, thick * taper / 2.0, end_radius=thick / 2.0, sides=10)
                 if round_

@@ -200,4 +200,4 @@ def repeated_image(key: str) -> Finish:
 
 def repeated_panel(x: float, z: float, shift: float) -> Mesh:
     """Upright rectangle that faces +y, as high as the image; ``shift`` is a share of its width."""
-    return panel(x, z).textured(_TILE_M * x, _TILE_M, _TILE_M * shift, 0.0)
+    return panel(x, z).textured(_TILE_M * x, _TILE_M, _TILE_M * shift)

@@ -50,9 +50,9 @@ class Mesh:
         faces = self.faces[:, ::-1] if x * y * z < 0 else self.faces
         return Mesh(self.positions * factors, normals, self.uv, faces)
 
-    def textured(self, u: float = 1.0, v: float = 1.0, du: float = 0.0, dv: float = 0.0) -> "Mesh":
-        """Mesh with texture coordinates scaled and then shifted."""
-        uv = self.uv * (u, v) + (du, dv)
+    def textured(self, u: float, v: float, du: float = 0.0) -> "Mesh":
+        """Mesh with texture coordinates scaled, and then shifted along u."""
+        uv = self.uv * (u, v) + (du, 0.0)
         return Mesh(self.positions, self.normals, uv, self.faces)
 
     def swapped_uv(self) -> "Mesh":

@@ -9,6 +9,8 @@ from jaxtyping import Float64, Int64
 
 from hypernav.simulator.houses.modelling.model import Mesh, unit_vectors
 
+_SMOOTH_DEG = 30.0
+"""Greatest angle between sides of a prism that are shaded as one round side."""
 _CORNERS = np.array([[x, y, z] for z in (-1.0, 1.0) for y in (-1.0, 1.0) for x in (-1.0, 1.0)])
 # The axes that texture coordinates run along on the sides across each axis.
 _UV_AXES = ((1, 2), (0, 2), (0, 1))
@@ -205,7 +207,6 @@ def prism(
     height: float,
     *,
     z: float = 0.0,
-    smooth_deg: float = 30.0,
 ) -> Mesh:
     """Prism over a polygon in the xy plane.
 
@@ -214,7 +215,6 @@ def prism(
             itself.
         height: Height of the prism, metres.
         z: Height of its lower side, metres.
-        smooth_deg: Greatest angle between sides that are shaded as one round side, degrees.
     """
     points = np.array(outline, dtype=np.float64)
     n = len(points)
@@ -223,7 +223,7 @@ def prism(
     length = np.sqrt((edge * edge).sum(axis=1))
     side = np.stack([edge[:, 1], -edge[:, 0]], axis=1) / np.maximum(length, 1e-12)[:, None]
     before = np.roll(side, 1, axis=0)
-    smooth = (side * before).sum(axis=1) > math.cos(math.radians(smooth_deg))
+    smooth = (side * before).sum(axis=1) > math.cos(math.radians(_SMOOTH_DEG))
     start = np.where(smooth[:, None], side + before, side)
     end_smooth, after = np.roll(smooth, -1), np.roll(side, -1, axis=0)
     end = np.where(end_smooth[:, None], side + after, side)

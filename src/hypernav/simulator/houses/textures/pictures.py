@@ -31,10 +31,10 @@ INKS = (
 
 
 def _hills(
-    rng: RandomStream, width: int, base: float, rise: float, cells: int
+    rng: RandomStream, width: int, base: float, cells: int
 ) -> Float64[np.ndarray, "width"]:
     line = smooth_noise(rng, 1, width, 1, cells)[0] * 0.7
-    return base + rise * (line + 0.3 * smooth_noise(rng, 1, width, 1, cells * 3)[0])
+    return base + 0.16 * (line + 0.3 * smooth_noise(rng, 1, width, 1, cells * 3)[0])
 
 
 def landscape(rng: RandomStream, height: int = 192, width: int = 256) -> Canvas:
@@ -52,7 +52,7 @@ def landscape(rng: RandomStream, height: int = 192, width: int = 256) -> Canvas:
     canvas[sun] = (1.0, 0.97, 0.85)
     greens = ((0.45, 0.55, 0.62), (0.33, 0.5, 0.42), (0.24, 0.38, 0.22), (0.5, 0.48, 0.2))
     for k, ink in enumerate(greens):
-        line = _hills(rng, width, 0.42 + 0.14 * k, 0.16, 3 + k)
+        line = _hills(rng, width, 0.42 + 0.14 * k, 3 + k)
         shade = 0.8 + 0.4 * smooth_noise(rng, height, width, 24, 32)[..., None]
         canvas = np.where((row > line[None, :])[..., None], np.array(ink) * shade, canvas)
     return canvas
@@ -272,7 +272,7 @@ def outdoors(rng: RandomStream, height: int = 256, width: int = 256) -> Image:
             panes = house & ((column * 40) % 2 < 0.9) & ((row * 30) % 2 < 0.9)
             canvas[panes] = (0.45, 0.5, 0.56)
     for k in range(3):
-        line = _hills(rng, width, 0.5 + 0.12 * k, 0.16, 6)
+        line = _hills(rng, width, 0.5 + 0.12 * k, 6)
         leaves = 0.6 + 0.7 * cloud_noise(rng, 256, 24, octaves=3)[:height, :width]
         shade = np.array((0.42, 0.55, 0.33)) * (1.0 - 0.15 * k) * leaves[..., None]
         canvas = np.where((row > line[None, :])[..., None], shade, canvas)

@@ -90,7 +90,7 @@ def triangles_of(mesh: ElementTree.Element) -> Iterator[Triangles]:
         source, offset = inputs["POSITION"]
         if source not in arrays:
             arrays[source] = _array(sources, source)
-        corners = _corners(primitive, width, _first(arrays[source], 3), offset)
+        corners = _corners(primitive, width, _three(arrays[source]), offset)
         if not len(corners):
             continue
         read: dict[str, tuple[Float64[np.ndarray, "n width"], Int64[np.ndarray, "faces 3"]]] = {}
@@ -104,7 +104,7 @@ def triangles_of(mesh: ElementTree.Element) -> Iterator[Triangles]:
         positions, faces = read["POSITION"]
         yield Triangles(
             primitive.get("material", ""),
-            _first(positions, 3),
+            _three(positions),
             faces,
             _of_corners(read, "TEXCOORD", 2, np.float32),
             _of_corners(read, "NORMAL", 3, np.float64),
@@ -218,10 +218,10 @@ def _of_corners(
     return np.nan_to_num(values[:, :width]).astype(dtype)[numbers]
 
 
-def _first(values: Float64[np.ndarray, "n width"], width: int) -> Float64[np.ndarray, "n w"]:
-    if values.shape[1] < width:
-        raise ValueError(f"positions have {values.shape[1]} numbers, expected {width}")
-    return np.ascontiguousarray(values[:, :width])
+def _three(values: Float64[np.ndarray, "n width"]) -> Float64[np.ndarray, "n 3"]:
+    if values.shape[1] < 3:
+        raise ValueError(f"positions have {values.shape[1]} numbers, expected 3")
+    return np.ascontiguousarray(values[:, :3])
 
 
 def local_matrix(node: ElementTree.Element) -> Float64[np.ndarray, "4 4"]:

@@ -355,7 +355,7 @@ def curtain(rng: RandomStream, palette: Palette, wide: float = 1.4, high: float 
     return builder.model("curtain", "window curtain", "drape", main=cloth)
 
 
-def _drape(rng: RandomStream, wide: float, high: float, depth: float = 0.035) -> Mesh:
+def _drape(rng: RandomStream, wide: float, high: float) -> Mesh:
     """Cloth that hangs in folds, facing +y."""
     folds = rng.integer(4, 6)
     n, rows = folds * 6 + 1, 6
@@ -363,7 +363,7 @@ def _drape(rng: RandomStream, wide: float, high: float, depth: float = 0.035) ->
     v = np.linspace(0.0, 1.0, rows)[None, :]
     phase = rng.uniform(0, 6.28)
     ripple = (
-        depth
+        0.035
         * np.sin(2 * np.pi * folds * u + 0.6 * np.sin(3.0 * v + phase))
         * (0.55 + 0.45 * (1.0 - v))
     )

@@ -27,14 +27,12 @@ _LIT = Finish("fabric", (1.0, 0.96, 0.85), 0.3, "cream", "fabric", unlit=True)
 _GRILLE = Finish("fabric", (0.14, 0.14, 0.15), 0.2, "black", "fabric")
 
 
-def _screen(
-    builder: ModelBuilder, rng: RandomStream, wide: float, high: float, z: float, y: float, key: str
-) -> None:
+def _screen(builder: ModelBuilder, wide: float, high: float, z: float, key: str) -> None:
     rim = 0.014
-    builder.add(_FRAME, box(wide, 0.035, high, at=(0, y - 0.0175, z), bevel=0.004))
+    builder.add(_FRAME, box(wide, 0.035, high, at=(0, -0.0175, z), bevel=0.004))
     builder.add(
         image_finish(key),
-        panel(wide - 2 * rim, high - 2.4 * rim, at=(0, y + 0.0012, z + 1.4 * rim)),
+        panel(wide - 2 * rim, high - 2.4 * rim, at=(0, 0.0012, z + 1.4 * rim)),
     )
 
 
@@ -47,7 +45,7 @@ def tv(rng: RandomStream, palette: Palette) -> Model:
     builder = ModelBuilder()
     wide = rng.choice((0.97, 1.1, 1.1, 1.23, 1.3))
     high = wide * 0.58
-    _screen(builder, rng, wide, high, 0.06, 0.0, _programme(rng))
+    _screen(builder, wide, high, 0.06, _programme(rng))
     builder.add(_FRAME, box(wide * 0.6, 0.05, high * 0.5, at=(0, -0.045, 0.12), bevel=0.02))
     if rng.chance(0.5):
         builder.add(
@@ -68,7 +66,7 @@ def wall_tv(rng: RandomStream, palette: Palette) -> Model:
     builder = ModelBuilder()
     wide = rng.choice((1.1, 1.23, 1.36, 1.45))
     high = wide * 0.575
-    _screen(builder, rng, wide, high, 0.0, 0.0, _programme(rng))
+    _screen(builder, wide, high, 0.0, _programme(rng))
     builder.add(BLACK_METAL, box(0.4, 0.04, 0.3, at=(0, -0.05, high / 2 - 0.15)))
     return builder.model("tv", "television", "flat screen tv", "wall tv", main=_FRAME)
 
@@ -77,15 +75,8 @@ def monitor(rng: RandomStream, palette: Palette) -> Model:
     """A computer monitor on its foot."""
     builder = ModelBuilder()
     wide = rng.choice((0.5, 0.56, 0.62))
-    _screen(
-        builder,
-        rng,
-        wide,
-        wide * 0.6,
-        0.12,
-        0.0,
-        "screen desktop" if rng.chance(0.6) else "screen off",
-    )
+    key = "screen desktop" if rng.chance(0.6) else "screen off"
+    _screen(builder, wide, wide * 0.6, 0.12, key)
     builder.add(
         _FRAME,
         box(0.05, 0.03, 0.2, at=(0, -0.05, 0)),

@@ -262,25 +262,23 @@ def base_cabinet(
     metal: Finish,
     wide: float,
     *,
-    at_x: float = 0.0,
     drawers: bool = False,
-    framed: bool = False,
 ) -> None:
-    """A floor cabinet without its worktop, centred at ``at_x``."""
+    """A floor cabinet without its worktop."""
     fit = partial(front, builder, body, metal)
     high = COUNTER_M - 0.04
-    builder.add(body, box(wide, DEEP_M - 0.04, high - 0.1, at=(at_x, -0.02, 0.1), bevel=0.002))
-    builder.add(_GAP, box(wide, DEEP_M - 0.12, 0.1, at=(at_x, -0.04, 0)))
+    builder.add(body, box(wide, DEEP_M - 0.04, high - 0.1, at=(0.0, -0.02, 0.1), bevel=0.002))
+    builder.add(_GAP, box(wide, DEEP_M - 0.12, 0.1, at=(0.0, -0.04, 0)))
     y = DEEP_M / 2 - 0.04
     if drawers:
         for z, h in ((0.11, 0.28), (0.39, 0.26), (0.65, 0.2)):
-            fit(wide, h, at=(at_x, y, z), framed=framed)
+            fit(wide, h, at=(0.0, y, z))
         return
     doors = 1 if wide < 0.5 else 2
     for k in range(doors):
-        x = at_x + (k + 0.5 - doors / 2) * wide / doors
+        x = (k + 0.5 - doors / 2) * wide / doors
         side = 1.0 if k == 0 else -1.0
-        fit(wide / doors, high - 0.115, at=(x, y, 0.11), upright=True, side=side, framed=framed)
+        fit(wide / doors, high - 0.115, at=(x, y, 0.11), upright=True, side=side)
 
 
 def kitchen_cabinet(
@@ -289,7 +287,7 @@ def kitchen_cabinet(
     """A floor cabinet with worktop."""
     builder = ModelBuilder()
     body = lacquer(palette.paint_hue)
-    base_cabinet(builder, rng, body, palette.metal, wide, drawers=rng.chance(0.35), framed=False)
+    base_cabinet(builder, rng, body, palette.metal, wide, drawers=rng.chance(0.35))
     builder.add(
         top or worktop(rng, palette),
         box(wide, DEEP_M, 0.04, at=(0, 0, COUNTER_M - 0.04), bevel=0.004),

@@ -280,7 +280,7 @@ def upholstery(rng: RandomStream, palette: Palette) -> Finish:
     )
 
 
-def throw_pillow(x: float, finish_uv: float = 1.0) -> Mesh:
+def throw_pillow(x: float) -> Mesh:
     """A square pillow with pinched corners, lying on z = 0; edge length ``x``."""
     n = 9
     at = np.linspace(-1.0, 1.0, n)
@@ -292,7 +292,7 @@ def throw_pillow(x: float, finish_uv: float = 1.0) -> Mesh:
     high = x * 0.17
     upper = np.stack([px, py, high + thick * high], axis=-1)
     lower = np.stack([px, py, high - thick * high], axis=-1)
-    return join([sheet(upper), sheet(lower[::-1])]).textured(finish_uv, finish_uv)
+    return join([sheet(upper), sheet(lower[::-1])])
 
 
 def sofa(rng: RandomStream, palette: Palette) -> Model:

@@ -217,7 +217,7 @@ def _fill_shelf(
     # A row of books is one block whose face is an image; the tops stay in shadow.
     face = panel(long, tall, at=(x, 0.09, z))
     builder.add(
-        Finish(key, (1.0, 1.0, 1.0), 1.0, "", "paper"), face.textured(long / 0.8, 1.0, shift, 0.0)
+        Finish(key, (1.0, 1.0, 1.0), 1.0, "", "paper"), face.textured(long / 0.8, 1.0, shift)
     )
     builder.add(
         Finish("", (0.85, 0.82, 0.74)), box(long - 0.004, 0.18, tall - 0.035, at=(x, -0.003, z))

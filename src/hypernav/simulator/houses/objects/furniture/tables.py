@@ -22,11 +22,11 @@ TABLE_M = 0.75
 
 
 def full_support(
-    x: float, y: float, z: float, clearance_m: float = 0.6, inset: float = 0.04
+    x: float, y: float, z: float, clearance_m: float = 0.6
 ) -> SupportSurface:
     """Support surface of a rectangle around the origin, without its rim."""
     return SupportSurface(
-        -x / 2 + inset, -y / 2 + inset, x / 2 - inset, y / 2 - inset, z, clearance_m
+        -x / 2 + 0.04, -y / 2 + 0.04, x / 2 - 0.04, y / 2 - 0.04, z, clearance_m
     )
 
 
