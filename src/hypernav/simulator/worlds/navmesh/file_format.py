@@ -30,85 +30,38 @@ SIDES = (0, 2, 4, 6)
 WALKABLE = 0x01
 """Flag of a polygon that an agent may walk on."""
 
-SET_HEADER = np.dtype(
-    [
-        ("magic", "<u4"),
-        ("version", "<i4"),
-        ("tiles", "<i4"),
-        ("origin", "<f4", 3),
-        ("tile_width", "<f4"),
-        ("tile_height", "<f4"),
-        ("most_tiles", "<i4"),
-        ("most_polygons", "<i4"),
-    ]
+
+def _record(fields: str) -> np.dtype:
+    """A packed record of fields, each ``name:format`` as numpy writes formats."""
+    return np.dtype([(name, form) for name, form in (f.split(":") for f in fields.split())])
+
+
+SET_HEADER = _record(
+    "magic:<u4 version:<i4 tiles:<i4 origin:3<f4 tile_width:<f4 tile_height:<f4 most_tiles:<i4 "
+    "most_polygons:<i4"
 )
-SETTINGS = np.dtype(
-    [
-        ("cell_size", "<f4"),
-        ("cell_height", "<f4"),
-        ("agent_height", "<f4"),
-        ("agent_radius", "<f4"),
-        ("agent_max_climb", "<f4"),
-        ("agent_max_slope", "<f4"),
-        ("region_min_size", "<f4"),
-        ("region_merge_size", "<f4"),
-        ("edge_max_len", "<f4"),
-        ("edge_max_error", "<f4"),
-        ("verts_per_poly", "<f4"),
-        ("detail_sample_dist", "<f4"),
-        ("detail_sample_max_error", "<f4"),
-        ("filter_low_hanging_obstacles", "u1"),
-        ("filter_ledge_spans", "u1"),
-        ("filter_walkable_low_height_spans", "u1"),
-        ("include_static_objects", "u1"),
-    ]
+SETTINGS = _record(
+    "cell_size:<f4 cell_height:<f4 agent_height:<f4 agent_radius:<f4 agent_max_climb:<f4 "
+    "agent_max_slope:<f4 region_min_size:<f4 region_merge_size:<f4 edge_max_len:<f4 "
+    "edge_max_error:<f4 verts_per_poly:<f4 detail_sample_dist:<f4 detail_sample_max_error:<f4 "
+    "filter_low_hanging_obstacles:u1 filter_ledge_spans:u1 filter_walkable_low_height_spans:u1 "
+    "include_static_objects:u1"
 )
-TILE_REFERENCE = np.dtype([("reference", "<u4"), ("size", "<i4")])
-TILE_HEADER = np.dtype(
-    [
-        ("magic", "<u4"),
-        ("version", "<i4"),
-        ("x", "<i4"),
-        ("y", "<i4"),
-        ("layer", "<i4"),
-        ("user_id", "<u4"),
-        ("polygons", "<i4"),
-        ("vertices", "<i4"),
-        ("most_links", "<i4"),
-        ("detail_meshes", "<i4"),
-        ("detail_vertices", "<i4"),
-        ("detail_triangles", "<i4"),
-        ("tree_nodes", "<i4"),
-        ("off_mesh_connections", "<i4"),
-        ("off_mesh_base", "<i4"),
-        ("walkable_height", "<f4"),
-        ("walkable_radius", "<f4"),
-        ("walkable_climb", "<f4"),
-        ("lowest", "<f4", 3),
-        ("highest", "<f4", 3),
-        ("quantisation", "<f4"),
-    ]
+TILE_REFERENCE = _record("reference:<u4 size:<i4")
+TILE_HEADER = _record(
+    "magic:<u4 version:<i4 x:<i4 y:<i4 layer:<i4 user_id:<u4 polygons:<i4 vertices:<i4 "
+    "most_links:<i4 detail_meshes:<i4 detail_vertices:<i4 detail_triangles:<i4 tree_nodes:<i4 "
+    "off_mesh_connections:<i4 off_mesh_base:<i4 walkable_height:<f4 walkable_radius:<f4 "
+    "walkable_climb:<f4 lowest:3<f4 highest:3<f4 quantisation:<f4"
 )
-POLYGON = np.dtype(
-    [
-        ("first_link", "<u4"),
-        ("vertices", "<u2", VERTICES_PER_POLYGON),
-        ("neighbours", "<u2", VERTICES_PER_POLYGON),
-        ("flags", "<u2"),
-        ("vertex_count", "u1"),
-        ("area_and_type", "u1"),
-    ]
+POLYGON = _record(
+    f"first_link:<u4 vertices:{VERTICES_PER_POLYGON}<u2 neighbours:{VERTICES_PER_POLYGON}<u2 "
+    "flags:<u2 vertex_count:u1 area_and_type:u1"
 )
-DETAIL_MESH = np.dtype(
-    [
-        ("vertex_base", "<u4"),
-        ("triangle_base", "<u4"),
-        ("vertex_count", "u1"),
-        ("triangle_count", "u1"),
-        ("padding", "u1", 2),
-    ]
+DETAIL_MESH = _record(
+    "vertex_base:<u4 triangle_base:<u4 vertex_count:u1 triangle_count:u1 padding:2u1"
 )
-TREE_NODE = np.dtype([("lowest", "<u2", 3), ("highest", "<u2", 3), ("index", "<i4")])
+TREE_NODE = _record("lowest:3<u2 highest:3<u2 index:<i4")
 _DEFAULT_ROBOT = BodyConfig(radius_m=0.1, height_m=1.5)
 """Robot of a file without settings, as habitat-sim assumes."""
 
