@@ -66,9 +66,6 @@ class BuildingSplit:
     def check(self, numbers: range) -> None:
         """Refuse buildings that don't belong to this split.
 
-        Args:
-            numbers: Numbers of the buildings.
-
         Raises:
             EpisodeError: Some don't belong to it, or the range is empty.
         """

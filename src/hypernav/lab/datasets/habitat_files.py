@@ -59,10 +59,6 @@ def read_episodes(path: Path | str) -> EpisodeDataset:
 def read_as(kind: type[Content], path: Path) -> Content:
     """The content of a ``.json.gz`` or ``.json`` file.
 
-    Args:
-        kind: Model of the content.
-        path: The file.
-
     Raises:
         EpisodeError: The file is missing or broken, or something in it does not fit the model; the
             message names the episode and the field.

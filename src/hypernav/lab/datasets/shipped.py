@@ -19,11 +19,7 @@ SHIPPED = Path(__file__).with_name("shipped_splits")
 
 
 def shipped_split(name: str) -> EpisodeDataset | None:
-    """The episodes of a split without view points; None if it is not among the files.
-
-    Args:
-        name: Name of the split.
-    """
+    """The episodes of a split without view points; None if it is not among the files."""
     path = SHIPPED / f"{name}.json.gz"
     return read_episodes(path) if path.is_file() else None
 

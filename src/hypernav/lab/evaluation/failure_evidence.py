@@ -69,13 +69,7 @@ class FailureEvidence:
     """Gathers the evidence for the rules of failure classification, step by step."""
 
     def __init__(self, truth: SceneTruth, goal: GoalTruth, config: HyPerNavConfig) -> None:
-        """Begin an episode.
-
-        Args:
-            truth: Ground truth of the scene.
-            goal: The region in which the goal counts as reached.
-            config: Configuration of the agent: its stop distance and its planner.
-        """
+        """Begin an episode."""
         self._truth = truth
         self._goal = goal.goal
         self._distance_of = goal.distance

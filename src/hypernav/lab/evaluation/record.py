@@ -133,14 +133,7 @@ class EpisodeRecord(EpisodeLine):
 def unmeasured_record(
     episode: Episode, outcome: Outcome, error: str, *, goal_number: int = 1
 ) -> EpisodeRecord:
-    """The record of an episode that has no measures, and counts in no rate.
-
-    Args:
-        episode: The episode.
-        outcome: Simulator error or model outage.
-        error: Its reason.
-        goal_number: Number of the goal in its life.
-    """
+    """The record of an episode that has no measures, and counts in no rate."""
     infinite = float("inf")
     nothing = measure(
         stopped=False,

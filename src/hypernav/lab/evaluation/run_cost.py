@@ -71,12 +71,6 @@ def cost_by_exam(
 ) -> SearchCost:
     """What a search costs by the exam's questions and its searches with stand-ins.
 
-    Args:
-        exam: The exam.
-        preset: Preset of the run.
-        config: Configuration of the run.
-        kinds: Kinds of questions that the model of the run is asked.
-
     Raises:
         ConfigError: The exam predicted no searches.
     """
@@ -137,14 +131,7 @@ def cost_by_episodes(
 
 
 def cost_lines(cost: SearchCost, count: int, workers: int, config: HyPerNavConfig) -> list[str]:
-    """What a run costs, for people.
-
-    Args:
-        cost: What one search costs.
-        count: Number of episodes.
-        workers: Number of searches at a time.
-        config: Configuration of the run, which has the prices.
-    """
+    """What a run costs, for people."""
     per_search = sum(cost.calls.values())
     hours = count * cost.seconds / workers / 3600.0
     lines = [f"{count} episodes: about {_hours(hours)} with {workers} at a time"]

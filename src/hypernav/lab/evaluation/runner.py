@@ -202,10 +202,6 @@ def begin_again(episodes: Sequence[Episode], store: RunStore) -> int:
 
     Those are all with a goal that has no record, after a kill, or one that doesn't count.
 
-    Args:
-        episodes: All episodes of the run.
-        store: Store of the run, open.
-
     Returns:
         Number of withdrawn records.
     """

@@ -256,9 +256,6 @@ class BagFile:
     def checked(self, remedy: str = "") -> Iterator[None]:
         """Turn every error that damaged bytes can raise into one.
 
-        Args:
-            remedy: What to do, as the end of the sentence.
-
         Raises:
             RecordingError: The block failed because the bag is damaged.
         """

@@ -26,11 +26,7 @@ class TransformTree:
     """Frames, each with a pose in its parent; most poses change with time."""
 
     def __init__(self, *, memory_s: float = float("inf")) -> None:
-        """Create an empty tree.
-
-        Args:
-            memory_s: Time for which poses are kept.
-        """
+        """Create an empty tree."""
         self._memory_s = memory_s
         self._parents: dict[str, str] = {}
         self._rivals: dict[str, str] = {}

@@ -62,12 +62,7 @@ class ToPose:
     """A step or a turn: one goal, to which a straight line leads."""
 
     def __init__(self, start: Pose2, end: Pose2) -> None:
-        """Begin a motion.
-
-        Args:
-            start: Pose of the robot.
-            end: Pose to be reached; a turn ends at the position where it begins.
-        """
+        """Begin a motion."""
         self._start, self._end = start, end
         self._is_turn = start.xy == end.xy
         self._line = PathAhead([start.xy] if self._is_turn else [start.xy, end.xy], sharp_deg=180.0)
@@ -232,11 +227,7 @@ class ShortOfGoals:
     """
 
     def __init__(self, config: Nav2Config) -> None:
-        """Create it; no warning has been given.
-
-        Args:
-            config: What counts as reached, and as blocked.
-        """
+        """Create it; no warning has been given."""
         self._config, self._is_said = config, False
 
     def look(self, goal: Pose2, robot: Pose2, idle_s: float) -> None:

@@ -37,13 +37,7 @@ class FaultyLink:
     """
 
     def __init__(self, link: Link, faults: NetworkFaults, rng: np.random.Generator) -> None:
-        """Put faults around a link.
-
-        Args:
-            link: The good link.
-            faults: What goes wrong, and how often.
-            rng: Generator of the faults.
-        """
+        """Put faults around a link."""
         self._link = link
         self._faults = faults
         self._rng = rng

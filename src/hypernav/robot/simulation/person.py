@@ -58,13 +58,7 @@ class Person:
     """
 
     def __init__(self, config: PersonConfig, walkable: Walkable, rng: np.random.Generator) -> None:
-        """Create a person who is away.
-
-        Args:
-            config: How the person walks.
-            walkable: Floor on which a robot can stand; a person has room there, too.
-            rng: Generator of times and places.
-        """
+        """Create a person who is away."""
         self.config = config
         self._walkable = walkable
         self._rng = rng

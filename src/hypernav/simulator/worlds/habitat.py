@@ -120,12 +120,7 @@ def egl_devices() -> list[int | None]:
 
 @contextmanager
 def scene_dataset(scene: Scene, mesh: Path) -> Iterator[Path | None]:
-    """The configuration of a scene; None where habitat-sim's own assumptions hold.
-
-    Args:
-        scene: The scene as we read it.
-        mesh: File of the scene.
-    """
+    """The configuration of a scene; None where habitat-sim's own assumptions hold."""
     found = _above(mesh)
     if found is not None or scene.stored_z_up:
         yield found
@@ -187,12 +182,6 @@ class HabitatRenderer:
         self, scene: Scene, mesh: Path, robot: Embodiment, navmesh: NavmeshChoice = "auto"
     ) -> None:
         """Open a scene in habitat-sim.
-
-        Args:
-            scene: The same scene, read by our code, for the numbers of its instances.
-            mesh: File of the scene.
-            robot: Robot whose camera is simulated.
-            navmesh: Which navigation mesh it walks on.
 
         Raises:
             MissingExtraError: habitat-sim is not installed, or there is no graphics device for it.
@@ -256,12 +245,7 @@ class HabitatRenderer:
 
 
 def navmesh_of(scene: Scene, mesh: Path) -> Path | None:
-    """The navigation mesh that habitat-sim walks on: the scene's own, or the file beside it.
-
-    Args:
-        scene: The scene, read by our code.
-        mesh: File of the scene.
-    """
+    """The navigation mesh that habitat-sim walks on: the scene's own, or the file beside it."""
     beside = mesh.with_suffix(".navmesh")
     return scene.navmesh or (beside if beside.is_file() else None)
 

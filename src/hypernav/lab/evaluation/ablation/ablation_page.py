@@ -121,10 +121,6 @@ _MOST_NAMED = 5
 def write_ablation(folder: Path, study: Study) -> Path | None:
     """Write the page, the figure, ``ablation.csv`` and ``ablation.tex`` of the results so far.
 
-    Args:
-        folder: Folder of the study, with a folder for every variant.
-        study: Its variants.
-
     Returns:
         Path of the page, which is one file and needs no network; None as long as no episode of the
         unchanged method is done.

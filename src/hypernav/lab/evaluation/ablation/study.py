@@ -229,10 +229,6 @@ class StudyResults:
 def read_results(folder: Path, study: Study) -> StudyResults | None:
     """Read the results of a study so far.
 
-    Args:
-        folder: Folder of the study, with a folder for every variant.
-        study: Its variants.
-
     Returns:
         The results; None as long as the unchanged method has none.
 

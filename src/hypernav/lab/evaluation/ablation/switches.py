@@ -61,11 +61,7 @@ def switch_name(field: str, value: Any) -> str:
 
 @cache
 def words_of(field: str) -> str:
-    """The sentence of the docstring that says what a field is.
-
-    Args:
-        field: Full name of the field.
-    """
+    """The sentence of the docstring that says what a field is."""
     *sections, key = field.split(".")
     model: type[BaseModel] = HyPerNavConfig
     for section in sections:
@@ -129,12 +125,7 @@ def why_idle(variant: Variant, method: Method) -> str:
 
 
 def why_unread(field: str, method: Method) -> str:
-    """The reason why nothing in use reads a field; empty if something does.
-
-    Args:
-        field: Full name of the field.
-        method: Method, whose components decide.
-    """
+    """The reason why nothing in use reads a field; empty if something does."""
     chosen, local = method.chosen, method.config.local
     section = field.partition(".")[0]
     asks_model = chosen.reasoner is not None and "chat" in asked_by(chosen.reasoner)

@@ -23,11 +23,6 @@ CSV = "refinement.csv"
 def write_refinement(folder: Path, records: Sequence[AreaRecord], *, lead: str) -> Path:
     """Write the page, the figure and ``refinement.csv``.
 
-    Args:
-        folder: Folder of the study.
-        records: Records of all episodes.
-        lead: Sentence that says what was studied.
-
     Returns:
         Path of the page, which is one file and needs no network.
 

@@ -72,10 +72,6 @@ class RecordFile(Generic[Record]):
     def __init__(self, path: Path, kind: type[Record]) -> None:
         """Read the finished episodes; a truncated last line is moved to another file.
 
-        Args:
-            path: The file; it need not be there.
-            kind: Class of the records.
-
         Raises:
             RunFolderError: A line cannot be read, or an episode is there twice.
         """
@@ -99,10 +95,6 @@ class RecordFile(Generic[Record]):
 
 def read_record_file(path: Path, kind: type[Record]) -> dict[EpisodeKey, Record]:
     """All records of a file by key; none where there is no file.
-
-    Args:
-        path: The file.
-        kind: Class of the records.
 
     Raises:
         RunFolderError: A line cannot be read, or an episode is there twice.

@@ -129,9 +129,6 @@ class RunStore:
     def withdraw(self, unwanted: Callable[[EpisodeRecord], bool]) -> int:
         """Withdraw records, so that their episodes run again; ``retried.jsonl`` keeps them.
 
-        Args:
-            unwanted: Predicate of the records to withdraw.
-
         Returns:
             Number of withdrawn records.
         """
@@ -164,10 +161,6 @@ class RunStore:
 
 def keep_configuration(folder: Path, configuration: Mapping[str, Any]) -> None:
     """Write the configuration into a new folder, or compare it with the one that is there.
-
-    Args:
-        folder: Folder of a run, which exists.
-        configuration: Everything that decides about results, as JSON data.
 
     Raises:
         RunFolderError: The folder was begun with another configuration, or can't be written.

@@ -38,11 +38,6 @@ def searcher_of(
 ) -> Searcher:
     """Build who searches.
 
-    Args:
-        config: Configuration of the agent.
-        specs: The agent and its components, as requested.
-        make_agent: Factory of an agent of your own, in place of the configured one.
-
     Raises:
         HyPerNavError: The agent can't be built.
     """

@@ -66,11 +66,6 @@ _DIGITS = 5
 def house_episodes(scene: Scene, building: Building, style: GoalStyle) -> EpisodeDataset:
     """Episodes of one building; the same for the same scene.
 
-    Args:
-        scene: Scene of the building.
-        building: The building.
-        style: What they ask for.
-
     Raises:
         EpisodeError: The building contains no possible goal.
         SceneError: The robot fits nowhere.
@@ -119,12 +114,7 @@ def _of_lives(
 
 
 def with_view_points(dataset: EpisodeDataset, scene: Scene) -> EpisodeDataset:
-    """The same episodes with every view point of their goals.
-
-    Args:
-        dataset: Episodes of only this building.
-        scene: The building.
-    """
+    """The same episodes with every view point of their goals."""
     truth = truth_of(scene)
     regions, done = truth.regions, dict[int | str, ObjectGoal]()
     for goal in (goal for goals in dataset.goals_by_category.values() for goal in goals):
@@ -166,13 +156,7 @@ def _sample(
 def draw_lives(
     rng: RandomStream, truth: HouseGroundTruth | StoreyTruth, rules: EpisodeRules
 ) -> list[LifeGoals]:
-    """The lives of a building: goals of different categories, every other one a phrase.
-
-    Args:
-        rng: Source of randomness.
-        truth: Ground truth of the building.
-        rules: Goals, and their least and greatest distance from the goal before.
-    """
+    """The lives of a building: goals of different categories, every other one a phrase."""
     tries = (_draw_life(rng.fork("life", number), truth, rules) for number in range(_MOST_TRIES))
     whole = (life for life in tries if len(life) >= GOALS_OF_A_LIFE[0])
     return list(islice(whole, LIVES_PER_BUILDING))

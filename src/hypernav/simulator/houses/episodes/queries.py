@@ -125,10 +125,6 @@ def near_misses(instances: Sequence[Instance], goal: Goal) -> tuple[Instance, ..
     armchair" and a blue one), if the last words of the names are the same (window curtain and
     shower curtain), or if its category looks similar or serves the same purpose (washing machine
     and clothes dryer).
-
-    Args:
-        instances: All instances of the scene, with labels.
-        goal: The goal of the search.
     """
     labelled = [(i, i.label) for i in instances if i.label is not None]
     wanted = [label for _, label in labelled if label.satisfies(goal)]

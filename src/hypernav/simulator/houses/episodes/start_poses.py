@@ -56,12 +56,6 @@ def sample_start(
 
     A wide path leads from the start to the goal. The farther of two samples is taken, because
     uniform starts in small homes are mostly near.
-
-    Args:
-        rng: Source of randomness.
-        truth: Ground truth of the building.
-        region: Region of the goal.
-        rules: Rules of the episodes.
     """
     if not truth.touches_wide_area(region.view_points):
         return None
@@ -110,14 +104,7 @@ def _euclidean_m(region: GoalRegion, x: float, y: float) -> float:
 def across_storeys(
     rng: RandomStream, truth: StoreyTruth, rules: EpisodeRules, count: int
 ) -> list[tuple[Query, Start]]:
-    """Goals with starts on the same storey, below and above them in turn.
-
-    Args:
-        rng: Source of randomness.
-        truth: Ground truth of the building.
-        rules: Rules of the episodes.
-        count: Greatest number of episodes.
-    """
+    """Goals with starts on the same storey, below and above them in turn."""
     queries = list(islice(category_queries(rng.fork("goals"), truth, rules), len(rules.categories)))
     queries = list({query.text: query for query in queries}.values())
     turns = {direction: list(queries) for direction in _DIRECTIONS}

@@ -172,9 +172,6 @@ def _semantic_lines(
 def write_dataset_config(folder: Path) -> Path:
     """Write the configuration of all exported buildings in a folder, or in folders of their own.
 
-    Args:
-        folder: Folder that the configuration lies in.
-
     Returns:
         Path of the file.
 

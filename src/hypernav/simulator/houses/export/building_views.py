@@ -66,16 +66,7 @@ def interior_views(
     grid: WalkableGrid,
     renderer: CpuRenderer,
 ) -> list[Image]:
-    """Camera images from different rooms, from the poses that show most objects.
-
-    Args:
-        scene: Scene of the building.
-        plan: Floor plan of the building.
-        number: Number of the building, the seed of the poses.
-        count: Greatest number of images.
-        grid: Where the robot can stand in the scene.
-        renderer: Renderer of the scene.
-    """
+    """Camera images from different rooms, from the poses that show most objects."""
     config, rng = CameraConfig(), RandomStream(number, "views")
     best: list[tuple[float, Pose2]] = []
     renderer.colours = False

@@ -68,10 +68,6 @@ def walk_graph(grid: WalkableGrid, plan: FloorPlan) -> WalkGraph:
     to where there is room around it. The lattice is 2 m wide, in large buildings 2.5 or 3 m, where
     more than `MOST_POSITIONS` would be needed. Where positions are not connected, some are added
     on the shortest path between them.
-
-    Args:
-        grid: Where the robot can stand.
-        plan: Floor plan of the building.
     """
     floor = _Floor(grid)
     graph = WalkGraph((), ())
@@ -244,11 +240,7 @@ class Panorama:
         return file.getvalue()
 
     def sightings(self, instances: tuple[Instance, ...]) -> list[Sighting]:
-        """The labelled objects that are large enough to be noticed, largest first.
-
-        Args:
-            instances: Instances of the scene.
-        """
+        """The labelled objects that are large enough to be noticed, largest first."""
         yaws = column_yaws()
         off_axis = np.tile(np.arctan(slice_camera().ray_slopes()[0]), SLICES)
         distances = self.depth / np.cos(off_axis)[None, :]

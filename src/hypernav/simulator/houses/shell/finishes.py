@@ -145,13 +145,7 @@ def room_finishes(rng: RandomStream, kinds: list[str]) -> list[RoomFinish]:
 def public_finishes(
     rng: RandomStream, kinds: list[str], soft: Mapping[str, float]
 ) -> list[RoomFinish]:
-    """Random finishes of all rooms of a public building.
-
-    Args:
-        rng: Source of randomness.
-        kinds: Kinds of the rooms.
-        soft: Probability that rooms of a kind have carpet, by kind.
-    """
+    """Random finishes of all rooms of a public building."""
     wood = rng.choice(("oak", "beech", "walnut", "oak"))
     main = rng.weighted(
         (

@@ -30,9 +30,7 @@ INKS = (
 )
 
 
-def _hills(
-    rng: RandomStream, width: int, base: float, cells: int
-) -> Float64[np.ndarray, "width"]:
+def _hills(rng: RandomStream, width: int, base: float, cells: int) -> Float64[np.ndarray, "width"]:
     line = smooth_noise(rng, 1, width, 1, cells)[0] * 0.7
     return base + 0.16 * (line + 0.3 * smooth_noise(rng, 1, width, 1, cells * 3)[0])
 

@@ -76,11 +76,7 @@ class Rasterizer:
     """
 
     def __init__(self, scene: Scene) -> None:
-        """Sort the triangles.
-
-        Args:
-            scene: Scene to rasterize.
-        """
+        """Sort the triangles."""
         sorted_once = kept_arrays(scene.cache, f"triangles-{_version()}", lambda: _sorted(scene))
         self._faces = sorted_once["faces"]
         self._corners = sorted_once["corners"]

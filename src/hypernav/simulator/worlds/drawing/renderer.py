@@ -80,10 +80,6 @@ class CpuRenderer:
     def __init__(self, scene: Scene, config: RenderConfig | None = None) -> None:
         """Prepare triangles, textures and light.
 
-        Args:
-            scene: Scene to draw.
-            config: Configuration of the renderer.
-
         Raises:
             MissingExtraError: The package embreex is not installed.
         """
@@ -198,11 +194,6 @@ class CpuRenderer:
 
 def renderer_of(scene: Scene, name: RendererName, config: RenderConfig | None = None) -> Renderer:
     """A renderer of a scene.
-
-    Args:
-        scene: Scene to draw.
-        name: Which renderer.
-        config: How it draws.
 
     Raises:
         MissingExtraError: A package that it needs is not installed.

@@ -88,12 +88,7 @@ class LightGrid:
         self._sky = sky_light(self._directions)
 
     def bake(self, cells: Int64[np.ndarray, "cells"], pool: ThreadPoolExecutor) -> None:
-        """Compute the unknown ones of the eight nodes around each cell.
-
-        Args:
-            cells: Numbers of the cells' lowest nodes.
-            pool: Thread pool that computes them.
-        """
+        """Compute the unknown ones of the eight nodes around each cell."""
         _, rows, columns = self.nodes.shape[:3]
         corners = [z * rows * columns + y * columns + x for z, y, x in np.ndindex(2, 2, 2)]
         flat = self.nodes.reshape(-1, 8)

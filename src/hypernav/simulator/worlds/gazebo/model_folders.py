@@ -52,11 +52,7 @@ class ModelFolders:
     """
 
     def __init__(self, world: Path) -> None:
-        """Look around.
-
-        Args:
-            world: File of the world.
-        """
+        """Look around."""
         around = list(world.resolve().parents)[:_LEVELS_UP]
         named = [Path(item) for name in VARIABLES for item in _listed(name)]
         beside = [folder for above in around for folder in (above, *_models_in(above))]
@@ -149,11 +145,7 @@ class Meshes:
     """Mesh files by their paths, with one list of materials for all."""
 
     def __init__(self, allowance: Allowance) -> None:
-        """Begin with no file.
-
-        Args:
-            allowance: Memory that all of them may take.
-        """
+        """Begin with no file."""
         self.paints: list[Paint | Material] = []
         self._allowance = allowance
         self._read: dict[Found, list[MeshPart] | str] = {}

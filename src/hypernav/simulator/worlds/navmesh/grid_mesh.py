@@ -225,9 +225,6 @@ def mesh_from_grid(walkable: WalkableGrid) -> PolygonMesh:
     ones, so polygons are cut only as the outlines require. Heights are those of the floor at the
     outlines.
 
-    Args:
-        walkable: The walkable surface.
-
     Raises:
         NavmeshError: There are more polygons than a file has room for, or nothing to stand on.
     """

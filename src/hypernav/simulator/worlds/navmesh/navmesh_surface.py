@@ -155,13 +155,7 @@ class NavmeshSurface:
     def floor_near(
         self, low: Position, high: Position, reach_m: float
     ) -> Float64[np.ndarray, "n 3"]:
-        """Positions on the largest island, 5 cm apart, around a box and on its storey.
-
-        Args:
-            low: Lowest corner of the box.
-            high: Its highest corner.
-            reach_m: Greatest distance to the box.
-        """
+        """Positions on the largest island, 5 cm apart, around a box and on its storey."""
         near = self.floor[is_near_box(self.floor[:, :2], low[:2], high[:2], reach_m)]
         return near[floors_of_box(near[:, 2], low[2])]
 

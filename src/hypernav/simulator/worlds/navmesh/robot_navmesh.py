@@ -48,11 +48,6 @@ def habitat_vertices(scene: Scene) -> Float32[np.ndarray, "v 3"]:
 def storeys_on_mesh(scene: Scene, body: BodyConfig, choice: NavmeshChoice) -> Storeys | None:
     """Storeys of a building whose mesh leads over all of them; None if it has one, or is a scan.
 
-    Args:
-        scene: The scene.
-        body: The robot.
-        choice: Which mesh.
-
     Raises:
         SceneError: The scene is too large to be in metres.
     """

@@ -286,9 +286,6 @@ def load_scan(files: ScanFiles) -> Scene:
     ``front`` (0, 1, 0), the stage attributes of HM3D's scene-dataset configuration and its default
     for all of Matterport's GLBs. Their textures already contain the light.
 
-    Args:
-        files: Files of the scan.
-
     Raises:
         SceneError: A file is broken, empty or not a mesh.
     """

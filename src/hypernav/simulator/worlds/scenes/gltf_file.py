@@ -284,9 +284,6 @@ class GltfFile:
     def __init__(self, path: Path) -> None:
         """Read a ``.glb`` or ``.gltf`` file.
 
-        Args:
-            path: Path of the file.
-
         Raises:
             SceneError: The file is not glTF 2.0, is cut off, or needs an extension that is not
                 supported.

@@ -135,11 +135,6 @@ class WalkableGrid:
         """Middles of cells of the largest part, with their heights, around a box.
 
         There are none around a thing on another storey, which may be seen over a railing.
-
-        Args:
-            low: Lowest corner of the box.
-            high: Its highest corner.
-            reach_m: Greatest distance to the box.
         """
         centres = self.centres()
         near = is_near_box(centres, low[:2], high[:2], reach_m)

@@ -21,13 +21,9 @@ from hypernav.simulator.houses.random_stream import RandomStream
 TABLE_M = 0.75
 
 
-def full_support(
-    x: float, y: float, z: float, clearance_m: float = 0.6
-) -> SupportSurface:
+def full_support(x: float, y: float, z: float, clearance_m: float = 0.6) -> SupportSurface:
     """Support surface of a rectangle around the origin, without its rim."""
-    return SupportSurface(
-        -x / 2 + 0.04, -y / 2 + 0.04, x / 2 - 0.04, y / 2 - 0.04, z, clearance_m
-    )
+    return SupportSurface(-x / 2 + 0.04, -y / 2 + 0.04, x / 2 - 0.04, y / 2 - 0.04, z, clearance_m)
 
 
 def dining_table(rng: RandomStream, palette: Palette, seats: int = 4) -> Model:

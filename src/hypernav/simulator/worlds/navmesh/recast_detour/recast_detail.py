@@ -181,12 +181,7 @@ class Regions:
     """Regions of the open space, and which spans lie at their borders."""
 
     def __init__(self, space: OpenSpace, numbers: Int32[np.ndarray, " s"]) -> None:
-        """Look for the borders.
-
-        Args:
-            space: Open space, eroded.
-            numbers: Region of every span.
-        """
+        """Look for the borders."""
         beside = space.neighbours
         self.space, self.numbers = space, numbers
         self.at_border: Bool[np.ndarray, " s"] = (
@@ -204,13 +199,7 @@ class Patch:
     """
 
     def __init__(self, regions: Regions, region: int, points: Int64[np.ndarray, "c 3"]) -> None:
-        """Find the heights.
-
-        Args:
-            regions: Regions of the open space.
-            region: Region of the polygon.
-            points: Corners of the polygon (column x, height in voxels, column z).
-        """
+        """Find the heights."""
         space = regions.space
         self.x_low, self.z_low = (max(int(points[:, axis].min()) - 1, 0) for axis in (0, 2))
         x = np.arange(self.x_low, min(int(points[:, 0].max()) + 1, space.width))
@@ -342,13 +331,7 @@ class InnerSamples:
     """Samples on a grid within a polygon that are not vertices yet."""
 
     def __init__(self, outline: Points, patch: Patch, sampling: Sampling) -> None:
-        """Take the samples.
-
-        Args:
-            outline: The polygon.
-            patch: Heights.
-            sampling: How they are sampled.
-        """
+        """Take the samples."""
         spacing, low, high = sampling.spacing, outline.min(axis=0), outline.max(axis=0)
         x, z = (
             np.arange(math.floor(low[axis] / spacing), math.ceil(high[axis] / spacing))
@@ -474,15 +457,7 @@ def _detail(
 
 
 def _sampled_side(a: Point, b: Point, patch: Patch, sampling: Sampling, count: int) -> list[Point]:
-    """Vertices along a side where its heights leave the straight line.
-
-    Args:
-        a: Its first corner.
-        b: Its last corner.
-        patch: Heights.
-        sampling: How they are sampled.
-        count: Number of vertices that there are.
-    """
+    """Vertices along a side where its heights leave the straight line."""
     # Polygons on both sides have to agree.
     swapped = a[2] > b[2] if abs(a[0] - b[0]) < _SAME else a[0] > b[0]
     if swapped:
