@@ -33,16 +33,12 @@ Position = tuple[Number, Number, Number]
 Quaternion = tuple[Number, Number, Number, Number]
 
 
-def positions_from_habitat(
-    positions: Float64[np.ndarray, "n 3"],
-) -> Float64[np.ndarray, "n 3"]:
+def positions_from_habitat(positions: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 3"]:
     """Positions in the z-up scene frame, metres."""
     return np.stack([positions[:, 0], -positions[:, 2], positions[:, 1]], axis=1)
 
 
-def positions_to_habitat(
-    positions: Float64[np.ndarray, "n 3"],
-) -> Float64[np.ndarray, "n 3"]:
+def positions_to_habitat(positions: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "n 3"]:
     """Positions in Habitat's y-up frame, metres."""
     return np.stack([positions[:, 0], positions[:, 2], -positions[:, 1]], axis=1)
 

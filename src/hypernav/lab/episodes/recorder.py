@@ -57,14 +57,7 @@ class EpisodeRecorder:
     """
 
     def __init__(
-        self,
-        folder: Path,
-        *,
-        goal: str,
-        agent: str,
-        detector: str,
-        reasoner: str,
-        step_limit: int,
+        self, folder: Path, *, goal: str, agent: str, detector: str, reasoner: str, step_limit: int
     ) -> None:
         """Open the files.
 

@@ -98,8 +98,7 @@ class Trial:
                 "ending instead, the agent's claim"
             )
         return self.referee.measure(
-            stopped=self.ending is Ending.FOUND,
-            success_distance_m=self.episode.success_distance_m,
+            stopped=self.ending is Ending.FOUND, success_distance_m=self.episode.success_distance_m
         )
 
 

@@ -15,23 +15,12 @@ from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.trace import DetectionRecord, Ending, StepTrace
 from hypernav.core.world import GoalTruth, Instance, SceneTruth
 from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeStep
-from hypernav.lab.evaluation.failures import (
-    MISPLACED_M,
-    BelievedTarget,
-    Facts,
-    Failure,
-    TargetKind,
-)
+from hypernav.lab.evaluation.failures import MISPLACED_M, BelievedTarget, Facts, Failure, TargetKind
 from hypernav.search.planning.planner import PlannedPath, Planner
 from hypernav.simulator.houses.episodes.queries import near_misses
 
 _WRONG_BELIEFS = frozenset(
-    {
-        Failure.FALSE_DETECTION,
-        Failure.LANGUAGE,
-        Failure.WRONG_MAP,
-        Failure.TARGET_SURROUNDED,
-    }
+    {Failure.FALSE_DETECTION, Failure.LANGUAGE, Failure.WRONG_MAP, Failure.TARGET_SURROUNDED}
 )
 
 

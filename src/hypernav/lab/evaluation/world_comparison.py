@@ -56,11 +56,7 @@ _ANY = Goal("position")
 
 
 def compare_worlds(
-    habitat: Simulator,
-    native: Simulator,
-    robot: Embodiment,
-    poses: int,
-    rng: np.random.Generator,
+    habitat: Simulator, native: Simulator, robot: Embodiment, poses: int, rng: np.random.Generator
 ) -> Iterator[PoseComparison]:
     """Compare two worlds of one scene at random poses.
 

@@ -182,10 +182,7 @@ _BROKEN = (
 
 STORAGES = (".mcap", ".db3")
 """Suffixes of the files of ROS 2."""
-_MEND = {
-    ".bag": "rosbag reindex {path}",
-    ".db3": "sqlite3 {path} .recover | sqlite3 mended.db3",
-}
+_MEND = {".bag": "rosbag reindex {path}", ".db3": "sqlite3 {path} .recover | sqlite3 mended.db3"}
 """The command that mends what was not closed, where it can't be read as it is."""
 
 MessageKey = tuple[int, int]

@@ -165,11 +165,7 @@ class UprightRecording:
 
 
 def replayed(
-    upright: UprightRecording,
-    components: SearchComponents,
-    goal: Goal | None,
-    *,
-    every: int = 1,
+    upright: UprightRecording, components: SearchComponents, goal: Goal | None, *, every: int = 1
 ) -> Iterator[ReplayStep]:
     """Map every frame, and look for the goal in it if there is one.
 

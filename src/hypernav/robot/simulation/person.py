@@ -117,10 +117,7 @@ class Person:
         c, s = math.cos(robot.yaw), math.sin(robot.yaw)
 
         def point(beside_m: float) -> tuple[float, float]:
-            return (
-                robot.x + c * ahead_m - s * beside_m,
-                robot.y + s * ahead_m + c * beside_m,
-            )
+            return (robot.x + c * ahead_m - s * beside_m, robot.y + s * ahead_m + c * beside_m)
 
         line = [point(side * share * config.aside_m) for share in np.linspace(1.0, 0.0, 7)]
         if all(self._walkable.is_standable(x, y, z) for x, y in line):

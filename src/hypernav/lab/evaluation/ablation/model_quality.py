@@ -105,7 +105,4 @@ def _distinct(
     return tuple(kept.values()), tuple(left_out)
 
 
-STUDIES: dict[StudyName, Callable[[Method], Study]] = {
-    "switches": switches,
-    "model": model_quality,
-}
+STUDIES: dict[StudyName, Callable[[Method], Study]] = {"switches": switches, "model": model_quality}

@@ -196,8 +196,7 @@ def _check_explanation(
     ):
         return
     faults.expect(
-        trace.action is action,
-        f"last_step.action is {trace.action!r}, but act returned {action!r}",
+        trace.action is action, f"last_step.action is {trace.action!r}, but act returned {action!r}"
     )
     faults.expect(
         trace.ending is Ending.of(action),

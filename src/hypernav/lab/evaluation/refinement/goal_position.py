@@ -37,11 +37,7 @@ class GoalPosition:
 
 
 def judge_position(
-    area: GoalArea,
-    robot: Pose2,
-    scene: SceneTruth,
-    goal: GoalTruth,
-    config: HyPerNavConfig,
+    area: GoalArea, robot: Pose2, scene: SceneTruth, goal: GoalTruth, config: HyPerNavConfig
 ) -> GoalPosition:
     """Judge the position that a robot would go to for a goal area.
 

@@ -255,9 +255,7 @@ def _places(runs: Sequence[RunData]) -> list[tuple[str, range]]:
 
 
 def _estimate(
-    run: RunData,
-    numbers: range,
-    value: Callable[[EpisodeRecord, EvaluationProtocol], float],
+    run: RunData, numbers: range, value: Callable[[EpisodeRecord, EvaluationProtocol], float]
 ) -> Estimate | None:
     protocol = own_protocol(run)
     goals = [one for one in run.counted if one.life and one.goal_number in numbers]

@@ -163,9 +163,7 @@ def draw_lives(
 
 
 def _draw_life(
-    rng: RandomStream,
-    truth: HouseGroundTruth | StoreyTruth,
-    rules: EpisodeRules,
+    rng: RandomStream, truth: HouseGroundTruth | StoreyTruth, rules: EpisodeRules
 ) -> LifeGoals:
     wanted = rng.integer(*GOALS_OF_A_LIFE)
     places = truth.places

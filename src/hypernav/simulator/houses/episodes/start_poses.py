@@ -123,11 +123,7 @@ def across_storeys(
 
 
 def _storey_start(
-    rng: RandomStream,
-    truth: StoreyTruth,
-    query: Query,
-    direction: str,
-    rules: EpisodeRules,
+    rng: RandomStream, truth: StoreyTruth, query: Query, direction: str, rules: EpisodeRules
 ) -> Start | None:
     """The farther of two random starts from which a wide path leads to the goal."""
     storey, region = truth.storey_of(query.instances), truth.region(query.text)

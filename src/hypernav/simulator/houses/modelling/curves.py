@@ -171,11 +171,7 @@ def ball(
 
 
 def arc(
-    middle: tuple[float, float],
-    radius: float,
-    start_deg: float,
-    end_deg: float,
-    count: int,
+    middle: tuple[float, float], radius: float, start_deg: float, end_deg: float, count: int
 ) -> list[tuple[float, float]]:
     """Points of a circular arc in a plane, both ends included."""
     angles = [

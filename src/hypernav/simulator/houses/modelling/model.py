@@ -216,9 +216,7 @@ class Model:
     def named(self, *synonyms: str, attributes: tuple[str, ...] = ()) -> "Model":
         """Model with further synonyms and attributes."""
         return replace(
-            self,
-            synonyms=(*self.synonyms, *synonyms),
-            attributes=(*self.attributes, *attributes),
+            self, synonyms=(*self.synonyms, *synonyms), attributes=(*self.attributes, *attributes)
         )
 
 

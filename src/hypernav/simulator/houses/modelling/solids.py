@@ -202,12 +202,7 @@ def grid_faces(nu: int, nv: int) -> Int64[np.ndarray, "faces 3"]:
     return faces
 
 
-def prism(
-    outline: Sequence[tuple[float, float]],
-    height: float,
-    *,
-    z: float = 0.0,
-) -> Mesh:
+def prism(outline: Sequence[tuple[float, float]], height: float, *, z: float = 0.0) -> Mesh:
     """Prism over a polygon in the xy plane.
 
     Args:

@@ -35,9 +35,7 @@ _WIDTHS = {
     **dict.fromkeys(HALLS, Width(5.0, 7.0, 10.0)),
 }
 _CIRCULATION = Circulation(
-    ("arcade", "corridor", *HALLS),
-    {"stock room": 0.5, "reading room": 0.6},
-    ("arcade", *HALLS),
+    ("arcade", "corridor", *HALLS), {"stock room": 0.5, "reading room": 0.6}, ("arcade", *HALLS)
 )
 _WINDOWS = {
     **dict.fromkeys(("clothes shop", "bookshop", "library", "arcade"), WindowRule(4.0, 1.8, 0.6)),

@@ -87,11 +87,7 @@ def room_finishes(rng: RandomStream, kinds: list[str]) -> list[RoomFinish]:
     """Random finishes of all rooms; dry rooms share a wooden floor."""
     wood = rng.choice(("oak", "beech", "teak", "walnut", "cherry", "oak", "pine"))
     planks = Finish(
-        rng.choice(("planks", "wide planks")),
-        WOODS[wood][0],
-        rng.choice((1.2, 1.6)),
-        "",
-        "wooden",
+        rng.choice(("planks", "wide planks")), WOODS[wood][0], rng.choice((1.2, 1.6)), "", "wooden"
     )
     stone = Finish(
         rng.choice(("large tiles", "square tiles", "marble")),

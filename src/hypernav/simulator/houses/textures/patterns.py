@@ -55,9 +55,7 @@ def speckle(rng: RandomStream, size: int) -> Gray:
     return rng.array(size, size)
 
 
-def to_image(
-    values: Float64[np.ndarray, "height width *channels"],
-) -> Image:
+def to_image(values: Float64[np.ndarray, "height width *channels"]) -> Image:
     """Numbers from 0 to 1 as an 8-bit sRGB image; grey if there is only one channel."""
     # The unusual offset keeps theoretically exact values away from the rounding boundary.
     bytes_ = np.floor(np.clip(values, 0.0, 1.0) * 255.0 + 0.50137).astype(np.uint8)

@@ -396,14 +396,7 @@ class _Geometry(NamedTuple):
     @staticmethod
     def of(scene: Scene) -> "_Geometry":
         normals = scene.normals if scene.normals is not None else np.zeros((0, 0, 3), np.float32)
-        arrays = (
-            scene.vertices,
-            scene.faces,
-            normals,
-            scene.uv,
-            scene.face_instance,
-            scene.colors,
-        )
+        arrays = (scene.vertices, scene.faces, normals, scene.uv, scene.face_instance, scene.colors)
         return _Geometry(*(np.ascontiguousarray(array) for array in arrays))
 
 

@@ -183,10 +183,7 @@ class _Place:
     def within(self, name: str, matrix: Matrix) -> "_Place":
         """The place of what an element of this name here holds."""
         return replace(
-            self,
-            to_scene=self.to_scene @ matrix,
-            names=(*self.names, name),
-            depth=self.depth + 1,
+            self, to_scene=self.to_scene @ matrix, names=(*self.names, name), depth=self.depth + 1
         )
 
 

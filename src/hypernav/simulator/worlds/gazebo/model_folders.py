@@ -20,12 +20,7 @@ from hypernav.simulator.worlds.scenes.material_images import Paint
 from hypernav.simulator.worlds.scenes.mesh_parts import MeshPart
 from hypernav.simulator.worlds.scenes.scene import Material
 
-VARIABLES = (
-    "GAZEBO_MODEL_PATH",
-    "GZ_SIM_RESOURCE_PATH",
-    "IGN_GAZEBO_RESOURCE_PATH",
-    "SDF_PATH",
-)
+VARIABLES = ("GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "SDF_PATH")
 _LEVELS_UP = 4
 _FUEL = re.compile(
     r"https?://([^/]+)/(?:[\d.]+/)?([^/]+)/models/([^/]+)(?:/(?:tip/)?files)?(/.*)?$"
@@ -180,10 +175,7 @@ class Meshes:
         suffix = file.path.suffix.lower()
         if suffix == ".dae":
             return read_collada(
-                file.path,
-                lambda reference: _texture_of(file, reference),
-                self._allowance,
-                up="z",
+                file.path, lambda reference: _texture_of(file, reference), self._allowance, up="z"
             )[:2]
         if suffix in (".glb", ".gltf"):
             return read_gltf(file.path)

@@ -43,10 +43,7 @@ class NavmeshSurface:
     """
 
     def __init__(
-        self,
-        navmesh: Navmesh,
-        storeys: Storeys | None = None,
-        stop_at: StopChoice = "first_wall",
+        self, navmesh: Navmesh, storeys: Storeys | None = None, stop_at: StopChoice = "first_wall"
     ) -> None:
         """Create it with a navigation mesh.
 

@@ -87,10 +87,7 @@ class PolygonMesh:
         """
         owner, edge = np.nonzero(self.polygons >= 0)
         ends = np.stack(
-            [
-                self.polygons[owner, edge],
-                self.polygons[owner, (edge + 1) % self.sizes[owner]],
-            ],
+            [self.polygons[owner, edge], self.polygons[owner, (edge + 1) % self.sizes[owner]]],
             axis=1,
         )
         forward = ends[:, 0] * len(self.vertices) + ends[:, 1]

@@ -165,10 +165,7 @@ def _array(sources: dict[str, ElementTree.Element], name: str) -> Float64[np.nda
 
 
 def _corners(
-    primitive: ElementTree.Element,
-    width: int,
-    positions: Float64[np.ndarray, "n 3"],
-    offset: int,
+    primitive: ElementTree.Element, width: int, positions: Float64[np.ndarray, "n 3"], offset: int
 ) -> Int64[np.ndarray, "faces 3 width"]:
     """Numbers of every value of every corner of the triangles; a position's is at the offset."""
     runs = [_whole_numbers(item.text) for item in primitive.iter("p")]

@@ -92,11 +92,7 @@ def _described_label(item: _Object) -> ObjectLabel | None:
     if item.structural:
         return None
     return ObjectLabel(
-        item.category,
-        tuple(item.synonyms),
-        tuple(item.attributes),
-        item.room,
-        tuple(item.beside),
+        item.category, tuple(item.synonyms), tuple(item.attributes), item.room, tuple(item.beside)
     )
 
 

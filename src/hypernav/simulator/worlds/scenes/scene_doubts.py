@@ -330,10 +330,7 @@ def _better_unit(
 
 
 def _storey(
-    faces: _Faces,
-    axis: int,
-    low: Float64[np.ndarray, "3"],
-    extents: Float64[np.ndarray, "3"],
+    faces: _Faces, axis: int, low: Float64[np.ndarray, "3"], extents: Float64[np.ndarray, "3"]
 ) -> float:
     """The height of the highest storey, where no level within it makes it a usual one; else 0.
 

@@ -31,8 +31,7 @@ def _screen(builder: ModelBuilder, wide: float, high: float, z: float, key: str)
     rim = 0.014
     builder.add(_FRAME, box(wide, 0.035, high, at=(0, -0.0175, z), bevel=0.004))
     builder.add(
-        image_finish(key),
-        panel(wide - 2 * rim, high - 2.4 * rim, at=(0, 0.0012, z + 1.4 * rim)),
+        image_finish(key), panel(wide - 2 * rim, high - 2.4 * rim, at=(0, 0.0012, z + 1.4 * rim))
     )
 
 

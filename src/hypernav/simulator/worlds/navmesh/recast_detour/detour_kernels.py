@@ -44,11 +44,7 @@ def corner(mesh, polygon, i):
 @njit(cache=True)
 def between(a, b, t):
     """The point at a fraction of the straight line from a to b."""
-    return (
-        a[0] + (b[0] - a[0]) * t,
-        a[1] + (b[1] - a[1]) * t,
-        a[2] + (b[2] - a[2]) * t,
-    )
+    return (a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t)
 
 
 @njit(cache=True)

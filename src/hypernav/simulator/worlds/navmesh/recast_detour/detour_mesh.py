@@ -366,9 +366,7 @@ def _polygons(tile: NavmeshTile, base: int, first: int) -> tuple[np.ndarray, ...
     return corners, neighbours, triangles, np.ascontiguousarray(chosen[:, 3])
 
 
-def find_islands(
-    mesh: Mesh,
-) -> tuple[Int32[np.ndarray, " p"], Float64[np.ndarray, " i"], Mesh]:
+def find_islands(mesh: Mesh) -> tuple[Int32[np.ndarray, " p"], Float64[np.ndarray, " i"], Mesh]:
     """Count the islands, and close polygons that are too small to walk on.
 
     Returns:
