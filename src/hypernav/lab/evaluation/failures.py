@@ -3,29 +3,8 @@
 The classes are finer than those of the paper's failure analysis: every one of them but outages
 belongs to exactly one of these, by the paper's own definitions (`PaperFailure`). The evidence is
 gathered from trace and ground truth by `hypernav.lab.evaluation.failure_evidence`. The rules
-are applied in the order of `RULES`, and the first that holds decides:
-
-=================== ============================================================================
-model unavailable   A model was unavailable for longer than the patience. Not counted in rates.
-simulator error     The world, or the process that ran it, failed. Not counted in rates.
-unreachable         The scene holds the goal, but no path leads there from the start.
-language            What the robot took for the goal has a similar name: a shower curtain for a
-                    window curtain.
-false detection     What it took for the goal is neither the goal nor similar to it by name.
-wrong map           It believed in the right object, but its map is wrong: the goal area lies more
-                    than `MISPLACED_M` beside the object; or the map blocks a way that is open.
-target surrounded   It believed in the right object, but around the goal area there is no position
-                    where a robot could stand within its stop distance.
-stopped too far     It believed in the right object and stopped, but beyond the success distance.
-missing data        It believed in the right object and its map has a path there, which leads where
-                    nobody can stand; images lacked what is there, as at a hole in a scan.
-seen too late       It believed in the right object, but when it began to, the shortest path was
-                    longer than its last steps could be.
-path planning       It believed in the right object and its map has a path there, but it didn't
-                    arrive.
-seen but missed     The goal was in the image, but the robot ended without a goal area.
-never seen          The goal was never in the image.
-=================== ============================================================================
+are applied in the order of `RULES`, and the first that holds decides; `report_text.RULES_IN_WORDS`
+says them for people.
 
 "What the robot took for the goal" is the object at its goal area when the episode ended. A robot
 without a trace that stops is assumed to mean the object beside it.
