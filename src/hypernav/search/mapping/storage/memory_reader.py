@@ -18,7 +18,12 @@ from hypernav.io.reading import JPEG, PNG, Allowance, image_size, read_file
 from hypernav.io.reading import MOST_BYTES as MOST_BYTES_READ
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.memory.floor import MOST_POSITIONS, Floor
-from hypernav.search.mapping.memory.key_images import MOST_BYTES, KeyImages, with_patches
+from hypernav.search.mapping.memory.key_images import (
+    LARGEST_BYTES,
+    MOST_BYTES,
+    KeyImages,
+    with_patches,
+)
 from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.storage.memory_index import (
     FORMAT,
@@ -109,7 +114,7 @@ def read_memory(
         return None
     _check_robot(home.path, index, mapping, embodiment)
     _check_plain(home)
-    most = most_bytes or index.most_bytes or MOST_BYTES
+    most = min(most_bytes or index.most_bytes or MOST_BYTES, LARGEST_BYTES)
     images = KeyImages(most, count=index.image_count)
     memory = Memory(mapping, embodiment, images=images)
     memory.searches = index.searches
