@@ -298,8 +298,8 @@ def _broken(path: Path, why: str) -> str:
 def _unreadable(path: Path, error: OSError) -> MemoryFolderError:
     if isinstance(error, NotOwnError):
         return MemoryFolderError(
-            f"{path} can't be trusted ({error.strerror}); remove it, or use a copy of the memory "
-            "without links, pipes and devices"
+            f"{path} can't be trusted: {error.strerror}; remove that entry, or use a copy of the "
+            "memory without links, pipes and devices"
         )
     return MemoryFolderError(
         f"{path} cannot be read ({error.strerror or error}); it may be whole, and nothing is "
