@@ -172,8 +172,6 @@ def check_usable(folder: Path, mapping: MappingConfig, embodiment: Embodiment) -
     index = read_index(folder)
     if index is not None:
         _check_robot(folder, index, mapping, embodiment)
-        with ForeignFolder(folder) as home:
-            _check_plain(home)
 
 
 def read_index(folder: Path) -> Index | None:
@@ -185,7 +183,9 @@ def read_index(folder: Path) -> Index | None:
     """
     try:
         with ForeignFolder(folder) as home:
-            return _index_in(home, Allowance("a memory"))
+            index = _index_in(home, Allowance("a memory"))
+            _check_plain(home)
+            return index
     except FileNotFoundError:
         return None
     except NotADirectoryError as error:
