@@ -238,7 +238,7 @@ def _index_in(home: ForeignFolder, allowance: Allowance) -> Index | None:
     try:
         index = Index.model_validate_json(content.removeprefix(BOM_UTF8))
     except ValidationError as error:
-        first = error.errors()[0]
+        first = error.errors(include_input=False, include_url=False)[0]
         where = "".join(f"{part}." for part in first["loc"]).removesuffix(".")
         words = first["msg"].removeprefix("Value error, ")
         raise MemoryFolderError(_broken(path, f"{where}: {words}" if where else words)) from error
