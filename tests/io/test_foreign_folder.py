@@ -109,6 +109,14 @@ def test_a_folder_that_is_swapped_while_it_is_read_leads_nowhere_else(folder, tm
     assert not folder.holds("b")
 
 
+def test_a_closed_folder_is_no_other_one(tmp_path):
+    with ForeignFolder(tmp_path) as folder:
+        folder.write("a", b"")
+    assert not folder.is_in_place()
+    with ForeignFolder(tmp_path), pytest.raises(OSError, match="Bad file descriptor"):
+        folder.read("a")
+
+
 def test_no_descriptor_is_left_open(folder):
     before = len(os.listdir("/dev/fd"))
     (folder.path / "link").symlink_to("images")

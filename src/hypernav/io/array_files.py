@@ -74,9 +74,10 @@ def _array(
             raise ValueError(f"{name} has {size:,} bytes, at most {most_bytes:,} are read")
         spend(size, f"the array {name}")
         array = np.empty(shape, kind)
-        left = memoryview(array.reshape(-1).view(np.uint8))
-        while len(left) and (count := member.readinto(left[:_CHUNK_BYTES])):
-            left = left[count:]
+        left = array.reshape(-1).view(np.uint8).data
+        while len(left) and (part := member.read(min(len(left), _CHUNK_BYTES))):
+            left[: len(part)] = part
+            left = left[len(part) :]
         if len(left) or member.read(1):  # reaching the end compares the checksum
             raise ValueError(f"{name} has another size than its header says")
     return array

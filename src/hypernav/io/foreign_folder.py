@@ -45,8 +45,9 @@ class ForeignFolder:
         return self
 
     def __exit__(self, *error: object) -> None:
-        """Close it."""
+        """Close it; whatever gets its descriptor next is not taken for it."""
         os.close(self._descriptor)
+        self._descriptor = -1
 
     def is_in_place(self) -> bool:
         """Whether its path still leads to it, so that it was neither moved nor removed."""

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.config import check_option
+from hypernav.search.mapping.memory.key_images import LARGEST_BYTES
 from hypernav.search.mapping.storage.memory_folder import MemoryFolder
 
 
@@ -50,4 +51,5 @@ def check_memory_size(name: str, size_mb: float | None) -> None:
         ConfigError: It is too small, too large, or not a number.
     """
     if size_mb is not None:
-        check_option(name, size_mb, (1.0, 1e6), "maps alone take about 1 MB")
+        most = LARGEST_BYTES / 1e6
+        check_option(name, size_mb, (1.0, most), "maps alone take about 1 MB, and all is read")

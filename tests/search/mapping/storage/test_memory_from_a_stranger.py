@@ -17,7 +17,8 @@ import numpy as np
 import pytest
 
 from hypernav.app.cli.main import main
-from hypernav.core.errors import MemoryFolderError
+from hypernav.app.cli.serve import _check_memory as check_memory
+from hypernav.core.errors import MemoryFolderError, RunFolderError
 from hypernav.search.mapping.storage.memory_writer import INDEX_NAME
 from memory_folders import change_index, files_of, opened, searched
 
@@ -88,6 +89,14 @@ def test_no_pipe_in_a_memory_is_waited_for(home, name, capsys):
     os.mkfifo(home / name)
     assert command("memory", home) == 2
     assert "is a pipe, expected a file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", [*NAMES, "memory.json", "floor-1/state-1.npz"])
+def test_a_server_waits_for_no_pipe_either(home, name):
+    (home / name).unlink(missing_ok=True)
+    os.mkfifo(home / name)
+    with pytest.raises((MemoryFolderError, RunFolderError), match="is a pipe, expected a file"):
+        check_memory(home)
 
 
 @pytest.mark.parametrize("forget", [(), ("--forget-images",)])

@@ -23,6 +23,8 @@ from hypernav.search.mapping.memory.image_kernels import points_under
 
 MOST_BYTES = 50_000_000
 """Size of a memory on disk, bytes, unless another is chosen."""
+LARGEST_BYTES = 500_000_000
+"""The largest that can be chosen: a memory is opened as a whole."""
 _PATCH_M = 0.5
 """Side of the cubes that surfaces are counted in, metres."""
 _STRIDE = 16

@@ -18,7 +18,13 @@ from hypernav.io.reading import JPEG, PNG, Allowance, image_size, read_file
 from hypernav.io.reading import MOST_BYTES as MOST_BYTES_READ
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.memory.floor import MOST_POSITIONS, Floor
-from hypernav.search.mapping.memory.key_images import MOST_BYTES, KeyImage, KeyImages, with_patches
+from hypernav.search.mapping.memory.key_images import (
+    LARGEST_BYTES,
+    MOST_BYTES,
+    KeyImage,
+    KeyImages,
+    with_patches,
+)
 from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.storage.memory_index import (
     FORMAT,
@@ -109,7 +115,7 @@ def read_memory(
         return None
     _check_robot(home.path, index, mapping, embodiment)
     _check_plain(home)
-    most = most_bytes or index.most_bytes or MOST_BYTES
+    most = min(most_bytes or index.most_bytes or MOST_BYTES, LARGEST_BYTES)
     images = KeyImages(most, count=index.image_count)
     memory = Memory(mapping, embodiment, images=images)
     memory.searches = index.searches
@@ -167,8 +173,6 @@ def check_usable(folder: Path, mapping: MappingConfig, embodiment: Embodiment) -
     index = read_index(folder)
     if index is not None:
         _check_robot(folder, index, mapping, embodiment)
-        with ForeignFolder(folder) as home:
-            _check_plain(home)
 
 
 def read_index(folder: Path) -> Index | None:
@@ -180,7 +184,9 @@ def read_index(folder: Path) -> Index | None:
     """
     try:
         with ForeignFolder(folder) as home:
-            return _index_in(home, Allowance("a memory"))
+            index = _index_in(home, Allowance("a memory"))
+            _check_plain(home)
+            return index
     except FileNotFoundError:
         return None
     except NotADirectoryError as error:
@@ -247,7 +253,7 @@ def _index_in(home: ForeignFolder, allowance: Allowance) -> Index | None:
     try:
         index = Index.model_validate_json(content.removeprefix(BOM_UTF8))
     except ValidationError as error:
-        first = error.errors()[0]
+        first = error.errors(include_input=False, include_url=False)[0]
         where = "".join(f"{part}." for part in first["loc"]).removesuffix(".")
         words = first["msg"].removeprefix("Value error, ")
         raise MemoryFolderError(_broken(path, f"{where}: {words}" if where else words)) from error
@@ -307,8 +313,8 @@ def _broken(path: Path, why: str) -> str:
 def _unreadable(path: Path, error: OSError) -> MemoryFolderError:
     if isinstance(error, NotOwnError):
         return MemoryFolderError(
-            f"{path} can't be trusted ({error.strerror}); remove it, or use a copy of the memory "
-            "without links, pipes and devices"
+            f"{path} can't be trusted: {error.strerror}; remove that entry, or use a copy of the "
+            "memory without links, pipes and devices"
         )
     return MemoryFolderError(
         f"{path} cannot be read ({error.strerror or error}); it may be whole, and nothing is "
