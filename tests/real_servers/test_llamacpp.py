@@ -208,14 +208,14 @@ def test_a_server_that_loads_its_model_is_waited_for(
 
 
 def test_an_abandoned_answer_is_cancelled_and_not_asked_again(llamacpp):
-    chat = asker(llamacpp.url, timeout_s=0.6, patience_s=1.5)
+    """This dialect doesn't stream, so that a long answer is a long silence."""
+    chat = asker(llamacpp.url, timeout_s=0.5, patience_s=1.5, dialect="transformers")
     chat.server()
     cancelled = llamacpp.said().count("cancel task")
-    large = Question("other", "Tell me all.", (image(0, 1120, 1120),), max_tokens=4000)
     with pytest.raises(ModelUnavailableError, match="in 1 attempt within a patience"):
-        chat.ask(large)
-    assert until(lambda: not is_busy(llamacpp.root), 60.0)
-    assert llamacpp.said().count("cancel task") == cancelled + 1
+        chat.ask(Question("other", "Tell me all.", max_tokens=8000))
+    assert until(lambda: llamacpp.said().count("cancel task") == cancelled + 1)
+    assert until(lambda: not is_busy(llamacpp.root))
 
 
 def test_a_server_that_is_killed_in_the_middle(start_llamacpp):
@@ -230,7 +230,7 @@ def test_a_server_that_is_killed_in_the_middle(start_llamacpp):
 
         killer = threading.Thread(target=kill)
         killer.start()
-        with pytest.raises(ModelUnavailableError, match="is the server running"):
+        with pytest.raises(ModelUnavailableError, match="gave no answer"):
             chat.ask(LONG)
         killer.join()
 
@@ -244,7 +244,7 @@ def test_ctrl_c_in_the_middle_leaves_what_was_done_and_stops_the_server(llamacpp
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
     )
-    assert until(lambda: is_busy(llamacpp.root), 60.0)
+    assert until(lambda: is_busy(llamacpp.root), 180.0)
     search.send_signal(signal.SIGINT)
     search.communicate(timeout=60.0)
     assert search.returncode == 130

@@ -324,7 +324,7 @@ class Enlarging(Parrot):
 def test_boxes_are_read_at_the_size_that_a_server_enlarges_images_to(
     view: Observation, tokens: int, words: int, sent: tuple[int, int], asked: int
 ):
-    half = [0, 0, sent[0] // 2, sent[1] // 2]
+    half = [0.0, 0.0, sent[0] / 2, sent[1] / 2]
     parrot = Enlarging(said(half), tokens, words)
     detector = VlmDetector(parrot, ExchangeLog(), AS_THEY_ARE)
     boxes = [one.box for one in detector.detect(view, BED)]

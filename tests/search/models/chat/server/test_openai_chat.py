@@ -185,9 +185,9 @@ def test_a_slow_answer_is_not_asked_for_twice_while_the_server_is_there(server: 
 @pytest.mark.parametrize("failure", [*TRANSPORT_FAILURES, "hang"])
 def test_a_model_that_stays_away_is_unavailable(server: ScriptedServer, failure: Failure):
     server.rates = {failure: 1.0}
-    asker = chat(server, QUICK.model_copy(update={"patience_s": 0.8, "timeout_s": 0.15}))
+    asker = chat(server, QUICK.model_copy(update={"patience_s": 1.5, "timeout_s": 0.3}))
     asker.server()
-    with pytest.raises(ModelUnavailableError, match=r"within a patience of 0\.8 s"):
+    with pytest.raises(ModelUnavailableError, match=r"within a patience of 1\.5 s"):
         asker.ask(WHICH)
     assert len(server.failures) >= 2
 

@@ -173,20 +173,23 @@ class ServerInfo:
 
     Attributes:
         model: Name of the model in use.
-        models: Names of all models it offers, aliases included; empty if it does not say.
+        models: Names of all models it offers; empty if it does not say.
         dialect: API dialect that it speaks.
         list_fault: Reason why its list of models could not be read; empty if it could.
+        aliases: Other names of its models.
     """
 
     model: str
     models: tuple[str, ...]
     dialect: ServerDialect
     list_fault: str = ""
+    aliases: tuple[str, ...] = ()
 
     @property
     def is_listed(self) -> bool:
         """Whether the server lists the model, or lists none at all."""
-        return not self.models or any(_is_same(self.model, one) for one in self.models)
+        listed = self.models + self.aliases
+        return not self.models or any(_is_same(self.model, one) for one in listed)
 
 
 def _is_same(name: str, listed: str) -> bool:
@@ -220,13 +223,13 @@ def detect_server(
     entries, list_fault = _models(client, model, deadline)
     names = tuple(entry["id"] for entry in entries)
     chosen = model or _only(names, client)
-    names += tuple(alias for entry in entries for alias in _aliases(entry) if alias not in names)
+    aliases = tuple(alias for entry in entries for alias in _aliases(entry))
     owners = {str(entry.get("owned_by", "")).lower() for entry in entries}
     named = config.dialect
     dialect = (
         _dialect(client, chosen, owners, deadline) if named == "auto" else dialect_named(named)
     )
-    server = ServerInfo(chosen, names, dialect, list_fault)
+    server = ServerInfo(chosen, names, dialect, list_fault, aliases)
     if not server.is_listed:
         listed = ", ".join(names[:5])
         _log.warning("%s lists no model '%s' (it has %s)", client.url, chosen, listed)
@@ -247,7 +250,7 @@ def check_name(server: ServerInfo, url: str) -> None:
     Raises:
         ModelSetupError: The name is not listed.
     """
-    if server.dialect.name == "llamacpp" and not server.is_listed:
+    if server.dialect.name == "llamacpp" and len(server.models) == 1 and not server.is_listed:
         own = _short(server.models[0])
         raise ModelSetupError(
             f"{url} has no model '{server.model}', and would answer as '{own}'",
