@@ -1,6 +1,7 @@
 import math
 import subprocess
 import sys
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -67,7 +68,7 @@ def test_without_colours_an_observation_has_no_image_and_the_rest_is_the_same():
 
 
 def test_many_run_side_by_side():
-    envs = gymnasium.make_vec(
+    envs: Any = gymnasium.make_vec(
         ENV_ID, num_envs=2, vectorization_mode="sync", scene=SCENE, goal="bed", size=(32, 24)
     )
     observation, _ = envs.reset(seed=[1, 2])

@@ -1,5 +1,6 @@
 import gc
 import json
+from typing import Any
 
 import pytest
 
@@ -78,7 +79,7 @@ def test_a_search_that_has_begun_is_refused():
 
 def test_steps_become_rows(recorded):
     pandas = pytest.importorskip("pandas")
-    frame = recorded.to_pandas()
+    frame: Any = recorded.to_pandas()
     assert isinstance(frame, pandas.DataFrame)
     assert len(frame) == 6
     assert frame["reason"].tolist() == [step.reason for step in recorded.steps]

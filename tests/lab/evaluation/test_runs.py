@@ -1,6 +1,7 @@
 """Runs as Python programs use them: by text paths, as tables, as reports."""
 
 import math
+from typing import Any
 
 import pytest
 
@@ -59,7 +60,7 @@ def test_they_save_a_report_that_compares_them(folders, tmp_path):
 
 def test_episodes_become_rows(folders):
     pandas = pytest.importorskip("pandas")
-    frame = load_runs(folders).to_pandas()
+    frame: Any = load_runs(folders).to_pandas()
     assert isinstance(frame, pandas.DataFrame)
     assert frame["run"].tolist() == ["hypernav"] * 3 + ["frontier"] * 3
     assert frame.loc[1, ["outcome", "spl", "success"]].tolist() == ["found", 1.0, True]

@@ -55,6 +55,7 @@ _PLAINER = {
     "Missing from hypernav ": "missing from hypernav ",
     "invalid literal for int() with base 10: ": "expected a whole number, got ",
     "could not convert string to float: ": "expected a number, got ",
+    "Could not find valid parse for arguments: ": "expected numbers, got ",
 }
 """Plainer words for some of tyro's."""
 

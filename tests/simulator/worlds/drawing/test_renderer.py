@@ -267,11 +267,14 @@ def test_faces_are_seen_from_both_sides() -> None:
         assert view.rgb.min() > 60
 
 
-def test_the_same_pose_gives_the_same_bytes(room: Scene) -> None:
+def test_the_same_pose_gives_the_same_bytes_in_one_band_or_several(
+    room: Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
     poses = [looking(0.5, 0.5, 30.0), looking(5.5, 3.5, 200.0), looking(1.0, 3.0, -45.0)]
     first = CpuRenderer(room, RenderConfig(threads=1))
     second = CpuRenderer(room, RenderConfig(threads=3))
     views = [first.render(CAMERA, pose) for pose in poses]
+    monkeypatch.setattr("hypernav.simulator.worlds.drawing.renderer._LEAST_PIXELS", 0)
     others = [second.render(CAMERA, pose) for pose in reversed(poses)][::-1]
     again = [first.render(CAMERA, pose) for pose in poses]
     for view, other, repeated in zip(views, others, again, strict=True):
