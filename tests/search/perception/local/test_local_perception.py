@@ -20,6 +20,7 @@ from hypernav.search.perception.local.belief import (
     reconsidered,
     rejected,
 )
+from hypernav.search.models.reliability import known
 from hypernav.search.perception.local.config import LocalConfig
 from hypernav.search.perception.local.ground_truth import GroundTruthDetector
 from hypernav.search.perception.local.local_perception import LocalPerception
@@ -33,6 +34,10 @@ def thing_before_wall(**view):
 
 
 @dataclass
+AS_YOLOX = {"score_weights": known()["yolox-nano"].boxes, "look_closer_below": 0.0}
+"""What the scores of the scripted detectors are worth; they see nothing anew in a part."""
+
+
 class ScriptedDetector:
     """Answers from a list, one entry an image."""
 
@@ -56,7 +61,7 @@ class Perception:
     """Local perception, and the floor whose memory it writes into."""
 
     def __init__(self, detector=None, **config):
-        self.config = LocalConfig(**config)
+        self.config = LocalConfig(**(AS_YOLOX | config))
         self.floor = Memory(MappingConfig(), Embodiment()).floor
         self._local = LocalPerception(
             detector or GroundTruthDetector(),
