@@ -13,6 +13,7 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.memory.floor import SearchMemory
 from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.models.reliability import known
 from hypernav.search.perception.local.belief import (
     confirmed,
     is_convincing,
@@ -20,7 +21,6 @@ from hypernav.search.perception.local.belief import (
     reconsidered,
     rejected,
 )
-from hypernav.search.models.reliability import known
 from hypernav.search.perception.local.config import LocalConfig
 from hypernav.search.perception.local.ground_truth import GroundTruthDetector
 from hypernav.search.perception.local.local_perception import LocalPerception
@@ -33,11 +33,11 @@ def thing_before_wall(**view):
     return images.thing_before_wall(label=ObjectLabel("thing"), **view)
 
 
-@dataclass
 AS_YOLOX = {"score_weights": known()["yolox-nano"].boxes, "look_closer_below": 0.0}
 """What the scores of the scripted detectors are worth; they see nothing anew in a part."""
 
 
+@dataclass
 class ScriptedDetector:
     """Answers from a list, one entry an image."""
 
