@@ -240,8 +240,7 @@ def _made(
 ) -> Any:
     """Build a component for its role (its kind, unless a reasoner), and let it through the door."""
     kind = "reasoner" if role in ROLES else role
-    component = build(choice, kind, config, offers)
-    return through_door(component, _protocol_of(choice, role), f"--{kind} {choice.spec}")
+    return build(choice, kind, _protocol_of(choice, role), config, offers)
 
 
 def _protocol_of(choice: Choice[Factory], role: str) -> type:

@@ -36,20 +36,27 @@ from pydantic import BaseModel
 
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.build.registries import Factory
-from hypernav.core.components.door import calling
+from hypernav.core.components.door import calling, through_door
 from hypernav.core.components.registry import Choice
 from hypernav.core.errors import ConfigError, ContractError
 from hypernav.io.layered_config import read_section
 
 
 def build(
-    choice: Choice[Factory], kind: str, config: HyPerNavConfig, offers: Mapping[str, Any]
+    choice: Choice[Factory],
+    kind: str,
+    protocol: type,
+    config: HyPerNavConfig,
+    offers: Mapping[str, Any],
 ) -> Any:
-    """Make a component with its section of the configuration, or several that are used together.
+    """Make a component with its section of the configuration, and let it through the door.
+
+    Of several that are used together each goes through it.
 
     Args:
         choice: Component and its arguments.
         kind: Its kind, under which ``own`` holds the section of another package's component.
+        protocol: Protocol of the kind.
         config: Configuration of everything.
         offers: Further arguments that its constructor may take.
 
@@ -57,9 +64,11 @@ def build(
         HyPerNavError: See `make` and `section_of`.
     """
     if choice.parts:
-        return choice.load()(*(build(one, kind, config, offers) for one in choice.parts))
+        parts = [build(one, kind, protocol, config, offers) for one in choice.parts]
+        return choice.load()(*parts)
     section = section_of(choice, kind, config)
-    return make(choice, offers if section is None else {**offers, "config": section})
+    component = make(choice, offers if section is None else {**offers, "config": section})
+    return through_door(component, protocol, f"--{kind} {choice.spec}")
 
 
 def asked_by(choice: Choice[Factory]) -> dict[str, bool]:

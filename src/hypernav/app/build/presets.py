@@ -239,6 +239,7 @@ def preset(name: PresetName | str) -> HyPerNavConfig:
             largest_cluster_only=False,
             entry_reach_m=0.0,
             target="latest",
+            look_closer_below=0.0,
         ),
         overview=OverviewConfig(
             image_px=768,

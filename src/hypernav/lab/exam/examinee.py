@@ -19,7 +19,6 @@ from hypernav.app.build.registries import (
     Factory,
 )
 from hypernav.core.components.abilities import ChecksGoal, ChecksModel
-from hypernav.core.components.door import through_door
 from hypernav.core.components.protocols import (
     ArrowReasoner,
     BlockReasoner,
@@ -200,8 +199,7 @@ class Examinee:
         }
         offers |= {} if self._chat is None else {"chat": self._chat}
         option = {"boxes": "detector", "mask": "segmenter"}.get(kind, "reasoner")
-        component = build(choice, option, self._config, offers)
-        made = through_door(component, protocol, f"--{option} {choice.spec}")
+        made = build(choice, option, protocol, self._config, offers)
         if not asked.keys() & {"chat", "truth", "log"}:
             self._kept[kind] = made
         return made

@@ -13,6 +13,7 @@ from hypernav.core.labels import ObjectLabel
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.memory.floor import SearchMemory
 from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.models.reliability import known
 from hypernav.search.perception.local.belief import (
     confirmed,
     is_convincing,
@@ -30,6 +31,10 @@ GOAL = Goal("thing")  # a kind whose form is not known
 def thing_before_wall(**view):
     """An upright plate that is called a thing."""
     return images.thing_before_wall(label=ObjectLabel("thing"), **view)
+
+
+AS_YOLOX = {"score_weights": known()["yolox-nano"].boxes, "look_closer_below": 0.0}
+"""What the scores of the scripted detectors are worth; they see nothing anew in a part."""
 
 
 @dataclass
@@ -56,7 +61,7 @@ class Perception:
     """Local perception, and the floor whose memory it writes into."""
 
     def __init__(self, detector=None, **config):
-        self.config = LocalConfig(**config)
+        self.config = LocalConfig(**(AS_YOLOX | config))
         self.floor = Memory(MappingConfig(), Embodiment()).floor
         self._local = LocalPerception(
             detector or GroundTruthDetector(),

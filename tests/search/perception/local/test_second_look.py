@@ -14,7 +14,7 @@ from hypernav.search.models.picodet import PicodetDetector
 from hypernav.search.models.yolox import YoloxDetector
 from hypernav.search.perception.local.second_look import detect_twice
 
-BOX = Box(300.0, 200.0, 340.0, 260.0)
+BOX, ELSEWHERE = Box(300.0, 200.0, 340.0, 260.0), Box(10.0, 10.0, 99.0, 99.0)
 
 
 def observe(rgb: np.ndarray) -> Observation:
@@ -100,6 +100,15 @@ def test_what_is_not_seen_again_loses_half():
         [Detection(BOX, 0.4, goal.text)] if observation.rgb.shape[1] == 640 else []
     )
     assert scores(missing) == pytest.approx([0.2])
+
+
+def test_a_detector_with_an_order_of_its_own_keeps_it():
+    two = OneThing(0.4, 0.8)
+    strong = Detection(ELSEWHERE, 0.9, "bed")
+    two.detect = lambda observation, goal: (  # type: ignore[method-assign]
+        [Detection(BOX, 0.4, "bed"), strong] if observation.rgb.shape[1] == 640 else []
+    )
+    assert scores(two) == pytest.approx([0.2, 0.9])
 
 
 def test_a_part_keeps_depth_and_truth_of_its_pixels():

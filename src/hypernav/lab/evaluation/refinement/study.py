@@ -9,6 +9,7 @@ from hypernav.app.build.construction import build
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.build.registries import DETECTORS, SEGMENTERS
 from hypernav.app.build.worlds import open_world
+from hypernav.core.components.protocols import Detector, Segmenter
 from hypernav.core.episode import Episode
 from hypernav.core.world import Simulator
 from hypernav.lab.evaluation.refinement.area_record import AreaRecord, EpisodeAreas
@@ -76,7 +77,7 @@ def _study(config: HyPerNavConfig, specs: ComponentSpecs, seed: int) -> EpisodeS
     return EpisodeStudy(
         config,
         driver,
-        build(segmenter, "segmenter", config, {}),
-        None if detector is None else build(detector, "detector", config, {}),
+        build(segmenter, "segmenter", Segmenter, config, {}),
+        None if detector is None else build(detector, "detector", Detector, config, {}),
         seed=seed,
     )

@@ -34,6 +34,7 @@ class GroundTruthDetector:
         min_area_share: Share of the image below which objects are overlooked.
         gives_masks: See `hypernav.core.components.abilities.gives_masks`.
         looks_at_colours: See `hypernav.core.components.abilities.looks_at_colours`.
+        looks_closer: See `hypernav.core.components.abilities.looks_closer`.
         score_weights: See `hypernav.core.components.abilities.score_weights_of`; its scores are 1.
     """
 
@@ -41,6 +42,7 @@ class GroundTruthDetector:
 
     gives_masks = True
     looks_at_colours = False
+    looks_closer = False
     score_weights = known()["yolox-nano"].boxes
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:

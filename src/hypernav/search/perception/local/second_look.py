@@ -5,6 +5,7 @@ It is asked of every detector with scores, in the same way, as a search and an e
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -41,7 +42,10 @@ def detect_twice(
         return found
     weak = sorted(weak, key=lambda one: -one.score)[:_MOST]
     closer = {id(one): looked_closer(one, detector, observation, goal, below) for one in weak}
-    return sorted((closer.get(id(one), one) for one in found), key=lambda one: -one.score)
+    again = [closer.get(id(one), one) for one in found]
+    if any(before.score < after.score for before, after in pairwise(found)):
+        return again  # the detector's own order is another one
+    return sorted(again, key=lambda one: -one.score)
 
 
 def looked_closer(
