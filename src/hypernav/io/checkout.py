@@ -17,7 +17,7 @@ def commit() -> str:
         environment inside the checkout of another project doesn't count as that project's.
     """
     root = _PACKAGE.parents[1]
-    if _PACKAGE != root / "src" / "hypernav" or not (root / ".git").exists():
+    if root / "src" / "hypernav" != _PACKAGE or not (root / ".git").exists():
         return ""
     asked = ["git", "-C", str(root), "describe", "--always", "--dirty=+", "--exclude=*"]
     try:

@@ -18,7 +18,6 @@ from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.io.folder_lock import folder_lock
 from hypernav.search.mapping.memory.key_images import KeyImage
-from hypernav.search.mapping.memory.thing import Thing
 from memory_folders import change_index, files_of
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")

@@ -16,8 +16,11 @@ _ROWS = 120
 _MERGED_AT = 3_000_000
 _FARTHEST_M = 8.0
 """Depth, metres, beyond which the points of an image lie too far apart to make a surface."""
-_BITS = 20
+_BITS = 16
 _MIDDLE = 1 << (_BITS - 1)
+_REACH_M = 1000.0
+"""Distance from the first camera, metres, along each axis, within which points are kept; on the
+finest lattice its cells have numbers of 16 bits."""
 
 Points = tuple[Int64[np.ndarray, "n 3"], UInt8[np.ndarray, "n 3"]]
 """Cells ``(x, y, z)`` of a cloud, the lowest first, and their colours."""
@@ -30,6 +33,8 @@ class ColouredCloud:
 
     Attributes:
         spacing_m: Side of a cube of the lattice, metres.
+        origin: Corner ``(x, y, z)`` of the cell 0, 0, 0, metres: near the first camera, since map
+            frames may lie far from the building.
     """
 
     def __init__(self, most_points: int = MOST_POINTS) -> None:
@@ -39,6 +44,7 @@ class ColouredCloud:
             most_points: Greatest number of points of all floors together.
         """
         self.spacing_m = _FINEST_M
+        self.origin: tuple[float, float, float] | None = None
         self._most = most_points
         self._kept = dict[int, tuple[Int64[np.ndarray, " n"], UInt8[np.ndarray, "n 3"]]]()
         self._new = dict[int, list[tuple[Int64[np.ndarray, " n"], UInt8[np.ndarray, "n 3"]]]]()
@@ -71,6 +77,12 @@ class ColouredCloud:
             return
         v, u = rows * stride * ratio, columns * stride * ratio
         points = camera_to_map.apply(camera.unproject_pixels(v, u, depth[rows, columns]))
+        if self.origin is None:
+            x, y, z = np.round(camera_to_map.translation).tolist()
+            self.origin = (x, y, z)
+        points -= self.origin
+        near = (np.abs(points) < _REACH_M).all(axis=1)
+        points, v, u = points[near], v[near], u[near]
         codes, first = np.unique(_codes(points, self.spacing_m), return_index=True)
         self._new.setdefault(floor, []).append((codes, rgb[v[first], u[first]]))
         self._waiting += codes.size

@@ -14,8 +14,8 @@ from hypernav.core.world import Instance
 from hypernav.io.writing import write_whole
 from hypernav.simulator.houses.assembly import to_scene
 from hypernav.simulator.houses.building import Building
-from hypernav.simulator.houses.export.building_views import interior_views, views_from_above
 from hypernav.simulator.houses.export.building_space import building_space
+from hypernav.simulator.houses.export.building_views import interior_views, views_from_above
 from hypernav.simulator.houses.generator import build_compact, storeys_of
 from hypernav.simulator.houses.plan.floor_plan import OUTER_M, WALL_M, FloorPlan, Opening, Rect
 from hypernav.simulator.houses.plan.openings import leaf_rect
