@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
-from jaxtyping import Float, Float64, Int64, UInt8
+from jaxtyping import Float, Int64, UInt8
 
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
@@ -82,8 +82,9 @@ class ColouredCloud:
             self.origin = (x, y, z)
         points -= self.origin
         near = (np.abs(points) < _REACH_M).all(axis=1)
-        points, v, u = points[near], v[near], u[near]
-        codes, first = np.unique(_codes(points, self.spacing_m), return_index=True)
+        cells = np.floor(points[near] / self.spacing_m).astype(np.int64)
+        v, u = v[near], u[near]
+        codes, first = np.unique(_codes(cells), return_index=True)
         self._new.setdefault(floor, []).append((codes, rgb[v[first], u[first]]))
         self._waiting += codes.size
         if self._waiting > _MERGED_AT:
@@ -103,11 +104,10 @@ class ColouredCloud:
             self._coarsen()
 
     def _coarsen(self) -> None:
-        """Set the points a quarter further apart."""
-        before, self.spacing_m = self.spacing_m, self.spacing_m * 1.25
+        """Set the points twice as far apart: eight cells become one, so nothing drifts."""
+        self.spacing_m *= 2.0
         for floor, (codes, rgb) in self._kept.items():
-            middles = (_cells(codes) + 0.5) * before
-            self._kept[floor] = _first(_codes(middles, self.spacing_m), rgb)
+            self._kept[floor] = _first(_codes(_cells(codes) >> 1), rgb)
 
 
 def _first(
@@ -118,10 +118,10 @@ def _first(
     return codes, rgb[first]
 
 
-def _codes(points: Float64[np.ndarray, "n 3"], spacing_m: float) -> Int64[np.ndarray, " n"]:
-    """One number for the cell of each point; cells side by side have numbers near each other."""
-    cells = np.floor(points / spacing_m).astype(np.int64) + _MIDDLE
-    return (cells[:, 2] << 2 * _BITS) | (cells[:, 1] << _BITS) | cells[:, 0]
+def _codes(cells: Int64[np.ndarray, "n 3"]) -> Int64[np.ndarray, " n"]:
+    """One number for each cell; cells side by side have numbers near each other."""
+    x, y, z = (cells + _MIDDLE).T
+    return (z << 2 * _BITS) | (y << _BITS) | x
 
 
 def _cells(codes: Int64[np.ndarray, " n"]) -> Int64[np.ndarray, "n 3"]:
