@@ -40,10 +40,10 @@ RESULT = {
 def write_run(folder: Path, agent: str, *records) -> None:
     who = {"agent": agent, "preset": "default", "detector": "ground truth", "reasoner": "none"}
     episodes = [spec(one.episode_id) for one in records]
-    with RunStore(folder, RunPlan("houses-val", who=who).configuration(episodes)) as store:
-        with RunSession(store, 1):
-            for one in records:
-                store.add(one)
+    configuration = RunPlan("houses-val", who=who).configuration(episodes)
+    with RunStore(folder, configuration) as store, RunSession(store, 1):
+        for one in records:
+            store.add(one)
 
 
 def write_search(folder: Path, **changes) -> None:

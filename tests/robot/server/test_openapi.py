@@ -24,6 +24,8 @@ _PATHS = {
     "/v1/searches/{name}/replies/{sequence}": {"get"},
     "/v1/searches/{name}/stop": {"post"},
     "/v1/searches/{name}/close": {"post"},
+    "/v1/searches/{name}/pause": {"post"},
+    "/v1/searches/{name}/resume": {"post"},
     "/v1/searches/{name}/floors": {"get"},
     "/v1/searches/{name}/floors/words": {"get"},
     "/v1/searches/{name}/stairs": {"get"},

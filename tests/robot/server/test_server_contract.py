@@ -321,3 +321,47 @@ def test_robots_do_not_wait_for_each_other(link, script):
     assert link.observe(slow, body_of(0)).json["hold"]
     script.gate.set()
     assert link.answer(slow, 0)["action"] == Action.MOVE_FORWARD
+
+
+def test_a_paused_robot_waits_until_it_may_go_on(tmp_path):
+    with robot_server(tmp_path) as link:
+        search = link.open("quick")
+        link.observe(search, body_of(0))
+        assert link.call("POST", f"{search}/pause").json["detail"] == "paused by the operator"
+        held = link.observe(search, body_of(1)).json
+        assert held["hold"]
+        assert not held["done"]
+        assert link.call("GET", f"{search}/replies/1").json["hold"]
+        assert link.call("POST", f"{search}/resume").json["detail"] == ""
+        while (reply := link.call("GET", f"{search}/replies/1").json)["hold"]:
+            time.sleep(0.01)
+        assert reply["sequence"] == 1
+        assert not reply["done"]
+
+
+def test_stop_ends_a_paused_search_at_once_and_it_stays_stopped(tmp_path):
+    with robot_server(tmp_path) as link:
+        search = link.open("quick")
+        link.call("POST", f"{search}/pause")
+        assert link.observe(search, body_of(0)).json["hold"]
+        link.call("POST", "/v1/stop", {"reason": "enough"})
+        reply = link.call("GET", f"{search}/replies/0").json
+        assert reply["done"]
+        assert reply["action"] == Action.STOP
+        link.call("POST", f"{search}/resume")
+        assert link.observe(search, body_of(1)).json["ending"] == "stopped"
+
+
+def test_a_restarted_server_lets_no_paused_robot_go(tmp_path):
+    with robot_server(tmp_path) as link:
+        search, port = link.open("quick"), link.port
+        link.observe(search, body_of(0))
+        link.call("POST", f"{search}/pause")
+        link.observe(search, body_of(1))
+    with robot_server(tmp_path, port=port) as link:
+        assert link.call("GET", search).json["detail"] == "paused by the operator"
+        assert link.call("GET", f"{search}/replies/1").json["hold"]
+        link.call("POST", f"{search}/resume")
+        while (reply := link.call("GET", f"{search}/replies/1").json)["hold"]:
+            time.sleep(0.01)
+        assert reply["sequence"] == 1

@@ -339,6 +339,21 @@ def _routes(searches: Searches, waiting: WaitingRobots, allowances: Allowances) 
     async def stream(name: str, socket: WebSocket) -> None:
         await Stream(searches, name, socket, allowances).run()
 
+    @routes.post(f"{SEARCHES}/{{name}}/pause")
+    async def pause(name: Name) -> Status:
+        """Keep the robot waiting for its next decision; it stands after its present action."""
+        return await run_in_threadpool(paused, name, is_paused=True)
+
+    @routes.post(f"{SEARCHES}/{{name}}/resume")
+    async def resume(name: Name) -> Status:
+        """Let a paused robot go on."""
+        return await run_in_threadpool(paused, name, is_paused=False)
+
+    def paused(name: str, *, is_paused: bool) -> Status:
+        search = searches.find(name)
+        search.pause(is_paused=is_paused)
+        return search.status()
+
     @routes.post(f"{SEARCHES}/{{name}}/close")
     async def close(name: Name, request: CloseRequest | None = None) -> Status:
         """End a search that is no longer needed; its files can still be read."""

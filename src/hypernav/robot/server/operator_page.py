@@ -221,13 +221,16 @@ def _image_of(folder: Path, name: ThingName) -> bytes | None:
     image = read_image(folder, record)
     left, top, width, height = image.box_of(thing.low, thing.high) or (0.0, 0.0, 1.0, 1.0)
     side = max(width * image.camera.width, height * image.camera.height, _LEAST_PX) * _AROUND
-    middle = np.array([left + width / 2.0, top + height / 2.0])
-    middle *= (image.camera.width, image.camera.height)
+    x = (left + width / 2.0) * image.camera.width
+    y = (top + height / 2.0) * image.camera.height
     picture = Image.fromarray(image.rgb)
-    box = [*(middle - side / 2.0), *(middle + side / 2.0)]
-    edges = (0, 0, picture.width, picture.height)
-    inside = (*map(max, box[:2], edges[:2]), *map(min, box[2:], edges[2:]))
-    picture = picture.crop(tuple(round(float(one)) for one in inside))
+    edges = (
+        round(max(x - side / 2.0, 0.0)),
+        round(max(y - side / 2.0, 0.0)),
+        round(min(x + side / 2.0, picture.width)),
+        round(min(y + side / 2.0, picture.height)),
+    )
+    picture = picture.crop(edges)
     picture.thumbnail((_PICTURE_PX, _PICTURE_PX))
     file = io.BytesIO()
     picture.save(file, "JPEG", quality=80)

@@ -186,7 +186,7 @@ class Status(Message):
         silent_s: Time since the robot's last message, seconds; 0 while it waits for an answer, None
             once the search is over.
         ending: How the search ended; None as long as it goes on.
-        detail: Why it was stopped or failed, for people.
+        detail: Why it was stopped or failed, or that it is paused, for people.
     """
 
     id: SearchId

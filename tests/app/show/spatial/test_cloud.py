@@ -23,13 +23,18 @@ def _depth(metres: float, stride: int = 1) -> np.ndarray:
     return np.full((120, 160), metres, dtype=np.float32)[::stride, ::stride]
 
 
-@given(st.floats(0.5, 7.0), st.floats(-3.0, 3.0), st.floats(-50.0, 50.0))
+def _middles(cloud: ColouredCloud) -> np.ndarray:
+    """The middles of the cells of floor 1, ``map`` frame, metres."""
+    assert cloud.origin is not None
+    return (cloud.points()[1][0] + 0.5) * cloud.spacing_m + cloud.origin
+
+
+@given(st.floats(0.5, 7.0), st.floats(-3.0, 3.0), st.floats(-5e6, 5e6))
 @settings(max_examples=25, deadline=None)
 def test_a_point_lies_in_the_cell_of_what_was_seen(depth: float, yaw: float, x: float) -> None:
     cloud = ColouredCloud()
     cloud.add(_image(9), _depth(depth), CAMERA, _pose(x, yaw), floor=1)
-    cells, _ = cloud.points()[1]
-    middles = _pose(x, yaw).inverse().apply((cells + 0.5) * cloud.spacing_m)
+    middles = _pose(x, yaw).inverse().apply(_middles(cloud))
     assert np.abs(middles[:, 2] - depth).max() <= cloud.spacing_m * np.sqrt(3) / 2 + 1e-6
 
 
@@ -70,7 +75,7 @@ def test_a_large_building_is_drawn_more_coarsely_and_not_cut_off() -> None:
             cloud.add(_image(9), _depth(3.0), CAMERA, _pose(0.0, yaw), floor=1)
     ends = []
     for cloud in (fine, bounded):
-        points = (cloud.points()[1][0] + 0.5) * cloud.spacing_m
+        points = _middles(cloud)
         ends.append(np.array([points.min(axis=0), points.max(axis=0)]))
     assert len(bounded.points()[1][0]) <= 2000 < len(fine.points()[1][0])
     assert bounded.spacing_m > fine.spacing_m

@@ -111,7 +111,8 @@ def chromium() -> Iterator[webdriver.Chrome]:
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     with webdriver.Chrome(options, webdriver.ChromeService(driver)) as browser:
-        browser.set_window_size(1400, 900)
+        browser.set_window_size(800, 600)
+        browser.set_script_timeout(300)
         yield browser
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
-from jaxtyping import Float, Float64, Int64, UInt8
+from jaxtyping import Float, Int64, UInt8
 
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
@@ -16,8 +16,11 @@ _ROWS = 120
 _MERGED_AT = 3_000_000
 _FARTHEST_M = 8.0
 """Depth, metres, beyond which the points of an image lie too far apart to make a surface."""
-_BITS = 20
+_BITS = 16
 _MIDDLE = 1 << (_BITS - 1)
+_REACH_M = 1000.0
+"""Distance from the first camera, metres, along each axis, within which points are kept; on the
+finest lattice its cells have numbers of 16 bits."""
 
 Points = tuple[Int64[np.ndarray, "n 3"], UInt8[np.ndarray, "n 3"]]
 """Cells ``(x, y, z)`` of a cloud, the lowest first, and their colours."""
@@ -30,6 +33,8 @@ class ColouredCloud:
 
     Attributes:
         spacing_m: Side of a cube of the lattice, metres.
+        origin: Corner ``(x, y, z)`` of the cell 0, 0, 0, metres: near the first camera, since map
+            frames may lie far from the building.
     """
 
     def __init__(self, most_points: int = MOST_POINTS) -> None:
@@ -39,6 +44,7 @@ class ColouredCloud:
             most_points: Greatest number of points of all floors together.
         """
         self.spacing_m = _FINEST_M
+        self.origin: tuple[float, float, float] | None = None
         self._most = most_points
         self._kept = dict[int, tuple[Int64[np.ndarray, " n"], UInt8[np.ndarray, "n 3"]]]()
         self._new = dict[int, list[tuple[Int64[np.ndarray, " n"], UInt8[np.ndarray, "n 3"]]]]()
@@ -71,7 +77,14 @@ class ColouredCloud:
             return
         v, u = rows * stride * ratio, columns * stride * ratio
         points = camera_to_map.apply(camera.unproject_pixels(v, u, depth[rows, columns]))
-        codes, first = np.unique(_codes(points, self.spacing_m), return_index=True)
+        if self.origin is None:
+            x, y, z = np.round(camera_to_map.translation).tolist()
+            self.origin = (x, y, z)
+        points -= self.origin
+        near = (np.abs(points) < _REACH_M).all(axis=1)
+        cells = np.floor(points[near] / self.spacing_m).astype(np.int64)
+        v, u = v[near], u[near]
+        codes, first = np.unique(_codes(cells), return_index=True)
         self._new.setdefault(floor, []).append((codes, rgb[v[first], u[first]]))
         self._waiting += codes.size
         if self._waiting > _MERGED_AT:
@@ -91,11 +104,10 @@ class ColouredCloud:
             self._coarsen()
 
     def _coarsen(self) -> None:
-        """Set the points a quarter further apart."""
-        before, self.spacing_m = self.spacing_m, self.spacing_m * 1.25
+        """Set the points twice as far apart: eight cells become one, so nothing drifts."""
+        self.spacing_m *= 2.0
         for floor, (codes, rgb) in self._kept.items():
-            middles = (_cells(codes) + 0.5) * before
-            self._kept[floor] = _first(_codes(middles, self.spacing_m), rgb)
+            self._kept[floor] = _first(_codes(_cells(codes) >> 1), rgb)
 
 
 def _first(
@@ -106,10 +118,10 @@ def _first(
     return codes, rgb[first]
 
 
-def _codes(points: Float64[np.ndarray, "n 3"], spacing_m: float) -> Int64[np.ndarray, " n"]:
-    """One number for the cell of each point; cells side by side have numbers near each other."""
-    cells = np.floor(points / spacing_m).astype(np.int64) + _MIDDLE
-    return (cells[:, 2] << 2 * _BITS) | (cells[:, 1] << _BITS) | cells[:, 0]
+def _codes(cells: Int64[np.ndarray, "n 3"]) -> Int64[np.ndarray, " n"]:
+    """One number for each cell; cells side by side have numbers near each other."""
+    x, y, z = (cells + _MIDDLE).T
+    return (z << 2 * _BITS) | (y << _BITS) | x
 
 
 def _cells(codes: Int64[np.ndarray, " n"]) -> Int64[np.ndarray, "n 3"]:

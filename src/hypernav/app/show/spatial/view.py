@@ -119,6 +119,7 @@ def packed_cloud(cloud: ColouredCloud) -> dict[str, Any]:
     numbers = np.concatenate([steps.T.ravel().astype(np.int16).view(np.uint16), colours])
     return {
         "spacing": cloud.spacing_m,
+        "origin": cloud.origin or (0.0, 0.0, 0.0),
         "counts": {floor: len(one[0]) for floor, one in floors.items()},
         "numbers": _packed(numbers.astype("<u2").tobytes()),
     }

@@ -2,6 +2,17 @@
 (() => {
   const stage = document.getElementById("stage");
   const content = JSON.parse(document.getElementById("space-content").textContent);
+  // Map frames may lie far from the building, and graphics compute with seven digits.
+  const [east, north] = content.floors[0].corner;
+  const near = ([x, y, ...z]) => [x - east, y - north, ...z];
+  for (const floor of content.floors) floor.corner = near(floor.corner);
+  for (const path of content.paths) path.points = path.points.map(near);
+  for (const mark of content.marks) mark.rings = mark.rings.map((ring) => ring.map(near));
+  for (const box of content.boxes) [box.low, box.high] = [near(box.low), near(box.high)];
+  for (const view of content.views) view.corners = view.corners.map(near);
+  const robots = content.robots ?? {};
+  for (const step in robots) robots[step] = [robots[step][0], ...near(robots[step].slice(1))];
+  if (content.cloud) content.cloud.origin = near(content.cloud.origin);
   const space = document.getElementById("space");
   const words = document.getElementById("space-words");
   space.hidden = false;
@@ -57,7 +68,7 @@
 
     // What the cameras saw, as squares that face the viewer; above the cut they are left out.
     const clouds = [];
-    const addCloud = async ({ spacing, counts, numbers }) => {
+    const addCloud = async ({ spacing, origin, counts, numbers }) => {
       const read = new Uint16Array(await unpacked(numbers).arrayBuffer());
       const total = read.length / 4;
       const positions = new Float32Array(3 * total);
@@ -65,7 +76,7 @@
         let at = 0;
         for (let n = 0; n < total; n += 1) {
           at = ((at + read[axis * total + n]) << 16) >> 16;
-          positions[3 * n + axis] = (at + 0.5) * spacing;
+          positions[3 * n + axis] = (at + 0.5) * spacing + origin[axis];
         }
       }
       const colors = new Uint8Array(3 * total);
@@ -159,7 +170,7 @@
     const robot = new three.Mesh(new three.ExtrudeGeometry(arrow, { depth: 0.3, bevelEnabled: false }), ink("--robot"));
     if (content.eye?.length) robot.add(frame(content.eye, "--robot"));
     const stand = (step) => {
-      const here = content.robots?.[step];
+      const here = robots[step];
       robot.visible = Boolean(here);
       if (!here) return;
       const [floor, x, y, z, yaw] = here;
@@ -306,7 +317,7 @@
       isFirst = false;
       draw();
     }).observe(stage);
-    stand(Object.keys(content.robots ?? {}).at(-1));
+    stand(Object.keys(robots).at(-1));
     space.dataset.state = "drawn";
   };
 

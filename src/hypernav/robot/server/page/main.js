@@ -6,7 +6,7 @@ import { element, metres, swatch } from "./elements.js";
 import { Follower, floorOf, namesFloors, whereIs } from "./follower.js";
 import { Lens } from "./lens.js";
 import { drawMap } from "./map.js";
-import { connection, getJson, hasToken, pause } from "./server.js";
+import { connection, getJson, hasToken, pause, post } from "./server.js";
 import { Timeline } from "./timeline.js";
 import { ACTIONS, COLORS, MODES, QUESTIONS } from "./vocabulary.js";
 
@@ -59,6 +59,7 @@ function show() {
   byId("eyebrow").textContent = `Search of ${time(status.opened_s)}`;
   byId("headline").textContent = headline(status);
   byId("reason").textContent = reason(status, step);
+  showPause(status);
   byId("start").hidden = !status.start;
   byId("start").textContent = status.start ? startWords(status.start) : "";
   byId("doubts").hidden = !status.doubts.length;
@@ -80,6 +81,26 @@ function show() {
     showCamera(follower, step);
   }
   showQuestion(steps.slice(0, timeline.shown + 1));
+}
+
+/** A search in this program's own window has no robot that could wait, and its status no silence. */
+function showPause(status) {
+  const button = byId("pause");
+  button.hidden = Boolean(status.ending) || status.silent_s === null;
+  button.dataset.does = status.detail ? "resume" : "pause";
+  button.textContent = status.detail ? "Resume" : "Pause";
+}
+
+async function pauseOrResume() {
+  const button = byId("pause");
+  button.disabled = true;
+  try {
+    await post(`v1/searches/${follower.id}/${button.dataset.does}`, {});
+  } catch (error) {
+    byId("reason").textContent = `That did not work: ${error.message}`;
+  } finally {
+    button.disabled = false;
+  }
 }
 
 /** What the robot does next; once the search is over it stands, whatever was decided last. */
@@ -106,6 +127,7 @@ function headline(status) {
 function reason(status, step) {
   if (!timeline.isLive && step) return `${timeline.doing(timeline.shown)}: ${step.reason}`;
   if (status.ending && (status.detail || status.ending !== "found")) return sentence(status.detail || "the search has ended");
+  if (status.detail) return `${sentence(status.detail)} The robot stands still after its present action; STOP works as ever.`;
   if (status.state === "resuming") return `${STATES.resuming}.`;
   if (isSilent(status)) return `The robot has been silent for ${span(silentS(status))}.`;
   if (!step && status.last?.mode) return `${MODES[status.last.mode]}: ${status.last.reason}`;
@@ -254,6 +276,7 @@ byId("legend").replaceChildren(...LEGEND.map(([words, color, shape]) => element(
 connection.addEventListener("state", showConnection);
 window.addEventListener("resize", show);
 setInterval(() => { if (follower?.status && isSilent(follower.status)) show(); }, POLL_MS);
+byId("pause").addEventListener("click", pauseOrResume);
 armToken();
 armStop();
 byId("try").textContent = `hypernav robot wait --server ${location.origin} --scene houses:7${hasToken() ? " --token-file FILE" : ""}`;

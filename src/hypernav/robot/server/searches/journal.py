@@ -157,6 +157,7 @@ def _unwritable(path: Path, error: OSError) -> RunFolderError:
 MODEL_FILE = "model.jsonl"
 _MAP_FILE = "map.yaml"
 _END_FILE = "end.json"
+_PAUSED_FILE = "paused"
 _FLOOR = "floor_"
 _MOST_BYTES = 20_000_000
 _ROOM_FOR_END = 4096
@@ -377,6 +378,26 @@ class Journal:
         """
         file = self._map_file(floor, last_floor)
         return load_ros_map(file) if file.exists() else None
+
+    @property
+    def is_paused(self) -> bool:
+        """Whether people keep the search waiting; it is on disk, so a restart resumes nothing."""
+        return (self.folder / _PAUSED_FILE).exists()
+
+    def write_paused(self, is_paused: bool) -> None:
+        """Note whether people keep the search waiting.
+
+        Raises:
+            RunFolderError: It cannot be written.
+        """
+        file = self.folder / _PAUSED_FILE
+        try:
+            if is_paused:
+                file.touch()
+            else:
+                file.unlink(missing_ok=True)
+        except OSError as error:
+            raise RunFolderError(f"{file} cannot be written ({error.strerror})") from error
 
     @property
     def has_map(self) -> bool:

@@ -64,6 +64,9 @@ class Search:
         self._worker: Worker | None = None
         self._last_worker: Worker | None = None  # it may still save what the search learned
         self._is_end_kept = journal.end is not None
+        self._may_decide = threading.Event()
+        if not journal.is_paused:
+            self._may_decide.set()
 
     @property
     def is_over(self) -> bool:
@@ -238,6 +241,24 @@ class Search:
             self._tell(replace(self._now, end=end))
         self.halt()
 
+    def pause(self, *, is_paused: bool) -> None:
+        """Keep the robot waiting for its next decision, or go on; nothing once it is over.
+
+        A robot that waits stands still after its present action. STOP ends a paused search, too.
+
+        Raises:
+            RunFolderError: It cannot be noted on disk; nothing has changed.
+        """
+        with self._lock:
+            if self._now.end is not None:
+                return
+            self._journal.write_paused(is_paused)
+            self._tell(replace(self._now, is_paused=is_paused))
+            if is_paused:
+                self._may_decide.clear()
+            else:
+                self._may_decide.set()
+
     def write_end(self) -> None:
         """Write the end of the search to disk, if it is over.
 
@@ -261,6 +282,7 @@ class Search:
         """
         with self._lock:
             worker, self._worker = self._worker, None
+            self._may_decide.set()  # so that a worker that waits can end
             self._last_worker = worker or self._last_worker
         if worker is not None:
             worker.submit(self._release)
@@ -285,6 +307,11 @@ class Search:
                 return
             with self._lock:
                 self._tell(self._now.accepted(packed))
+            if not self._may_decide.is_set():
+                self._may_decide.wait()
+                offered_s = monotonic()  # the pause is nobody's delay
+                if not self._is_wanted():
+                    return
             step, grid = self._decisions.decide(packed, seen)
             self._answer(turn, step, grid)
             self._pace.note(step.trace, offered_s)
@@ -320,6 +347,9 @@ class Search:
             if last.reply is not None and last.reply.ending is not None:
                 self._finish(last.reply.ending, last.reply.reason)
             elif not last.is_answered:
+                self._may_decide.wait()
+                if not self._is_wanted():
+                    return
                 packed = unpack_observation(self._journal.observation(last.sequence))
                 step, grid = self._decisions.decide(packed, self._decisions.check(packed))
                 self._answer(last, step, grid)

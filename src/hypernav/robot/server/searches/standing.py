@@ -11,6 +11,9 @@ from hypernav.robot.server.searches.journal import EndRecord, Journal, SearchRec
 from hypernav.robot.wire.frames import PackedObservation
 from hypernav.robot.wire.replies import MapExtent, Reply, SearchState, StartInMemory, Status
 
+PAUSED = "paused by the operator"
+"""Detail of a search under way that people keep waiting."""
+
 
 @dataclass(eq=False)
 class Turn:
@@ -55,6 +58,7 @@ class Standing:
         last: The last observation, accepted or being checked; None before the first.
         before: The one before it.
         next_sequence: Number of the observation that is expected next.
+        is_paused: Whether people keep the robot waiting for its next decision.
         is_resuming: Whether the agent is given again what came before a restart.
         end: End of the search; None as long as it goes on.
         start: Where the robot is in the server's memory; None if it knew, or still turns.
@@ -71,6 +75,7 @@ class Standing:
     last: Turn | None = None
     before: Turn | None = None
     next_sequence: int = 0
+    is_paused: bool = False
     is_resuming: bool = False
     end: EndRecord | None = None
     start: StartInMemory | None = None
@@ -97,7 +102,7 @@ class Standing:
                 last.reply = step.reply
             elif end is not None:
                 last.reply = end_reply(last.sequence, end)
-        now = Standing(last=last, next_sequence=count, end=end)
+        now = Standing(last=last, next_sequence=count, end=end, is_paused=journal.is_paused)
         if end is None:
             return replace(now, colour=journal.image_of(count - 1)).showing(step, {})
         floor = 1 if trace is None else floor_of(trace)
@@ -217,7 +222,7 @@ class Standing:
             map=self.extent,
             silent_s=round(silent_s, 3) if self.end is None else None,
             ending=None if self.end is None else self.end.ending,
-            detail="" if self.end is None else self.end.detail,
+            detail=(PAUSED if self.is_paused else "") if self.end is None else self.end.detail,
         )
 
 
