@@ -31,7 +31,7 @@ _PATHS = {
 }
 
 
-_REFUSALS = "400 401 403 404 405 408 409 413 422 429 431 500 503 507".split()
+_REFUSALS = [*map(str, [400, 401, 403, 404, 405, 408, 409, 413, 422, 429, 431, 500, 503, 507])]
 
 
 def test_the_document_names_every_path(link):

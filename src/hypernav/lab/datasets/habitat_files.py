@@ -30,7 +30,7 @@ _GZIP_MAGIC = b"\x1f\x8b"
 _SUFFIXES = (".json.gz", ".json")
 CONTENT = "content"
 """Folder of a split with one file for each scene."""
-_TRIED_TYPES = ("int", "float", "constrained-float", "str")
+_TRIED_TYPES = ("int", "float", "constrained-int", "constrained-float", "str")
 """Pydantic's names for the alternatives of a field that may have several types."""
 
 Content = TypeVar("Content", bound=BaseModel)

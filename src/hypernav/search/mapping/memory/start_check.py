@@ -196,8 +196,8 @@ class StartCheck:
             (x, y), (patches, contradict) = observation.robot.xy, self._fit.counts
             raise MemoryStartError(
                 f"what the robot sees at ({x:.1f}, {y:.1f}) is not what {self._folder} remembers "
-                f"there: {contradict:.0f} of the {patches} spots in sight contradict the map; check "
-                "that this is the same building and that poses are in the memory's map frame, let "
+                f"there: {contradict:.0f} of the {patches} spots in sight contradict the map; "
+                "check that this is the same building and that poses are in the memory's map frame, let "
                 "--relocalize find where the robot is, or name another folder"
             )
 
@@ -216,6 +216,7 @@ class StartCheck:
                     f"the robot's pose is {z:.1f} m high, where {self._folder} knows no floor, and "
                     f"{patches - contradict:.0f} of the {patches} spots in sight at "
                     f"({x:.1f}, {y:.1f}) fit the floor at {floor.z:.1f} m; check that heights are "
-                    "in the memory's map frame, or let --relocalize find where the robot is. If it really is on another floor, begin "
-                    "where that looks different, or name another folder"
+                    "in the memory's map frame, or let --relocalize find where the robot is. If it "
+                    "really is on another floor, begin where that looks different, or name another "
+                    "folder"
                 )
