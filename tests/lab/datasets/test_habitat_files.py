@@ -179,6 +179,14 @@ def broken(change) -> dict:
             r"episode 7, field 'start_position\[1\]': expected a finite number, got nan",
         ),
         (
+            broken(lambda c: c["episodes"][0].update(start_position=[0, 1e308, 0])),
+            r"episode 7, field 'start_position\[1\]'.*260000",
+        ),
+        (
+            broken(lambda c: c["episodes"][0].update(start_rotation=[0, 1e200, 0, 1])),
+            r"episode 7, field 'start_rotation\[1\]'.*260000",
+        ),
+        (
             broken(lambda c: c["episodes"][0].pop("episode_id")),
             r"episode number 0 \(it has no episode_id\)",
         ),

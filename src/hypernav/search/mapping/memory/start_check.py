@@ -197,8 +197,8 @@ class StartCheck:
             raise MemoryStartError(
                 f"what the robot sees at ({x:.1f}, {y:.1f}) is not what {self._folder} remembers "
                 f"there: {contradict:.0f} of the {patches} spots in sight contradict the map; "
-                "check that this is the same building and that poses are in the memory's map frame, let "
-                "--relocalize find where the robot is, or name another folder"
+                "check that this is the same building and that poses are in the memory's map "
+                "frame, let --relocalize find where the robot is, or name another folder"
             )
 
     def _check_height(self, observation: Observation) -> None:
