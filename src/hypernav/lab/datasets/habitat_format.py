@@ -27,10 +27,10 @@ from hypernav.core.words import is_whole_number
 from hypernav.io.parsing import Items
 from hypernav.io.reading import back_slashes
 
-_LARGEST = 260_000
+LARGEST = 260_000
 """Distance from the origin, metres, up to which single precision tells centimetres: the bound of
 all numbers of an episode."""
-_Bounds = Field(ge=-_LARGEST, le=_LARGEST)
+_Bounds = Field(ge=-LARGEST, le=LARGEST)
 Number = Annotated[StrictInt, _Bounds] | Annotated[StrictFloat, AllowInfNan(False), _Bounds]
 """A JSON number within the bounds; 0 and 0.0 stay distinct."""
 Position = tuple[Number, Number, Number]

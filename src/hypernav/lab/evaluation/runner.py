@@ -216,7 +216,7 @@ def begin_again(episodes: Sequence[Episode], store: RunStore) -> int:
     if strange := [key for key in store.records if key not in known]:
         raise RunFolderError(
             f"{store.folder} has records of {len(strange)} episodes that this data set does not "
-            f"have, such as {strange[0].episode_id} in {strange[0].scene_id}; was the data set or "
+            f"have, such as {strange[0][1]} in {strange[0][0]}; was the data set or "
             "the folder edited? Choose another --out"
         )
     done = {key for key, record in store.records.items() if record.counts}

@@ -175,7 +175,7 @@ def test_where_nothing_is_known_nothing_is_refused(remembered):
 @pytest.mark.parametrize("z", [3.0, -3.0, 40.0])
 def test_a_robot_on_a_known_floor_whose_heights_are_wrong_is_refused(remembered, z):
     seen = raised(standing(2.0, 3.0, 0.0), z)
-    with pytest.raises(MemoryStartError, match=rf"pose is {z} m high.*fits the floor at 0\.0 m"):
+    with pytest.raises(MemoryStartError, match=rf"pose is {z} m high.*fit the floor at 0\.0 m"):
         check(remembered, seen)
     check(remembered, seen, trusts_height=True)
 

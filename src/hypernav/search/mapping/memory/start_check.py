@@ -90,12 +90,14 @@ class KnownFloor:
         grid = map_.grid
         occupied, size = grid.occupied, grid.resolution_m
         self._robot: Embodiment = map_.embodiment
+        band = map_.config.height_band(map_.embodiment.body)
+        self._top_m = band.bottom_m + band.layers * map_.config.voxel_height_m
         self._obstacles = inflate(occupied, _NEAR_M, size) > 0
         self._open = (inflate(occupied, _FAR_M, size) == 0) & (grid.cells == Cell.FREE)
         rows, columns = grid.cells.shape
         x, y = grid.origin
         corners = np.array([(x, y), (x + columns * size, y + rows * size)])
-        self._walls: OccupancyGrid = map_.eye_level(corners)
+        self._walls: OccupancyGrid = map_.eye_level(corners, full_height=True)
 
     def fit_of(self, observation: Observation) -> Fit:
         """How what a frame shows fits.
@@ -122,7 +124,7 @@ class KnownFloor:
         rows, columns = np.nonzero(is_measured(depth, sensor.min_depth_m, sensor.max_depth_m))
         points = observation.points_at(rows * _STRIDE, columns * _STRIDE)
         z = points[:, 2]
-        return points[(z > _LOWEST_M) & (z < self._robot.body.height_m), :2]
+        return points[(z > _LOWEST_M) & (z < self._top_m), :2]
 
     def _in_sight(
         self, camera: Float64[np.ndarray, "2"], points: Float64[np.ndarray, "n 2"]
