@@ -28,9 +28,9 @@ _FAR_M = 0.35
 _PATCH_M = 0.25
 """Side of a patch of the map, metres. What lies in one is seen or moved together, so it counts as
 one observation, however many pixels the camera has."""
-_CHANGED, _ELSEWHERE = 0.2, 0.5
+_CHANGED, _ELSEWHERE = 0.15, 0.5
 """Share of the patches in sight that contradict the map: where the robot stands right and much has
-been moved (in training houses 0.09 on average, 0.36 at most), and where it stands elsewhere (0.73
+been moved (in training houses 0.05 on average, 0.28 at most), and where it stands elsewhere (0.69
 on average)."""
 _SURE = math.log(100.0)
 """Log-likelihood ratio from which on one of both is taken for true (Wald's sequential test, 1945):
