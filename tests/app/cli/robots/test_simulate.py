@@ -112,6 +112,7 @@ def test_a_robot_that_is_stopped_while_it_turns_has_made_no_step_with_the_memory
     assert "The search ended before its first step." in page
 
 
+@pytest.mark.slow
 def test_an_interrupted_search_leaves_its_page(tmp_path, monkeypatch):
     room_glb(tmp_path / "room.glb")
     add, steps = EpisodeRecorder.add, list[int]()
