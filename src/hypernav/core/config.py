@@ -64,13 +64,24 @@ def check_option(name: str, value: float, bounds: tuple[float, float], why: str)
 def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
     if any(before >= after for (before, _), (after, _) in itertools.pairwise(points)):
         raise ValueError("the first numbers of the points must rise")
+    if any(before > after for (_, before), (_, after) in itertools.pairwise(points)):
+        raise ValueError("the second numbers of the points must not fall")
+    return points
+
+
+def _of_probabilities(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    if any(not 0.0 <= value <= 1.0 for point in points for value in point):
+        raise ValueError("all numbers of the points must be probabilities, 0 to 1")
     return points
 
 
 Curve = Annotated[
     tuple[tuple[_Number, _Number], ...], Field(max_length=1000), AfterValidator(_rising)
 ]
-"""Points ``(x, y)`` in rising order: linear between them, level beyond the first and last."""
+"""Points ``(x, y)`` in rising order: linear between them, level beyond the first and last. What
+more of x is worth never is less."""
+ProbabilityCurve = Annotated[Curve, AfterValidator(_of_probabilities)]
+"""A curve from told to true probabilities."""
 
 
 def along(curve: Curve, x: float) -> float:

@@ -10,6 +10,13 @@ from hypernav.core.errors import OutputError
 from hypernav.io.foreign_folder import ForeignFolder, NotOwnError
 
 
+def lacks_room(error: OSError) -> str:
+    """What helps where an error says that there is no room for a file; empty if it does not."""
+    if error.errno == errno.EFBIG:
+        return "raise the limit of a file's size (ulimit -f)"
+    return "free some space" if error.errno in (errno.ENOSPC, errno.EDQUOT) else ""
+
+
 def write_whole(path: Path, content: str | bytes) -> None:
     """Replace a file in one step, and wait for the disk. If that fails, the file is unchanged.
 

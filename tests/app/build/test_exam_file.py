@@ -14,6 +14,9 @@ from hypernav.io.layered_config import layered
 SERVER = "openai:http://localhost:8000/v1"
 
 
+COST = {"calls": 1.0, "seconds": 1.0, "tokens_in": 9.0, "tokens_out": 9.0}
+
+
 def written(folder: Path, **changes: object) -> Path:
     content = {
         "format": "hypernav-exam",
@@ -103,6 +106,10 @@ def test_the_exam_of_another_is_refused(tmp_path: Path, specs: ComponentSpecs, w
         ({"format": "a map"}, "format"),
         ({"worth": {"boxes": [[1.0, 2.0], [0.5, 1.0]]}}, "worth.boxes"),
         ({"worth": {"boxes": [[1.0, 1e9]]}}, "worth.boxes"),
+        ({"worth": {"presence": [[0.0, -5.0], [1.0, 0.8]]}}, "worth.presence.*0 to 1"),
+        ({"worth": {"presence": [[0.0, 0.8], [1.0, 0.1]]}}, "worth.presence.*must not fall"),
+        ({"worth": {"boxes": [[0.0, 3.0], [1.0, 1.0]]}}, "worth.boxes.*must not fall"),
+        ({"costs": {"block": COST | {"calls": -1.0}}}, "costs.block.calls"),
     ],
 )
 def test_a_damaged_file_is_refused_with_the_place(tmp_path: Path, changes: dict, words: str):

@@ -1,6 +1,7 @@
 """Published benchmarks: what they prescribe, and where their files are found."""
 
 import shutil
+from functools import partial
 
 import pytest
 
@@ -91,12 +92,15 @@ def test_a_scene_is_found_in_any_release_and_with_either_kind_of_textures(data):
 
 @pytest.mark.parametrize(
     "scene_id",
-    ["{outside}", "data/scene_datasets/{outside}", "hm3d/../../outside.glb", "../outside.glb"],
+    ["{outside}", "/{outside}", "hm3d/../../outside.glb", "../outside.glb", "a/../../outside.glb"],
 )
-def test_a_scene_id_never_leaves_the_folder(data, scene_id):
+def test_a_scene_id_that_leaves_the_folder_is_refused(data, scene_id):
     outside = data.with_name("outside.glb")
     outside.touch()
-    assert scene_below(BENCHMARKS["hm3d"], data, scene_id.format(outside=outside)) is None
+    for find in (partial(scene_below, BENCHMARKS["hm3d"], data), partial(scene_in, [data])):
+        with pytest.raises(EpisodeError, match=r"leads out of the folders.*--scenes-dir"):
+            find(scene_id.format(outside=outside))
+    assert scene_in([data], f"data/scene_datasets/{outside}") is None
 
 
 @pytest.mark.parametrize("scene_id", ["", "x", "data/scene_datasets/"])

@@ -176,7 +176,15 @@ def broken(change) -> dict:
         ),
         (
             broken(lambda c: c["episodes"][0].update(start_position=[0, math.nan, 0])),
-            r"episode 7, field 'start_position\[1\]': expected a finite number, got nan",
+            r"episode 7, field 'start_position\[1\]': expected a number within ±260,000, got nan",
+        ),
+        (
+            broken(lambda c: c["episodes"][0].update(start_position=[0, 1e308, 0])),
+            r"episode 7, field 'start_position\[1\]': expected a number within ±260,000, got",
+        ),
+        (
+            broken(lambda c: c["episodes"][0].update(start_rotation=[0, 1e200, 0, 1])),
+            r"episode 7, field 'start_rotation\[1\]': expected a number within ±260,000, got",
         ),
         (
             broken(lambda c: c["episodes"][0].pop("episode_id")),

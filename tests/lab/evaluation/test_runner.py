@@ -72,6 +72,13 @@ def test_every_episode_is_run_once_and_the_crew_dismissed(tmp_path):
     assert (progress.done_now, progress.total, progress.peak_mb) == (6, 6, {0: 0.0, 1: 100.0})
 
 
+def test_a_record_of_an_episode_that_the_run_lacks_is_refused(tmp_path):
+    with RunStore(tmp_path, {}) as store:
+        store.add(record("99"))
+    with pytest.raises(RunFolderError, match=r"1 episodes that this data set does not have.*99"):
+        run(tmp_path, FakePool())
+
+
 def test_what_is_done_is_not_run_again(tmp_path):
     run(tmp_path, FakePool())
     again = FakePool()

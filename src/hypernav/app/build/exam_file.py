@@ -6,13 +6,13 @@ questions are better not asked, and what they cost.
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from hypernav.app.build.component_specs import ComponentSpecs
 from hypernav.app.build.presets import HyPerNavConfig
-from hypernav.core.config import Curve
+from hypernav.core.config import Curve, ProbabilityCurve
 from hypernav.core.errors import ConfigError
 from hypernav.io.reading import read_file
 from hypernav.search.models.chat.vlm_spec import parse_vlm_spec
@@ -20,6 +20,10 @@ from hypernav.search.models.chat.vlm_spec import parse_vlm_spec
 AUTO = "auto"
 """The reasoner that an exam chooses."""
 VERSION = 2
+
+
+_Amount = Annotated[float, Field(ge=0.0, le=1e9)]
+"""A mean number of something, or of seconds; none comes near the limit."""
 
 
 class _Part(BaseModel):
@@ -36,7 +40,7 @@ class Calibration(_Part):
             (`hypernav.search.perception.local.config.LocalConfig.score_weights`).
     """
 
-    presence: Curve = ()
+    presence: ProbabilityCurve = ()
     boxes: Curve = ()
 
 
@@ -53,10 +57,10 @@ class Predicted(_Part):
     """
 
     preset: str
-    steps: float
-    asked: dict[str, float]
-    asked_without: dict[Literal["block", "presence"], dict[str, float]] = {}
-    seconds: float
+    steps: _Amount
+    asked: dict[str, _Amount]
+    asked_without: dict[Literal["block", "presence"], dict[str, _Amount]] = {}
+    seconds: _Amount
     leave_out: tuple[Literal["block", "presence"], ...] = ()
 
 
@@ -70,10 +74,10 @@ class Cost(_Part):
         tokens_out: Number of answer tokens.
     """
 
-    calls: float
-    seconds: float
-    tokens_in: float
-    tokens_out: float
+    calls: _Amount
+    seconds: _Amount
+    tokens_in: _Amount
+    tokens_out: _Amount
 
 
 class ExamFile(_Part):

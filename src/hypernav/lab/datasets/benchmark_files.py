@@ -133,10 +133,10 @@ def scene_below(benchmark: Benchmark, folder: Path, scene_id: str) -> Path | Non
         benchmark: The benchmark.
         folder: Data folder, or the folder of all scenes.
         scene_id: Path of the scene as the episodes give it, with ``/``.
+
+    Raises:
+        EpisodeError: The id leads out of the folder.
     """
-    named = PurePosixPath(scene_id)
-    if named.is_absolute() or ".." in named.parts:
-        return None
     return scene_in(_bases(folder), scene_id, benchmark.scenes)
 
 
@@ -150,8 +150,17 @@ def scene_in(folders: Sequence[Path], scene_id: str, releases: Sequence[str] = (
         folders: Folders that scene ids are paths below.
         scene_id: Path of the scene as the episodes give it, with ``/``.
         releases: Folders that may replace the id's first one.
+
+    Raises:
+        EpisodeError: The id leads out of these folders.
     """
     parts = PurePosixPath(scene_id).parts
+    if scene_id.startswith("/") or ".." in parts:
+        raise EpisodeError(
+            f"the scene id {scene_id} leads out of the folders of scenes ({folders[0]}, …); scene "
+            "ids are paths below them, as in Habitat's data sets: shorten it, and name the folder "
+            "that it is below with --scenes-dir"
+        )
     named = PurePosixPath(*(parts[2:] if parts[:2] == _HABITAT_PREFIX else parts))
     if not named.name:
         return None

@@ -20,7 +20,12 @@ from hypernav.core.goal import Goal
 from hypernav.core.words import megabytes
 from hypernav.io.parsing import check_json_size
 from hypernav.io.reading import Allowance, read_file
-from hypernav.lab.datasets.habitat_format import EpisodeDataset, ObjectNavEpisode, pose_from_habitat
+from hypernav.lab.datasets.habitat_format import (
+    LARGEST,
+    EpisodeDataset,
+    ObjectNavEpisode,
+    pose_from_habitat,
+)
 
 _MOST_BYTES = 500_000_000
 """The largest text; the file with all of MP3D's validation episodes has a third of it."""
@@ -30,7 +35,7 @@ _GZIP_MAGIC = b"\x1f\x8b"
 _SUFFIXES = (".json.gz", ".json")
 CONTENT = "content"
 """Folder of a split with one file for each scene."""
-_TRIED_TYPES = ("int", "float", "constrained-float", "str")
+_TRIED_TYPES = ("int", "float", "constrained-int", "constrained-float", "str")
 """Pydantic's names for the alternatives of a field that may have several types."""
 
 Content = TypeVar("Content", bound=BaseModel)
@@ -166,7 +171,7 @@ def _description(error: ValidationError, text: bytes) -> str:
         kind = (
             "a whole number or text"
             if "str" in _alternatives(error, location)
-            else "a finite number"
+            else f"a number within ±{LARGEST:,}"
         )
         what = f"expected {kind}, got {first['input']!r}"
     if len(location) < 2:

@@ -27,8 +27,12 @@ from hypernav.core.words import is_whole_number
 from hypernav.io.parsing import Items
 from hypernav.io.reading import back_slashes
 
-Number = StrictInt | Annotated[StrictFloat, AllowInfNan(False)]
-"""A finite JSON number; 0 and 0.0 stay distinct."""
+LARGEST = 260_000
+"""Distance from the origin, metres, up to which single precision tells centimetres: the bound of
+all numbers of an episode."""
+_Bounds = Field(ge=-LARGEST, le=LARGEST)
+Number = Annotated[StrictInt, _Bounds] | Annotated[StrictFloat, AllowInfNan(False), _Bounds]
+"""A JSON number within the bounds; 0 and 0.0 stay distinct."""
 Position = tuple[Number, Number, Number]
 Quaternion = tuple[Number, Number, Number, Number]
 

@@ -225,7 +225,17 @@ def begin_again(episodes: Sequence[Episode], store: RunStore) -> int:
 
     Returns:
         Number of withdrawn records.
+
+    Raises:
+        RunFolderError: A record is of an episode that the run doesn't have.
     """
+    known = {episode.key for episode in episodes}
+    if strange := [key for key in store.records if key not in known]:
+        raise RunFolderError(
+            f"{store.folder} has records of {len(strange)} episodes that this data set does not "
+            f"have, such as {strange[0][1]} in {strange[0][0]}; was the data set or "
+            "the folder edited? Choose another --out"
+        )
     done = {key for key, record in store.records.items() if record.counts}
     again = {
         episode.key

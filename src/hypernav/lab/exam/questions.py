@@ -1,7 +1,7 @@
 """One question of the exam with its true answer, and the record of what was answered."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from jaxtyping import Bool
@@ -119,6 +119,10 @@ class Shown(BaseModel):
     view: tuple[int, int, bool]
 
 
+_Share = Annotated[float, Field(ge=0.0, le=1.0 + 1e-6)]
+"""A share or a probability; sums of the latter may exceed 1 by rounding."""
+
+
 class Answered(BaseModel):
     """One question, its truth and its answer: a line of ``answers.jsonl``.
 
@@ -169,11 +173,11 @@ class Answered(BaseModel):
     things: list[Shown]
     raw_boxes: bool = False
     image_size: tuple[int, int] = (0, 0)
-    score: float
-    chance: float = 0.0
-    rule_score: float | None = None
-    overlap: float | None = None
-    probability: float | None = None
+    score: _Share
+    chance: _Share = 0.0
+    rule_score: _Share | None = None
+    overlap: _Share | None = None
+    probability: _Share | None = None
     unusable: str = ""
     exchanges: list[Exchange] = Field(default_factory=list)
 

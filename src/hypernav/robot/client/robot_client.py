@@ -9,7 +9,7 @@ import math
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -239,7 +239,7 @@ class RobotClient:
         self.blocked: int = 0
         self.resent: int = 0
 
-    def __iter__(self) -> Iterator[ClientStep]:
+    def __iter__(self) -> Generator[ClientStep, None, None]:
         """Run the search to its end, one step at a time; the robot stands still after it.
 
         Whatever ends it but an answer of the server is told to the server, for its operator.

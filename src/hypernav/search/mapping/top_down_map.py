@@ -204,12 +204,16 @@ class TopDownMap:
         size = self.config.cell_size_m
         return OccupancyGrid(cells, size, (self._first_column * size, self._first_row * size))
 
-    def eye_level(self, around: Float64[np.ndarray, "n 2"]) -> OccupancyGrid:
+    def eye_level(
+        self, around: Float64[np.ndarray, "n 2"], *, full_height: bool = False
+    ) -> OccupancyGrid:
         """A copy of the map that keeps only obstacles as high as the camera: walls, but no tables.
 
         All else that is explored counts as free in it.
 
         Args:
+            full_height: Whether to keep only obstacles up to the top of the height band, which the
+                camera sees over nowhere in the band.
             around: Points ``(x, y)``, ``map`` frame, metres; beyond the box around them all is left
                 unknown, so that the time taken does not grow with the map.
         """
@@ -217,7 +221,8 @@ class TopDownMap:
         corners = grid.cells_of(np.array([around.min(axis=0), around.max(axis=0)]))
         window = tuple(slice(max(a, 0), max(b + 1, 0)) for a, b in corners.T.tolist())
         here = grid.cells[window]
-        is_low = self._arrays.raised[window] < np.uint32(1 << self._eye_layer)
+        layer = self._band.layers - 1 if full_height else self._eye_layer
+        is_low = self._arrays.raised[window] < np.uint32(1 << layer)
         cells = np.zeros(grid.cells.shape, dtype=np.uint8)
         cells[window] = np.where((here == OCCUPIED) & is_low, np.uint8(FREE), here)
         return replace(grid, cells=cells)

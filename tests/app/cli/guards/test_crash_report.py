@@ -1,11 +1,12 @@
 import errno
+import os
 import re
 from pathlib import Path
 
 import pytest
 
 from hypernav.app.cli.guards.crashes import OutOfMemoryError, ReportedCrashError, crash_report
-from hypernav.core.errors import ConfigError, CrashError
+from hypernav.core.errors import ConfigError, CrashError, OutputError
 
 
 def test_the_traceback_is_in_the_folder(tmp_path):
@@ -35,6 +36,16 @@ def test_the_traceback_of_another_process_is_kept(tmp_path):
     with pytest.raises(ReportedCrashError, match=r"worker 3.*crash\.txt"), crash_report(tmp_path):
         raise CrashError("worker 3 failed", "line 12 of that program")
     assert "line 12 of that program" in (tmp_path / "crash.txt").read_text()
+
+
+@pytest.mark.parametrize(
+    ("number", "remedy"),
+    [(errno.ENOSPC, "free some"), (errno.EDQUOT, "free some"), (errno.EFBIG, "ulimit -f")],
+)
+def test_too_little_room_for_a_file_is_no_error_of_this_program(number, remedy, tmp_path):
+    with pytest.raises(OutputError, match=f"cannot be written.*{remedy}"), crash_report(tmp_path):
+        raise OSError(number, os.strerror(number))
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("error", [ConfigError("wrong"), KeyboardInterrupt(), SystemExit(0)])

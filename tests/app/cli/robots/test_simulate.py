@@ -10,6 +10,7 @@ import pytest
 from box_scenes import room_glb
 from hypernav.app.build.data.scenes import load_scene
 from hypernav.app.cli.main import main
+from hypernav.lab.episodes.recorder import EpisodeRecorder
 from hypernav.robot.server.searches.agents import AgentPlan, PlanAgent
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.search.mapping.storage.memory_reader import read_index
@@ -109,3 +110,23 @@ def test_a_robot_that_is_stopped_while_it_turns_has_made_no_step_with_the_memory
     assert "found_start" not in result
     page = (tmp_path / "out-2.5" / "index.html").read_text()
     assert "The search ended before its first step." in page
+
+
+@pytest.mark.slow
+def test_an_interrupted_search_leaves_its_page(tmp_path, monkeypatch):
+    room_glb(tmp_path / "room.glb")
+    add, steps = EpisodeRecorder.add, list[int]()
+
+    def interrupted(recorder: EpisodeRecorder, *given: Any) -> None:
+        add(recorder, *given)
+        steps.append(1)
+        if len(steps) == 3:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(EpisodeRecorder, "add", interrupted)
+    with robot_server(tmp_path / "state") as link:
+        result = searched(tmp_path, link.port, 1.0, 2.0, 0.0, status=130)
+        (known,) = link.call("GET", "/v1/searches").json["searches"]
+    assert (result["outcome"], result["steps"]) == ("interrupted", 3)
+    assert (tmp_path / "out-1.0" / "index.html").exists()
+    assert known["ending"] == "closed"

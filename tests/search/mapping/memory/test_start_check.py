@@ -72,7 +72,7 @@ def test_a_robot_that_stands_where_it_says_fits(remembered, yaw):
     assert fit > 0.8
 
 
-def test_more_pixels_are_no_more_evidence(remembered):
+def test_four_times_as_many_pixels_are_not_as_much_evidence(remembered):
     known, there = KnownFloor(remembered), Pose2(6.5, 2.0, 1.0)
     doubts = []
     for width in (640, 1280):
@@ -81,7 +81,7 @@ def test_more_pixels_are_no_more_evidence(remembered):
         said = view_of([], Pose2(2.0, 3.0, 0.0), camera=camera)
         doubts.append(known.fit_of(replace(view, camera_to_map=said.camera_to_map)).doubt)
     assert doubts[0] > 5.0
-    assert doubts[1] == pytest.approx(doubts[0], rel=0.25)  # of four times as many pixels
+    assert doubts[1] < 2.0 * doubts[0]  # though it has four times as many pixels
 
 
 def test_few_patches_that_contradict_refuse_nothing(remembered):
@@ -175,7 +175,7 @@ def test_where_nothing_is_known_nothing_is_refused(remembered):
 @pytest.mark.parametrize("z", [3.0, -3.0, 40.0])
 def test_a_robot_on_a_known_floor_whose_heights_are_wrong_is_refused(remembered, z):
     seen = raised(standing(2.0, 3.0, 0.0), z)
-    with pytest.raises(MemoryStartError, match=rf"pose is {z} m high.*fits the floor at 0\.0 m"):
+    with pytest.raises(MemoryStartError, match=rf"pose is {z} m high.*fit the floor at 0\.0 m"):
         check(remembered, seen)
     check(remembered, seen, trusts_height=True)
 

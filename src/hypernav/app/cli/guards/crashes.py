@@ -11,8 +11,9 @@ from contextlib import contextmanager
 from enum import IntEnum
 from pathlib import Path
 
-from hypernav.core.errors import ComponentError, CrashError, HyPerNavError
+from hypernav.core.errors import ComponentError, CrashError, HyPerNavError, OutputError
 from hypernav.core.interruptions import interruptions_of_kernels
+from hypernav.io.writing import lacks_room
 
 
 class ExitStatus(IntEnum):
@@ -66,6 +67,7 @@ def crash_report(folder: Path | None = None) -> Iterator[None]:
         ReportedCrashError: The block raised an unexpected error, or a component of a user's own
             failed; the message names the file.
         OutOfMemoryError: The block needs more memory than there is.
+        OutputError: There is no room for a file, for example of compiled kernels.
     """
     try:
         with interruptions_of_kernels():
@@ -84,6 +86,9 @@ def crash_report(folder: Path | None = None) -> Iterator[None]:
                 "programs, raise the limits (ulimit -v and -u, the container's), or take a smaller "
                 "building or camera"
             ) from None
+        if isinstance(error, OSError) and (remedy := lacks_room(error)):
+            what = _line(str(error))  # a file of ours says which; a library's cache does not
+            raise OutputError(f"a file cannot be written ({what}); {remedy}") from None
         import traceback
 
         last = traceback.format_exception_only(error)[-1].strip()

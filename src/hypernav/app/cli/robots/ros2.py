@@ -10,7 +10,7 @@ from rich.markup import escape
 from rich.status import Status
 
 from hypernav.app.cli.guards.crashes import ExitStatus
-from hypernav.app.cli.guards.interruptions import UninterruptedEnd
+from hypernav.app.cli.guards.interruptions import UninterruptedEnd, interruptions_put_off
 from hypernav.app.cli.guards.outputs import check_folder
 from hypernav.app.cli.options.agent import check_steps_and_seed
 from hypernav.app.cli.robot import Ros2
@@ -125,7 +125,7 @@ def _searched(
         UninterruptedEnd(
             opened_drive(options.drive, network, config), "waiting until the robot stands"
         ) as (robot, senses),
-        server_at(options.server, options.own_server) as url,
+        UninterruptedEnd(server_at(options.server, options.own_server)) as url,
         closing(HttpServer(ServerAddress.of(url, options.token_file))) as server,
         _opened(options, goal, senses, server) as opened,
     ):
@@ -138,32 +138,37 @@ def _searched(
         views = shown.enter_context(recording(options, opened))
         views.await_watchers(status)
         with StopListener(server.address, opened.id, client.stop):
-            ending, length_m = _search(client, senses, server, opened, outputs, views, status)
-            detector, reasoner = opened.detector_and_reasoner
-            told = status_of(server, opened)
-            found = None if told is None else told.start
-            result: dict[str, Any] = {
-                "goal": goal.text,
-                "scene": "a robot on ROS 2",
-                "agent": options.agent or "hypernav",
-                "preset": options.preset or "default",
-                "drive": options.drive,
-                "detector": detector,
-                "reasoner": reasoner,
-                **found_start_values(found),
-                **memory_values(opened, told),
-                "outcome": _OUTCOMES.get(ending, Outcome.INTERRUPTED),
-                "steps": steps_of(client.steps, told),
-                "path_length_m": length_m,
-                "blocked": client.blocked,
-                "late_answers": client.watchdog.times_late,
-                "config": config.model_dump(mode="json"),
-            }
-            views.finish(result)
+            ending, length_m, stopped_by = _search(
+                client, senses, server, opened, outputs, views, status
+            )
+            with interruptions_put_off("writing the page …"):
+                detector, reasoner = opened.detector_and_reasoner
+                told = status_of(server, opened)
+                found = None if told is None else told.start
+                result: dict[str, Any] = {
+                    "goal": goal.text,
+                    "scene": "a robot on ROS 2",
+                    "agent": options.agent or "hypernav",
+                    "preset": options.preset or "default",
+                    "drive": options.drive,
+                    "detector": detector,
+                    "reasoner": reasoner,
+                    **found_start_values(found),
+                    **memory_values(opened, told),
+                    "outcome": _OUTCOMES.get(ending, Outcome.INTERRUPTED),
+                    "steps": steps_of(client.steps, told),
+                    "path_length_m": length_m,
+                    "blocked": client.blocked,
+                    "late_answers": client.watchdog.times_late,
+                    "config": config.model_dump(mode="json"),
+                }
+                views.finish(result)
         ended = f"{goal.in_sentence}: {ending or 'stopped'} after {result['steps']} steps"
         console.print(ended, markup=False)
         if found is not None:
             console.print(f"start {found.words}", markup=False)
+        if stopped_by is not None:
+            raise stopped_by
     return ending, views
 
 
@@ -187,7 +192,7 @@ def _opened(
     try:
         yield opened
     finally:
-        with suppress(RobotLinkError, RequestRefusedError):
+        with interruptions_put_off(), suppress(RobotLinkError, RequestRefusedError):
             server.close_search(opened.id)
 
 
@@ -199,36 +204,42 @@ def _search(
     outputs: "Ros2Outputs",
     views: Views,
     status: Status,
-) -> tuple[SearchEnding | None, float]:
+) -> tuple[SearchEnding | None, float, KeyboardInterrupt | None]:
     """Run the search to its end, and publish what the server says about every step.
 
     Returns:
-        Ending, and length of the path by odometry, metres.
+        Ending, length of the path by odometry, metres, and what interrupted the search; the robot
+        stands then.
     """
     ending, known, length_m, before = None, 0, 0.0, senses.odometry()
-    for step in client:
-        reply, sensed = step.reply, step.sensed
-        ending = reply.ending
-        length_m += before.distance_to(*sensed.odometry.xy)
-        before = sensed.odometry
-        status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
-        # An error of the display must not end the search; the next step catches up.
-        try:
-            start = server.status(opened.id).start
-            for trace in server.trace(opened.id, since=known):
-                grid = server.grid(opened.id)
-                is_present = trace.step == reply.sequence
-                # The images of earlier steps are no longer available.
-                seen = senses.observation(sensed) if is_present else None
-                if seen is not None and start is not None:
-                    seen = seen.in_frame(start.robot_to_map)
-                views.add(trace, grid, seen)
-                known = trace.step + 1
-                if is_present:
-                    frame, at_s = senses.sensors.calibration.frame, sensed.stamp_s
-                    outputs.publish(
-                        trace, grid, sensed.rgb, at_s=at_s, camera_frame=frame, start=start
-                    )
-        except (LinkLostError, RequestRefusedError, RosNetworkError) as error:
-            _LOG.warning("step %d is not shown: %s", reply.sequence + 1, error)
-    return ending, length_m
+    try:
+        with closing(iter(client)) as steps:
+            for step in steps:
+                reply, sensed = step.reply, step.sensed
+                ending = reply.ending
+                length_m += before.distance_to(*sensed.odometry.xy)
+                before = sensed.odometry
+                status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
+                # An error of the display must not end the search; the next step catches up.
+                try:
+                    start = server.status(opened.id).start
+                    for trace in server.trace(opened.id, since=known):
+                        grid = server.grid(opened.id)
+                        is_present = trace.step == reply.sequence
+                        # The images of earlier steps are no longer available.
+                        seen = senses.observation(sensed) if is_present else None
+                        if seen is not None and start is not None:
+                            seen = seen.in_frame(start.robot_to_map)
+                        with interruptions_put_off():  # half a frame would break the video
+                            views.add(trace, grid, seen)
+                        known = trace.step + 1
+                        if is_present:
+                            frame, at_s = senses.sensors.calibration.frame, sensed.stamp_s
+                            outputs.publish(
+                                trace, grid, sensed.rgb, at_s=at_s, camera_frame=frame, start=start
+                            )
+                except (LinkLostError, RequestRefusedError, RosNetworkError) as error:
+                    _LOG.warning("step %d is not shown: %s", reply.sequence + 1, error)
+    except KeyboardInterrupt as stop:
+        return ending, length_m, stop
+    return ending, length_m, None

@@ -18,6 +18,11 @@ from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.build.worlds import open_world
 from hypernav.app.cli.find import check_start, start_pose, start_values
 from hypernav.app.cli.guards.crashes import ExitStatus
+from hypernav.app.cli.guards.interruptions import (
+    Terminated,
+    UninterruptedEnd,
+    interruptions_put_off,
+)
 from hypernav.app.cli.guards.outputs import check_folder
 from hypernav.app.cli.options.agent import check_steps_and_seed
 from hypernav.app.cli.robot import Simulate
@@ -80,7 +85,7 @@ def run(options: Simulate) -> int:
     config = layered(HyPerNavConfig(), file=options.config, assignments=options.set)
     console = Terminal(quiet=options.quiet)
     with (
-        server_at(options.server) as url,
+        UninterruptedEnd(server_at(options.server)) as url,
         closing(HttpServer(ServerAddress.of(url, options.token_file))) as server,
         console.status("loading the building …") as status,
         _placed(options, config, mishaps) as base,
@@ -112,44 +117,50 @@ def run(options: Simulate) -> int:
                 StopListener(server.address, opened.id, client.stop),
             ):
                 views.await_watchers(status)
-                ending = _search(client, config.embodiment, server, opened, views, status)
-                metrics = measure(
-                    stopped=ending is SearchEnding.FOUND,
-                    distance_to_goal_m=region.distance(*base.position),
-                    shortest_path_m=shortest_m,
-                    path_length_m=base.path_length_m,
-                    success_distance_m=SUCCESS_DISTANCE_M,
+                ending, stopped_by = _search(
+                    client, config.embodiment, server, opened, views, status
                 )
-                told = status_of(server, opened)
-                found = None if told is None else told.start
-                result = {
-                    "goal": goal.text,
-                    "scene": base.world.truth.name,
-                    "agent": options.agent or "hypernav",
-                    "preset": options.preset or "default",
-                    "detector": opened.detector_and_reasoner[0],
-                    "reasoner": opened.detector_and_reasoner[1],
-                    "seed": options.seed,
-                    "start": start_values(start, start_z),
-                    **found_start_values(found),
-                    **memory_values(opened, told),
-                    "outcome": _outcome(ending, metrics),
-                    "steps": steps_of(client.steps, told),
-                    **asdict(metrics),
-                    **_mishap_numbers(base, client, link),
-                    "config": config.model_dump(mode="json"),
-                }
-                views.finish(result)
-                status.stop()
-                _say(console, options, result)
-                if ending is SearchEnding.FAILED and told is not None:
-                    console.print(f"  {escape(told.detail)}", soft_wrap=True)
-                if found is not None:
-                    console.print(f"  start {escape(found.words)}", soft_wrap=True)
-                views.stay(console)
+                with interruptions_put_off("writing the page …"):
+                    metrics = measure(
+                        stopped=ending is SearchEnding.FOUND,
+                        distance_to_goal_m=region.distance(*base.position),
+                        shortest_path_m=shortest_m,
+                        path_length_m=base.path_length_m,
+                        success_distance_m=SUCCESS_DISTANCE_M,
+                    )
+                    told = status_of(server, opened)
+                    found = None if told is None else told.start
+                    result = {
+                        "goal": goal.text,
+                        "scene": base.world.truth.name,
+                        "agent": options.agent or "hypernav",
+                        "preset": options.preset or "default",
+                        "detector": opened.detector_and_reasoner[0],
+                        "reasoner": opened.detector_and_reasoner[1],
+                        "seed": options.seed,
+                        "start": start_values(start, start_z),
+                        **found_start_values(found),
+                        **memory_values(opened, told),
+                        "outcome": _outcome(ending, metrics),
+                        "steps": steps_of(client.steps, told),
+                        **asdict(metrics),
+                        **_mishap_numbers(base, client, link),
+                        "config": config.model_dump(mode="json"),
+                    }
+                    views.finish(result)
+                    status.stop()
+                    _say(console, options, result)
+                    if ending is SearchEnding.FAILED and told is not None:
+                        console.print(f"  {escape(told.detail)}", soft_wrap=True)
+                    if found is not None:
+                        console.print(f"  start {escape(found.words)}", soft_wrap=True)
+                if not isinstance(stopped_by, Terminated):
+                    views.stay(console)
         finally:
-            with suppress(RobotLinkError, RequestRefusedError):
+            with interruptions_put_off(), suppress(RobotLinkError, RequestRefusedError):
                 server.close_search(opened.id)
+    if stopped_by is not None:
+        raise stopped_by
     if ending is SearchEnding.MODEL_UNAVAILABLE:
         return ExitStatus.MODEL_UNAVAILABLE
     return ExitStatus.SUCCESS if metrics.success else ExitStatus.FAILURE
@@ -162,22 +173,32 @@ def _search(
     opened: SearchOpened,
     views: Views,
     status: Status,
-) -> SearchEnding | None:
-    """Run the search to its end, and record what the server says about every step."""
+) -> tuple[SearchEnding | None, KeyboardInterrupt | None]:
+    """Run the search to its end, and record what the server says about every step.
+
+    Returns:
+        Its ending, and what interrupted it; the robot stands then.
+    """
     ending, known, camera = None, 0, embodiment.camera
-    for step in client:
-        reply = step.reply
-        ending = reply.ending
-        status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
-        if views.are_open:
-            seen = step.sensed.observation(camera.intrinsics, camera.camera_to_base)
-            if (start := server.status(opened.id).start) is not None:
-                seen = seen.in_frame(start.robot_to_map)
-            for trace in server.trace(opened.id, since=known):
-                views.add(trace, server.grid(opened.id), seen)
-                known = trace.step + 1
-            views.keep_pace()
-    return ending
+    try:
+        with closing(iter(client)) as steps:
+            for step in steps:
+                reply = step.reply
+                ending = reply.ending
+                status.update(escape(f"step {reply.sequence + 1} · {reply.mode} · {reply.reason}"))
+                if views.are_open:
+                    seen = step.sensed.observation(camera.intrinsics, camera.camera_to_base)
+                    if (start := server.status(opened.id).start) is not None:
+                        seen = seen.in_frame(start.robot_to_map)
+                    for trace in server.trace(opened.id, since=known):
+                        grid = server.grid(opened.id)
+                        with interruptions_put_off():  # half a frame would break the video
+                            views.add(trace, grid, seen)
+                        known = trace.step + 1
+                    views.keep_pace()
+    except KeyboardInterrupt as stop:
+        return ending, stop
+    return ending, None
 
 
 def _faults(options: Simulate) -> NetworkFaults:

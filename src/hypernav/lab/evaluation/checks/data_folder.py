@@ -116,9 +116,9 @@ def _read(benchmark: Benchmark, folder: Path, split: SplitFolder) -> _SplitConte
                 types.update(episode.group for episode in episodes)
             scenes.update(dict.fromkeys(episode.scene_id for episode in episodes))
             goals.update(episode.object_category for episode in episodes)
+        files = {scene_id: scene_below(benchmark, folder, scene_id) for scene_id in scenes}
     except EpisodeError as error:
         return _SplitContent(split, fault=str(error))
-    files = {scene_id: scene_below(benchmark, folder, scene_id) for scene_id in scenes}
     return _SplitContent(split, count, frozenset(goals), files, goal_types=types)
 
 

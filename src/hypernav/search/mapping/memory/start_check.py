@@ -28,9 +28,9 @@ _FAR_M = 0.35
 _PATCH_M = 0.25
 """Side of a patch of the map, metres. What lies in one is seen or moved together, so it counts as
 one observation, however many pixels the camera has."""
-_CHANGED, _ELSEWHERE = 0.2, 0.5
+_CHANGED, _ELSEWHERE = 0.15, 0.5
 """Share of the patches in sight that contradict the map: where the robot stands right and much has
-been moved (in training houses 0.09 on average, 0.36 at most), and where it stands elsewhere (0.73
+been moved (in training houses 0.05 on average, 0.28 at most), and where it stands elsewhere (0.69
 on average)."""
 _SURE = math.log(100.0)
 """Log-likelihood ratio from which on one of both is taken for true (Wald's sequential test, 1945):
@@ -90,12 +90,14 @@ class KnownFloor:
         grid = map_.grid
         occupied, size = grid.occupied, grid.resolution_m
         self._robot: Embodiment = map_.embodiment
+        band = map_.config.height_band(map_.embodiment.body)
+        self._top_m = band.bottom_m + band.layers * map_.config.voxel_height_m
         self._obstacles = inflate(occupied, _NEAR_M, size) > 0
         self._open = (inflate(occupied, _FAR_M, size) == 0) & (grid.cells == Cell.FREE)
         rows, columns = grid.cells.shape
         x, y = grid.origin
         corners = np.array([(x, y), (x + columns * size, y + rows * size)])
-        self._walls: OccupancyGrid = map_.eye_level(corners)
+        self._walls: OccupancyGrid = map_.eye_level(corners, full_height=True)
 
     def fit_of(self, observation: Observation) -> Fit:
         """How what a frame shows fits.
@@ -122,7 +124,7 @@ class KnownFloor:
         rows, columns = np.nonzero(is_measured(depth, sensor.min_depth_m, sensor.max_depth_m))
         points = observation.points_at(rows * _STRIDE, columns * _STRIDE)
         z = points[:, 2]
-        return points[(z > _LOWEST_M) & (z < self._robot.body.height_m), :2]
+        return points[(z > _LOWEST_M) & (z < self._top_m), :2]
 
     def _in_sight(
         self, camera: Float64[np.ndarray, "2"], points: Float64[np.ndarray, "n 2"]
@@ -196,9 +198,9 @@ class StartCheck:
             (x, y), (patches, contradict) = observation.robot.xy, self._fit.counts
             raise MemoryStartError(
                 f"what the robot sees at ({x:.1f}, {y:.1f}) is not what {self._folder} remembers "
-                f"there: {contradict:.0f} of the {patches} spots in sight contradict the map; check "
-                "that this is the same building and that poses are in the memory's map frame, let "
-                "--relocalize find where the robot is, or name another folder"
+                f"there: {contradict:.0f} of the {patches} spots in sight contradict the map; "
+                "check that this is the same building and that poses are in the memory's map "
+                "frame, let --relocalize find where the robot is, or name another folder"
             )
 
     def _check_height(self, observation: Observation) -> None:
@@ -216,6 +218,7 @@ class StartCheck:
                     f"the robot's pose is {z:.1f} m high, where {self._folder} knows no floor, and "
                     f"{patches - contradict:.0f} of the {patches} spots in sight at "
                     f"({x:.1f}, {y:.1f}) fit the floor at {floor.z:.1f} m; check that heights are "
-                    "in the memory's map frame, or let --relocalize find where the robot is. If it really is on another floor, begin "
-                    "where that looks different, or name another folder"
+                    "in the memory's map frame, or let --relocalize find where the robot is. If it "
+                    "really is on another floor, begin where that looks different, or name another "
+                    "folder"
                 )

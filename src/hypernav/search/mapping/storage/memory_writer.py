@@ -1,6 +1,5 @@
 """Writes a memory: new files first, then the index in one step, then old files go."""
 
-import errno
 import hashlib
 import io
 import re
@@ -11,6 +10,7 @@ import numpy as np
 from hypernav.core.errors import OutputError
 from hypernav.core.words import megabytes
 from hypernav.io.foreign_folder import ForeignFolder
+from hypernav.io.writing import lacks_room
 from hypernav.search.mapping.memory.floor import Floor
 from hypernav.search.mapping.memory.key_images import KeyImage
 from hypernav.search.mapping.memory.memory import Memory
@@ -141,8 +141,7 @@ class Writer:
                 f"the memory {self._home.path} was moved or removed while it was in use; what was "
                 "saved before is whole where it is now, and the rest is lost"
             )
-        is_full = error.errno in (errno.ENOSPC, errno.EDQUOT)
-        remedy = "free some space" if is_full else "make that possible"
+        remedy = lacks_room(error) or "make that possible"
         return OutputError(
             f"the memory {self._home.path} cannot be written ({error.strerror or error}); what was "
             f"saved before is whole; {remedy}, or choose another --memory"

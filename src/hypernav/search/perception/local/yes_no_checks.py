@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from hypernav.core.chat import Image, Question
-from hypernav.core.config import Curve, RoomConfig, along
+from hypernav.core.config import ProbabilityCurve, RoomConfig, along
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
 from hypernav.core.labels import same_name
@@ -92,7 +92,7 @@ class PresenceConfig(RoomConfig):
     prompt: str = _PROMPT
     unsure: Literal["yes", "no"] = "no"
     min_probability: float = Field(default=0.5, gt=0.0, le=1.0)
-    calibration: Curve = ()
+    calibration: ProbabilityCurve = ()
 
 
 def presence_question(config: PresenceConfig, image: Image, goal: Goal) -> Question:
