@@ -1,5 +1,6 @@
 """Writes a memory: new files first, then the index in one step, then old files go."""
 
+import errno
 import hashlib
 import io
 import re
