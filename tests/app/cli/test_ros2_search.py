@@ -1,6 +1,6 @@
 """What people see of a search on ROS 2 may get lost; the search goes on."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
 from types import SimpleNamespace
 from typing import Any
 
@@ -30,7 +30,7 @@ class Client(RobotClient):
     def __init__(self) -> None:
         pass
 
-    def __iter__(self) -> Iterator[ClientStep]:
+    def __iter__(self) -> Generator[ClientStep, None, None]:
         for number in range(4):
             image = np.full((2, 2, 3), number, np.uint8)
             sensed = Sensed(image, np.ones((2, 2), np.float32), HERE, 0.0)

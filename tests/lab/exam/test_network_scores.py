@@ -44,7 +44,11 @@ class Network(OnnxDetector):
     def _blob(self, rgb):
         raise NotImplementedError
 
-    _decode = _output_shapes = _blob
+    def _decode(self, outputs):
+        raise NotImplementedError
+
+    def _output_shapes(self):
+        raise NotImplementedError
 
 
 def tallied() -> Tally:

@@ -126,7 +126,7 @@ def test_the_building_is_drawn_offline_and_turns(
     tmp_path: Path,
 ) -> None:
     steps = [make_step(n, floor=1 + n // 4, z=2.8 * (n // 4)) for n in range(12)]
-    maps = dict.fromkeys((1, 2, 3), room)
+    maps = dict.fromkeys(range(1, 4), room)
     page = write_page(tmp_path, result, steps, maps, cloud=_cloud(observation, floors=3))
     assert page.stat().st_size < 5_000_000
     chromium.get(page.as_uri())
