@@ -2,11 +2,13 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import cv2
 import numpy as np
 from scipy import ndimage
 
+from hypernav.core.config import Curve
 from hypernav.core.errors import LabelsMissingError
 from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.geometry.boxes import Box, Detection
@@ -43,7 +45,7 @@ class GroundTruthDetector:
     gives_masks = True
     looks_at_colours = False
     looks_closer = False
-    score_weights = known()["yolox-nano"].boxes
+    score_weights: ClassVar[Curve] = known()["yolox-nano"].boxes
 
     def detect(self, observation: Observation, goal: Goal) -> list[Detection]:
         """Visible instances that satisfy the goal, largest first.

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from pydantic import Field
 
-from hypernav.core.config import RoomConfig
+from hypernav.core.config import Curve, RoomConfig
 from hypernav.core.episode import EpisodeTruth
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.boxes import Box, Detection
@@ -131,7 +131,7 @@ class NoisyDetector:
 
     looks_at_colours = False
     looks_closer = False
-    score_weights = known()["yolox-nano"].boxes
+    score_weights: Curve = known()["yolox-nano"].boxes
 
     def __init__(
         self, level: str, truth: EpisodeTruth, config: DetectorQuality | None = None

@@ -9,6 +9,7 @@ from statistics import NormalDist
 
 import numpy as np
 
+from hypernav.core.config import Curve
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.depth import is_measured
@@ -202,7 +203,7 @@ class SystematicDetector:
 
     looks_at_colours = False
     looks_closer = False
-    score_weights = known()["yolox-nano"].boxes
+    score_weights: Curve = known()["yolox-nano"].boxes
 
     def __init__(self, level: str) -> None:
         """Create the detector.

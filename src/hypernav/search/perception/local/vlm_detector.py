@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from hypernav.core.chat import Answer, Fault, Image, Question
 from hypernav.core.components.protocols import ChatModel
-from hypernav.core.config import RoomConfig
+from hypernav.core.config import Curve, RoomConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.labels import ObjectLabel, asked_place, label_for, place_in
@@ -156,7 +156,7 @@ class VlmDetector:
     """
 
     looks_closer = False
-    score_weights = known()["yolox-nano"].boxes
+    score_weights: Curve = known()["yolox-nano"].boxes
 
     def __init__(
         self, chat: ChatModel, log: ExchangeLog, config: VlmDetectorConfig | None = None
