@@ -90,8 +90,7 @@ class HyPerNavConfig(RoomConfig):
         image_recall: Remembered images: question to a chat model, least similarity to the goal.
         price: Prices of tokens, for the cost in the results.
         depth_cut: Segmentation of a box without a model.
-        yolox: Use of a YOLOX export.
-        picodet: Use of a PicoDet export.
+        onnx_detector: Use of a YOLOX or PicoDet export.
         zero_shot: Use of an open-vocabulary detector.
         sam: Use of a SAM model.
         onnx_sam: Use of an exported SAM.
@@ -123,8 +122,7 @@ class HyPerNavConfig(RoomConfig):
     image_recall: ImageRecallConfig = ImageRecallConfig()
     price: PriceConfig = PriceConfig()
     depth_cut: DepthCutConfig = DepthCutConfig()
-    yolox: OnnxDetectorConfig = OnnxDetectorConfig()
-    picodet: OnnxDetectorConfig = OnnxDetectorConfig()
+    onnx_detector: OnnxDetectorConfig = OnnxDetectorConfig()
     zero_shot: ZeroShotConfig = ZeroShotConfig()
     sam: SamConfig = SamConfig()
     onnx_sam: OnnxSamConfig = OnnxSamConfig()
@@ -297,8 +295,7 @@ def preset(name: PresetName | str) -> HyPerNavConfig:
         grounding=VlmDetectorConfig(score_crops=0, min_score=0.0),
         presence=PresenceConfig(unsure="yes"),
         image_recall=ImageRecallConfig(max_questions=0),
-        yolox=OnnxDetectorConfig(score_threshold=0.3),
-        picodet=OnnxDetectorConfig(score_threshold=0.3),
+        onnx_detector=OnnxDetectorConfig(score_threshold=0.3),
         block_choice=VlmReasonerConfig(
             mode="paper",
             facts=False,

@@ -32,14 +32,14 @@ DETECTORS: Registry[Factory] = Registry(
             "hypernav.search.models.yolox:YoloxDetector",
             form="yolox:PATH.onnx",
             words="YOLOX ({files})",
-            section="yolox",
+            section="onnx_detector",
         ),
         Entry(
             "picodet",
             "hypernav.search.models.picodet:PicodetDetector",
             form="picodet:PATH.onnx",
             words="PicoDet ({files})",
-            section="picodet",
+            section="onnx_detector",
         ),
         Entry(
             "vlm",
