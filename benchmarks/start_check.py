@@ -21,7 +21,7 @@ from moved_things import with_moved_things
 from hypernav.app.build.agents import build_agent
 from hypernav.app.build.data.datasets import load_episodes
 from hypernav.app.build.data.scenes import load_scene
-from hypernav.app.build.presets import HyPerNavConfig, with_changes
+from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.embodiment import Action
 from hypernav.core.episode import Episode
 from hypernav.core.errors import MemoryStartError
@@ -61,7 +61,7 @@ def main(
     body = {"camera": {"width": camera[0], "height": camera[1], "height_m": lens_height_m}}
     body |= {"body": {"height_m": lens_height_m + 0.12}}
     changes = {"embodiment": body, "world": {"noise": _NOISE if noise else {}}}
-    config = with_changes(HyPerNavConfig(), changes)
+    config = HyPerNavConfig().with_(**changes)
     told, before = Counter[tuple[str, bool]](), list[list[Observation]]()
     for number in range(*houses):
         rng, name = np.random.default_rng(number), f"{kind}:{number}"
