@@ -165,9 +165,9 @@ class ObjectNavEpisode(_Entry):
         """What to find; Habitat's underscores are spaces."""
         return Goal(self.object_category.replace("_", " "))
 
-    def goals_key(self) -> str:
-        """Key of the episode's goals in `goals_by_category`."""
-        return f"{PurePosixPath(self.scene_id).name}_{self.object_category}"
+    def goals_key(self, category: str | None = None) -> str:
+        """Key of this scene's goals of the category in `goals_by_category`."""
+        return f"{PurePosixPath(self.scene_id).name}_{category or self.object_category}"
 
 
 class EpisodeDataset(_Entry):
