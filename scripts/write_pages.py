@@ -37,6 +37,7 @@ _PART = re.compile(
     r"^(?P<end><!-- end of (?P=kind) -->)$",
     re.MULTILINE | re.DOTALL,
 )
+_BEGIN = re.compile(r"^<!-- (?:(?:table|help): [^>]+|all tables|configuration) -->$", re.MULTILINE)
 _CODE = re.compile(r"``([^`]+)``|`([^`]+)`")
 _LONGEST = 60
 """Characters of a default beyond which it is folded away, in a row of its own below the table."""
@@ -46,8 +47,12 @@ def written(page: str, results: Results) -> str:
     """A page with its parts as the program makes them today.
 
     Raises:
-        ResultsError: There is no such table.
+        ResultsError: There is no such table, or a part has no end.
     """
+    complete = {part.start() for part in _PART.finditer(page)}
+    for begin in _BEGIN.finditer(page):
+        if begin.start() not in complete:
+            raise ResultsError(f"after {begin[0]} a line with its end is missing")
     makers: dict[str, Callable[[str], str]] = {
         "table": results.drawn,
         "all tables": lambda _: "\n\n".join(_titled(results)),

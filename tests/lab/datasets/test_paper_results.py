@@ -92,7 +92,7 @@ def test_the_setting_is_in_the_papers_words(text, words):
 
 
 def test_the_robots_rows_in_the_docs_are_the_data():
-    page = Path(__file__).parents[3].joinpath("docs", "robot.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs/results/paper.md").read_text(encoding="utf-8")
     for row in paper.ROBOT:
         cells = f"{row.found} of {row.searches} | {row.score.success_percent:.0f}"
         spl = f"{row.spl_percent / 100:.2f}"
