@@ -243,6 +243,8 @@ def test_ctrl_c_in_the_middle_leaves_what_was_done_and_stops_the_server(llamacpp
         [sys.executable, "-c", code, *command],
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
+        # A shell that runs tests in the background hands down SIGINT as ignored.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     assert until(lambda: is_busy(llamacpp.root), 180.0)
     search.send_signal(signal.SIGINT)
