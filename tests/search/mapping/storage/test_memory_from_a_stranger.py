@@ -116,12 +116,13 @@ def test_a_link_to_the_memory_itself_is_followed(home, tmp_path):
     assert index_of(home)["images"] == []
 
 
-def png(width: int, height: int, bits: int, colours: int) -> bytes:
-    """A PNG of zeros, of any size."""
+def png(width: int, height: int, bits: int, colours: int, *, missing_rows: int = 0) -> bytes:
+    """A PNG of zeros, of any size; its last rows may be missing."""
     channels = 3 if colours == 2 else 1
     row = bytes(1 + width * channels * bits // 8)
     packer = zlib.compressobj(1)
-    data = b"".join(packer.compress(row) for _ in range(height)) + packer.flush()
+    data = b"".join(packer.compress(row) for _ in range(height - missing_rows))
+    data += packer.flush()
     head = struct.pack(">IIBBBBB", width, height, bits, colours, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + b"".join(
         struct.pack(">I", len(part)) + kind + part + struct.pack(">I", zlib.crc32(kind + part))
@@ -181,6 +182,17 @@ def test_a_colour_image_that_cannot_be_decoded_ends_in_one_line(home, capsys):
     at = content.find(b"\xff\xc4")  # the Huffman tables
     content[at + 4 : at + 40] = b"\xff" * 36
     images[0]["jpeg"] = with_content(home, images[0]["jpeg"], bytes(content))
+    change_index(home, images=images)
+    assert command("memory", home) == 2
+    assert "key image 0 of the memory is damaged" in capsys.readouterr().err
+    assert command("memory", home, "--forget-images") == 0
+
+
+def test_a_depth_image_with_too_few_rows_ends_in_one_line(home, capsys):
+    images = index_of(home)["images"]
+    width, height = struct.unpack(">II", (home / images[0]["png"]["name"]).read_bytes()[16:24])
+    content = png(width, height, 16, 0, missing_rows=1)
+    images[0]["png"] = with_content(home, images[0]["png"], content)
     change_index(home, images=images)
     assert command("memory", home) == 2
     assert "key image 0 of the memory is damaged" in capsys.readouterr().err

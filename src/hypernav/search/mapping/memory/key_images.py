@@ -7,7 +7,8 @@ Beyond the bound the image is forgotten first whose surfaces the others show, to
 import itertools
 import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import cv2
@@ -84,19 +85,29 @@ class KeyImage:
         Raises:
             MemoryFolderError: It can't be decoded.
         """
-        try:
+        with self._naming_damage():
             bgr = _decoded(self.jpeg, cv2.IMREAD_COLOR | cv2.IMREAD_IGNORE_ORIENTATION)
+        return cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB)
+
+    @property
+    def depth(self) -> Float32[np.ndarray, "rows columns"]:
+        """The kept depth, metres.
+
+        Raises:
+            MemoryFolderError: It can't be decoded.
+        """
+        with self._naming_damage():
+            return _metres(self.png)
+
+    @contextmanager
+    def _naming_damage(self) -> Iterator[None]:
+        try:
+            yield
         except ValueError as error:
             raise MemoryFolderError(
                 f"key image {self.number} of the memory is damaged ({error}); hypernav memory "
                 "FOLDER --forget-images forgets all"
             ) from error
-        return cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB)
-
-    @property
-    def depth(self) -> Float32[np.ndarray, "rows columns"]:
-        """The kept depth, metres."""
-        return _decoded(self.png, cv2.IMREAD_UNCHANGED).astype(np.float32) / np.float32(1000.0)
 
     def box_of(self, low: Corner, high: Corner) -> tuple[float, float, float, float] | None:
         """Where it shows a thing, as the box around the thing's corners.
@@ -260,8 +271,12 @@ def patches_of(
 
 
 def with_patches(image: KeyImage) -> KeyImage:
-    """The same image with its patches, as its depth shows them."""
-    kept = image.depth
+    """The same image with its patches, as its depth shows them.
+
+    Raises:
+        ValueError: Its depth can't be decoded.
+    """
+    kept = _metres(image.png)
     stride = _STRIDE // math.ceil(image.camera.width / kept.shape[1])  # older memories keep more
     depth = kept[::stride, ::stride]
     rows, columns = np.nonzero(depth)
@@ -285,6 +300,10 @@ def _decoded(data: bytes, how: int) -> np.ndarray:
     if image is None:
         raise ValueError("it is no image, or a damaged one")
     return np.asarray(image)
+
+
+def _metres(png: bytes) -> Float32[np.ndarray, "rows columns"]:
+    return _decoded(png, cv2.IMREAD_UNCHANGED).astype(np.float32) / np.float32(1000.0)
 
 
 def _millimetres(observation: Observation) -> np.ndarray:
