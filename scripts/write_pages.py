@@ -31,8 +31,9 @@ from hypernav.app.build.config_values import (
 )
 from hypernav.app.cli.command_line import run_command
 
+_HEAD = r"^(?P<head><!-- (?P<kind>table|all tables|help|configuration)(?:: (?P<name>[^>]+?))? -->)$"
 _PART = re.compile(
-    r"^(?P<head><!-- (?P<kind>table|all tables|help|configuration)(?:: (?P<name>[^>]+?))? -->)\n"
+    rf"{_HEAD}\n"
     r"(?:(?!^<!-- ).)*?"
     r"^(?P<end><!-- end of (?P=kind) -->)$",
     re.MULTILINE | re.DOTALL,
@@ -46,8 +47,12 @@ def written(page: str, results: Results) -> str:
     """A page with its parts as the program makes them today.
 
     Raises:
-        ResultsError: There is no such table.
+        ResultsError: There is no such table, or a part has no end.
     """
+    closed = [part.start() for part in _PART.finditer(page)]
+    for head in re.finditer(_HEAD, page, re.MULTILINE):
+        if head.start() not in closed:
+            raise ResultsError(f"{head['head']} has no <!-- end of {head['kind']} --> below it")
     makers: dict[str, Callable[[str], str]] = {
         "table": results.drawn,
         "all tables": lambda _: "\n\n".join(_titled(results)),

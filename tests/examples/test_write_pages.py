@@ -46,6 +46,13 @@ def test_an_unknown_table_is_an_error(pages, capsys, tmp_path):
     assert "there is no table 'nowhere'" in capsys.readouterr().err
 
 
+def test_a_part_without_an_end_is_an_error(pages, capsys, tmp_path):
+    page = tmp_path / "page.md"
+    page.write_text("<!-- help: runs -->\n", "utf-8")
+    assert pages.main([str(page), "--check"]) == 1
+    assert "<!-- help: runs --> has no <!-- end of help -->" in capsys.readouterr().err
+
+
 def test_every_command_has_a_page_with_its_help():
     for name in COMMANDS:
         page = (ROOT / "docs" / "commands" / f"{name}.md").read_text("utf-8")
