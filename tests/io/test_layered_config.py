@@ -52,7 +52,9 @@ def test_configuration_cannot_be_changed_afterwards():
     [
         ("motor.sped_m_s=1", "did you mean 'speed_m_s'.*speed_m_s, wheels"),
         ("wings=2", "unknown key 'wings'.*motor, name"),
+        ("wheel=2", "unknown key 'wheel'; did you mean 'wheels' in the section 'motor'"),
         ("motor=5", "'motor' is a section"),
+        ("motor.wheels=yes", "'wheels' is a number, got True"),
         ("motor.speed_m_s", "expected SECTION.KEY=VALUE"),
         ("motor.speed_m_s=fast", "motor.speed_m_s: .*number.*'fast'"),
     ],

@@ -58,7 +58,7 @@ def check_option(name: str, value: float, bounds: tuple[float, float], why: str)
     low, high = bounds
     kind = Integral if isinstance(low, int) else Real
     if not isinstance(value, kind) or isinstance(value, bool) or not low <= value <= high:
-        raise ConfigError(f"{name} {value!s:.20}: {why}; expected {low:,} to {high:,}")
+        raise ConfigError(f"{name} {value!r:.20}: {why}; expected {low:,} to {high:,}")
 
 
 def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:

@@ -4,7 +4,7 @@ import difflib
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args
 
 import yaml
 from pydantic import BaseModel, ValidationError
@@ -162,13 +162,14 @@ def _merge(
 ) -> None:
     for key, change in changes.items():
         if key not in model.model_fields:
-            close = difflib.get_close_matches(str(key), model.model_fields, n=1)
-            hint = f"did you mean '{close[0]}'? " if close else ""
             raise ConfigError(
-                f"{source}: unknown key '{key!s:.60}'; {hint}"
+                f"{source}: unknown key '{key!s:.60}'; {_similar(model, str(key))}"
                 f"keys here: {', '.join(model.model_fields)}"
             )
         inner = model.model_fields[key].annotation
+        if isinstance(change, bool) and {int, float} & {inner, *get_args(inner)}:
+            # Pydantic would take true for 1.
+            raise ConfigError(f"{source}: '{key}' is a number, got {_shown(change)}")
         if isinstance(inner, type) and issubclass(inner, BaseModel):
             if isinstance(change, inner):
                 values[key] = change.model_dump()
@@ -183,6 +184,21 @@ def _merge(
             values[key] = values[key] | change
         else:
             values[key] = change
+
+
+def _similar(model: type[BaseModel], key: str) -> str:
+    """A hint at a similar key of a model, or at one in its sections."""
+    close = difflib.get_close_matches(key, model.model_fields, n=1)
+    if close:
+        return f"did you mean '{close[0]}'? "
+    inside = {
+        name: outer
+        for outer, field in model.model_fields.items()
+        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel)
+        for name in field.annotation.model_fields
+    }
+    close = difflib.get_close_matches(key.rpartition(".")[2], inside, n=1)
+    return f"did you mean '{close[0]}' in the section '{inside[close[0]]}'? " if close else ""
 
 
 def _shown(value: Any) -> str:

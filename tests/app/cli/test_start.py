@@ -209,6 +209,16 @@ def test_a_mistake_is_one_line_in_every_encoding(encoding):
     )
 
 
+def test_descriptions_of_options_have_no_lines_of_their_docstrings(capsys):
+    with pytest.raises(SystemExit):
+        main(["--completion", "bash"])
+    spec = next(
+        line for line in capsys.readouterr().out.splitlines() if line.startswith("COMPLETION_SPEC")
+    )
+    assert "any whole number N" in spec
+    assert "\\n" not in spec
+
+
 @pytest.mark.parametrize("columns", ["1", "5", "12"])
 def test_a_narrow_terminal_gets_help_too(columns):
     ended = subprocess.run(

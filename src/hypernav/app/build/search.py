@@ -13,7 +13,7 @@ from hypernav.core.components.door import through_door
 from hypernav.core.components.protocols import Agent
 from hypernav.core.config import MOST_SEED, MOST_STEPS, check_option
 from hypernav.core.episode import MAX_STEPS, Episode
-from hypernav.core.errors import ConfigError
+from hypernav.core.errors import ConfigError, GoalError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.world import Simulator
@@ -73,6 +73,8 @@ def find(
         <Outcome.FOUND: 'found'>
     """
     goal = Goal(goal) if isinstance(goal, str) else goal
+    if not isinstance(goal, Goal):
+        raise GoalError(f"the goal is {goal!r:.60}, expected a text such as 'bed', or a Goal")
     config = HyPerNavConfig() if config is None else config
     if not isinstance(config, HyPerNavConfig):
         raise ConfigError(f"config is {config!r:.60}, expected a HyPerNavConfig")

@@ -130,7 +130,7 @@ class Ros2:
     vlm: str | None = None
     """Model of the server that is started, as for hypernav serve."""
     detector: str | None = None
-    """Its detector, instead of --vlm: yolox:PATH.onnx, zero-shot:ID, …"""
+    """Its detector, instead of --vlm: yolox:PATH.onnx, picodet:PATH.onnx, …"""
     reasoner: str | None = None
     """Its component that says where to go, instead of --vlm: geometric, …"""
     drive: Literal["cmd_vel", "nav2"] = "cmd_vel"

@@ -32,7 +32,7 @@ class AgentOptions:
     vlm: str | None = None
     """Vision-language model: openai:URL[#MODEL], local:PATH_OR_ID or replay:FILE."""
     detector: str | None = None
-    """Detector of the goal, in place of --vlm: ground-truth, yolox:PATH.onnx, zero-shot:ID, …;
+    """Detector of the goal, in place of --vlm: ground-truth, yolox:PATH.onnx, picodet:PATH.onnx, …;
     several are joined by +."""
     reasoner: str | None = None
     """What says where to go, in place of --vlm: geometric, …; for vlfm similarity:ID, …; auto:

@@ -159,7 +159,7 @@ class ReportOptions:
 class RunsOptions:
     """The folder, and whether its page is made anew."""
 
-    folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="DIR")] = Path("runs")
+    folder: Annotated[tyro.conf.Positional[Path], tyro.conf.arg(metavar="[DIR]")] = Path("runs")
     """Folder in which runs of find, eval and ablate lie, at any depth; the page is runs.html in
     it."""
     follow: bool = False
@@ -273,7 +273,7 @@ class MemoryOptions:
 class ConfigOptions:
     """Which values to list, or where to write their schema."""
 
-    name: Annotated[tyro.conf.Positional[str | None], tyro.conf.arg(metavar="SECTION")] = None
+    name: Annotated[tyro.conf.Positional[str | None], tyro.conf.arg(metavar="[SECTION]")] = None
     """A section, such as search, or one value, such as search.endurance_steps; by default all."""
     schema: Path | None = None
     """File to write a JSON schema to, by which editors complete and check files for --config."""

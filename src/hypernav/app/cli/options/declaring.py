@@ -1,6 +1,8 @@
 """How options are declared and read, so that their help says no more than a reader needs."""
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, is_dataclass, replace
+from functools import partial
 from types import NoneType
 from typing import Annotated, Any, TypeVar, dataclass_transform, get_args
 
@@ -9,6 +11,8 @@ from tyro.constructors import (
     ConstructorRegistry,
     PrimitiveConstructorSpec,
     PrimitiveTypeInfo,
+    StructConstructorSpec,
+    StructTypeInfo,
     UnsupportedTypeAnnotationError,
 )
 
@@ -16,6 +20,8 @@ T = TypeVar("T")
 
 READING = ConstructorRegistry()
 """How texts become values: ``X | None`` is written like ``X``, and left out for None."""
+_asking: list[type] = []
+"""Classes whose fields tyro itself is being asked for."""
 
 
 @dataclass_transform(frozen_default=True)
@@ -52,3 +58,24 @@ def _optional(
             ["None"] if value is None else inner.str_from_instance(value)
         ),
     )
+
+
+@READING.struct_rule
+def _with_whole_lines(info: StructTypeInfo) -> StructConstructorSpec | None:
+    """The options as tyro reads them, but without the line breaks of their docstrings."""
+    if not is_dataclass(info.type) or info.type in _asking:
+        return None
+    _asking.append(info.type)
+    try:
+        spec = ConstructorRegistry.get_struct_spec(info)
+    finally:
+        _asking.remove(info.type)
+    if not isinstance(spec, StructConstructorSpec):
+        return None
+    fields = [replace(each, helptext=partial(_line, each.helptext)) for each in spec.fields]
+    return replace(spec, fields=tuple(fields))
+
+
+def _line(helptext: str | Callable[[], str | None] | None) -> str:
+    text = helptext() if callable(helptext) else helptext
+    return " ".join((text or "").split())

@@ -116,7 +116,7 @@
       facts([["Run", one.name], ["Agent", one.agent], ["Outcome", one.outcome], ["SPL", decimal(one.spl, 3)], ["Steps", one.steps], ["Path", `${decimal(one.path, 1)} m`]]));
     if (one.why) shown.append(made("p", { class: "small" }, one.why));
     if (one.film) shown.append(made("video", { src: one.film, controls: "", muted: "", playsinline: "", preload: "metadata" }));
-    else shown.append(made("p", { class: "small muted" }, "Its film was not kept; eval keeps films with --save all or --save failures."));
+    else shown.append(made("p", { class: "small muted" }, "Its film was not kept; eval keeps films with --save videos or --save failures."));
     if (one.page) shown.append(made("p", {}, made("a", { href: one.page }, "Its page, with the map and every decision")));
     return shown;
   };
