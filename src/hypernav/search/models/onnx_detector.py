@@ -181,7 +181,7 @@ class OnnxDetector(ABC):
                 f"{self.path} is not a {self.family} with {len(self.config.classes)} classes: "
                 f"expected {_shapes(expected)} for an input of {self._width}×{self._height}, "
                 f"found {_shapes(found)}; begin with yolox: or picodet: as the file is, "
-                f"or name its classes in {self.kind}.classes"
+                "or name its classes in onnx_detector.classes"
             )
 
 
