@@ -45,6 +45,7 @@ NOT_ZERO = {
     "Route.next_waypoint": 1,  # the robot stands at the first
     "SearchMemory.has_new_view": True,
     "ServerDialect.logprobs": 20,  # the most that OpenAI's interface allows
+    "ServerDialect.streams": True,
     "Thing.seen": 1,
     "VlmFamily.max_pixels": 16384 * 28 * 28,  # Qwen2-VL's own limits
     "VlmFamily.min_pixels": 56 * 56,

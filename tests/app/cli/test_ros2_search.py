@@ -102,7 +102,7 @@ def test_a_lost_answer_and_a_full_network_end_no_search_and_are_told(caplog):
     status = Console(quiet=True).status("")
     network: Any = FullNetwork()
     ended = ros2._search(Client(), base, Server(), opened, network, Views([recorder], None), status)
-    assert ended == (None, 0.0)
+    assert ended == (None, 0.0, None)
     assert recorder.noted == [(0, 0), (1, None), (2, 2), (3, 3)]
     assert "step 2 is not shown: the answer got lost" in caplog.text
     assert "step 3 is not shown: the buffer is full" in caplog.text

@@ -103,7 +103,7 @@ def test_a_memory_of_which_a_file_can_not_be_read_is_said_before_anything_is_ser
     (state,) = home.glob("floor-1/state-*.npz")
     state.unlink()
     state.mkdir()
-    with pytest.raises(MemoryFolderError, match=r"state-1\.npz cannot be read"):
+    with pytest.raises(MemoryFolderError, match=r"state-1\.npz is a folder"):
         served(tmp_path, home)
 
 

@@ -203,10 +203,11 @@ def test_a_robot_that_turns_out_to_stand_elsewhere_leaves_the_memory_as_it_was(t
         search = link.open()  # waits for the memory
         before = files_of(tmp_path / "home")
         (reply,) = drive(link, search, BoxRoom(), most=1)
-        before_a_wall, said = BoxRoom(Pose2(2.5, 0.0, 0.0)), {"x": 0.0, "y": 0.0, "yaw": 0.0}
         for sequence in range(1, 12):
             assert reply["ending"] is None
-            body = body_of(sequence, before_a_wall, base_to_odom=said, blocked=True)
+            yaw = math.radians(30.0 * sequence)
+            elsewhere, said = BoxRoom(Pose2(2.5, 0.0, yaw)), {"x": 0.0, "y": 0.0, "yaw": yaw}
+            body = body_of(sequence, elsewhere, base_to_odom=said, blocked=True)
             reply = link.observe(search, body).json
             if reply["done"]:
                 break
@@ -367,7 +368,10 @@ def test_a_floor_without_a_way_from_the_last_searchs_end_is_noted_not_refused(
         drive(link, link.open(), BoxRoom())
         things_of(link)
         index = json.loads((home / "memory.json").read_text())
-        index["floors"].append(index["floors"][0] | {"z": 3.0})
+        floor = index["floors"][0]
+        state = floor["state"] | {"name": "floor-2/state-1.npz"}
+        shutil.copytree(home / "floor-1", home / "floor-2")
+        index["floors"].append(floor | {"z": 3.0, "state": state})
         index["robot"]["body"]["max_step_m"] = 0.2 if climbs else 0.03
         (home / "memory.json").write_text(json.dumps(index))
         above = next(one for one in things_of(link) if one["thing"]["floor"] == 2)

@@ -253,6 +253,8 @@ def test_an_agent_that_has_not_acted_has_no_trace():
 class DoubtfulDetector:
     """Is never sure, and takes the sofa for a bed from one half of the room."""
 
+    score_weights = GroundTruthDetector.score_weights
+
     def detect(self, observation, goal):
         truth = GroundTruthDetector()
         beds, sofas = truth.detect(observation, goal), truth.detect(observation, Goal("sofa"))
@@ -306,6 +308,8 @@ def test_what_a_second_look_does_not_show_is_not_believed():
 
 class FaintDetector:
     """Sees the bed, but hardly believes it."""
+
+    score_weights = GroundTruthDetector.score_weights
 
     def detect(self, observation, goal):
         beds = GroundTruthDetector().detect(observation, goal)

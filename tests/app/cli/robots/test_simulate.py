@@ -124,9 +124,9 @@ def test_an_interrupted_search_leaves_its_page(tmp_path, monkeypatch):
             raise KeyboardInterrupt
 
     monkeypatch.setattr(EpisodeRecorder, "add", interrupted)
-    with robot_server(tmp_path / "state") as link:
+    with robot_server(tmp_path / "state", real_plan) as link:
         result = searched(tmp_path, link.port, 1.0, 2.0, 0.0, status=130)
-        (known,) = link.call("GET", "/v1/searches").json["searches"]
+        (known,) = link.call("GET", "/v1/searches").json
     assert (result["outcome"], result["steps"]) == ("interrupted", 3)
     assert (tmp_path / "out-1.0" / "index.html").exists()
     assert known["ending"] == "closed"
