@@ -99,7 +99,7 @@ def test_a_robot_that_is_stopped_while_it_turns_has_made_no_step_with_the_memory
             if step.reply.sequence == 3:
                 link.call("POST", f"/v1/searches/{opened.id}/stop")
             ending = step.reply.ending
-        return ending
+        return ending, None
 
     with robot_server(tmp_path / "state", plan) as link:
         searched(tmp_path, link.port, 1.0, 2.0, 0.0)
