@@ -534,7 +534,10 @@ def test_the_page_notes_which_things_have_no_way_and_says_that_the_memory_is_bro
         drive(link, link.open(), BoxRoom())
         page.until(lambda: link.call("GET", "/v1/things").json)
         index = json.loads((home / "memory.json").read_text())
-        index["floors"].append(index["floors"][0] | {"z": 3.0})
+        floor = index["floors"][0]
+        state = floor["state"] | {"name": "floor-2/state-1.npz"}
+        shutil.copytree(home / "floor-1", home / "floor-2")
+        index["floors"].append(floor | {"z": 3.0, "state": state})
         (home / "memory.json").write_text(json.dumps(index))
         page.driver.get(f"http://127.0.0.1:{link.port}/")
 
