@@ -1,7 +1,6 @@
 import base64
 import json
 import re
-import shutil
 from collections.abc import Callable, Iterator
 from html.parser import HTMLParser
 from pathlib import Path
@@ -12,6 +11,7 @@ import pytest
 from selenium import webdriver
 from selenium.webdriver.common.by import By
 
+from browsers import chromium
 from hypernav.app.show.episode_page import write_page
 from hypernav.app.show.templating import page_environment
 from hypernav.core.geometry.grid import OccupancyGrid
@@ -270,12 +270,8 @@ def test_as_long_as_one_floor_is_known_no_floor_is_named(
 
 @pytest.fixture
 def browser() -> Iterator[webdriver.Chrome]:
-    options = webdriver.ChromeOptions()
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu"):
-        options.add_argument(argument)
-    driver = webdriver.Chrome(options, webdriver.ChromeService(shutil.which("chromedriver")))
-    yield driver
-    driver.quit()
+    with chromium("--disable-gpu") as browser:
+        yield browser
 
 
 def test_a_click_shows_another_floor_until_the_robot_changes_floors(

@@ -1,7 +1,6 @@
 """One page over all runs in a folder: what it holds, and the page in a browser."""
 
 import json
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,6 +9,7 @@ from selenium import webdriver
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import Select
 
+from browsers import chromium
 from eval_runs import apart, record, spec
 from hypernav.app.cli.options.commands import RunsOptions
 from hypernav.app.cli.runs import run
@@ -125,38 +125,32 @@ def test_the_command_refuses_a_folder_without_runs(tmp_path: Path) -> None:
 
 
 @pytest.fixture(scope="module")
-def chromium() -> Iterator[webdriver.Chrome]:
-    driver = shutil.which("chromedriver")
-    if driver is None:
-        pytest.skip("no chromedriver")
-    options = webdriver.ChromeOptions()
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    with webdriver.Chrome(options, webdriver.ChromeService(driver)) as browser:
+def browser() -> Iterator[webdriver.Chrome]:
+    with chromium() as browser:
         yield browser
 
 
 @pytest.mark.slow
-def test_two_runs_are_compared_by_a_click(root: Path, chromium: webdriver.Chrome) -> None:
+def test_two_runs_are_compared_by_a_click(root: Path, browser: webdriver.Chrome) -> None:
     run(RunsOptions(root, quiet=True))
-    chromium.get((root / "runs.html").as_uri())
+    browser.get((root / "runs.html").as_uri())
 
     def row(table: str, words: str) -> None:
-        rows = chromium.find_elements(By.CSS_SELECTOR, f"#{table} tbody tr")
+        rows = browser.find_elements(By.CSS_SELECTOR, f"#{table} tbody tr")
         next(one for one in rows if words in one.text).click()
 
     row("runs", "ours")
     row("runs", "nearest")
-    chosen = chromium.find_element(By.ID, "chosen")
+    chosen = browser.find_element(By.ID, "chosen")
     assert "2 searches that both have made" in chosen.text
     assert "100.0 %" in chosen.text
     assert "50.0 %" in chosen.text
     assert "Only ours found (1)" in chosen.text
-    chromium.refresh()  # what was chosen stays
-    assert "Only ours found (1)" in chromium.find_element(By.ID, "chosen").text
-    filters = Select(chromium.find_element(By.CSS_SELECTOR, "[data-filter=building]"))
+    browser.refresh()  # what was chosen stays
+    assert "Only ours found (1)" in browser.find_element(By.ID, "chosen").text
+    filters = Select(browser.find_element(By.CSS_SELECTOR, "[data-filter=building]"))
     filters.select_by_visible_text("builtin")
-    assert "1 of 6 searches" in chromium.find_element(By.ID, "counted").text
+    assert "1 of 6 searches" in browser.find_element(By.ID, "counted").text
     row("searches", "builtin")
-    film = chromium.find_element(By.CSS_SELECTOR, "#chosen video")
+    film = browser.find_element(By.CSS_SELECTOR, "#chosen video")
     assert (film.get_attribute("src") or "").endswith("first%20search/episode.mp4")

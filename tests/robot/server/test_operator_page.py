@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
+from browsers import chromium
 from hypernav.app.show.video_frame import EpisodeInfo
 from hypernav.core.embodiment import Action
 from hypernav.core.errors import LinkLostError
@@ -44,7 +46,7 @@ from hypernav.simulator.worlds.box_room import BoxRoom
 from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from servers.processes import serving_process, simulate
-from servers.robots import TOKEN, body_of, drive, real_plan, robot_server
+from servers.robots import TOKEN, RobotLink, body_of, drive, real_plan, robot_server
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 
@@ -81,15 +83,8 @@ class Page:
 
 @pytest.fixture(scope="module")
 def driver() -> Iterator[webdriver.Chrome]:
-    options = webdriver.ChromeOptions()
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu"):
-        options.add_argument(argument)
-    options.add_argument("--window-size=1200,1000")
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    service = webdriver.ChromeService(shutil.which("chromedriver"))
-    driver = webdriver.Chrome(options, service)
-    yield driver
-    driver.quit()
+    with chromium("--disable-gpu", "--window-size=1200,1000") as browser:
+        yield browser
 
 
 @pytest.fixture
@@ -97,6 +92,17 @@ def page(driver) -> Iterator[Page]:
     driver.get_log("browser")
     yield Page(driver)
     driver.get("about:blank")
+
+
+@contextmanager
+def remembering_server(page: Page, state: Path, home: Path) -> Iterator[RobotLink]:
+    """A server whose memory holds the things of a search."""
+    with robot_server(
+        state, lambda request: replace(real_plan(request), memory=home), memory=home
+    ) as link:
+        drive(link, link.open(), BoxRoom())
+        page.until(lambda: link.call("GET", "/v1/things").json)
+        yield link
 
 
 @dataclass
@@ -528,11 +534,7 @@ def test_the_page_asks_for_stairs_when_a_climb_begins_or_ends(page, driver):
 @pytest.mark.slow
 def test_the_page_notes_which_things_have_no_way_and_says_that_the_memory_is_broken(page, tmp_path):
     home = tmp_path / "home"
-    with robot_server(
-        tmp_path / "state", lambda request: replace(real_plan(request), memory=home), memory=home
-    ) as link:
-        drive(link, link.open(), BoxRoom())
-        page.until(lambda: link.call("GET", "/v1/things").json)
+    with remembering_server(page, tmp_path / "state", home) as link:
         index = json.loads((home / "memory.json").read_text())
         floor = index["floors"][0]
         state = floor["state"] | {"name": "floor-2/state-1.npz"}
@@ -566,11 +568,7 @@ def test_the_page_notes_which_things_have_no_way_and_says_that_the_memory_is_bro
 @pytest.mark.slow
 def test_a_remembered_thing_has_its_picture_and_its_place_on_the_map(page, tmp_path):
     home = tmp_path / "home"
-    with robot_server(
-        tmp_path / "state", lambda request: replace(real_plan(request), memory=home), memory=home
-    ) as link:
-        drive(link, link.open(), BoxRoom())
-        page.until(lambda: link.call("GET", "/v1/things").json)
+    with remembering_server(page, tmp_path / "state", home) as link:
         page.driver.get(f"http://127.0.0.1:{link.port}/")
         picture = "#things canvas[data-drawn=true]"
         page.until(lambda: page.driver.find_elements(By.CSS_SELECTOR, "#things canvas"))

@@ -4,10 +4,8 @@ The page shows a plan of every floor with its things, key images and the history
 """
 
 import json
-import math
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
-from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -18,17 +16,10 @@ from hypernav.app.cli.guards.crashes import ExitStatus
 from hypernav.app.cli.guards.outputs import check_file
 from hypernav.app.cli.options.commands import MemoryOptions
 from hypernav.app.cli.screen.terminal import Terminal
-from hypernav.app.show.spatial.cloud import ColouredCloud
-from hypernav.app.show.spatial.view import (
-    View,
-    camera_frame,
-    floor_plate,
-    library,
-    packed_cloud,
-)
+from hypernav.app.show.spatial.memory_view import memory_view, ways
+from hypernav.app.show.spatial.view import library
 from hypernav.app.show.templating import data_uri, image_uri, page_environment
 from hypernav.core.errors import ConfigError, MemoryFolderError, OutputError
-from hypernav.core.geometry.transforms import Transform
 from hypernav.core.labels import canonical, names_of, same_name
 from hypernav.core.words import megabytes, number_of
 from hypernav.io.folder_lock import LOCK_NAME, folder_lock
@@ -45,8 +36,6 @@ from hypernav.search.mapping.storage.memory_folder import MemoryFolder
 from hypernav.search.mapping.storage.memory_reader import read_index
 
 _PLAN_PX = 900
-_DRIVEN_M = 1.0
-"""Distance between two positions, metres, beyond which another search began, or on stairs."""
 _THUMBNAIL_PX = 240
 _OUTCOMES = {
     "found": "found",
@@ -73,7 +62,7 @@ def memory_page(home: MemoryFolder) -> str:
         left_out=home.left_out,
         most_chance=MOST_CHANCE,
         floors=[_floor(number, memory, images) for number in range(len(memory.floors))],
-        space=_space(memory),
+        space=memory_view(memory),
         library=library(),
         images=[
             {
@@ -101,59 +90,6 @@ def memory_page(home: MemoryFolder) -> str:
             for one in reversed(home.history)
         ],
     )
-
-
-def _space(memory: Memory) -> View | None:
-    """The memory in three dimensions: what its key images show, its things and the ways."""
-    if not memory.floors:
-        return None
-    cloud = ColouredCloud()
-    views = []
-    for one in memory.images.kept if memory.images else []:
-        if one.floor >= len(memory.floors):
-            continue
-        up = Transform(np.eye(3), np.array([0.0, 0.0, memory.floors[one.floor].z]))
-        camera_to_map = up @ one.camera_to_map
-        cloud.add(one.rgb, one.depth, one.camera, camera_to_map, floor=one.floor + 1)
-        views.append(
-            {
-                "floor": one.floor + 1,
-                "corners": camera_frame(one.camera, camera_to_map),
-                "image": f"image-{one.number}",
-                "words": f"key image of search {one.search}",
-            }
-        )
-    return {
-        "floors": [
-            floor_plate(number, f"Floor {number}", floor.z, floor.map.grid)
-            for number, floor in enumerate(memory.floors, 1)
-        ],
-        "cloud": packed_cloud(cloud) if views else None,
-        "paths": [
-            {
-                "floor": number,
-                "color": "--way",
-                "points": [[round(x, 3), round(y, 3), floor.z] for x, y in way],
-            }
-            for number, floor in enumerate(memory.floors, 1)
-            for way in ways([at for at, _ in groupby(floor.trajectory)])
-            if len(way) > 1
-        ],
-        "marks": [],
-        "boxes": [
-            {
-                "floor": number,
-                "low": [*one.low[:2], floor.z + one.low[2]],
-                "high": [*one.high[:2], floor.z + one.high[2]],
-                "color": "--bad" if one.is_gone else "--series-1",
-                "words": f"{one.label}, {100 * one.chance:.0f} % sure",
-                "row": f"thing-{number}-{one.number}",
-            }
-            for number, floor in enumerate(memory.floors, 1)
-            for one in floor.things.known
-        ],
-        "views": views,
-    }
 
 
 def _shown(floor: Floor, image: int) -> list[str]:
@@ -195,16 +131,6 @@ def _floor(number: int, memory: Memory, images: _Images) -> dict[str, Any]:
             for one in sorted(floor.things.known, key=lambda one: (one.label, one.number))
         ],
     }
-
-
-def ways(trajectory: Sequence[tuple[float, float]]) -> list[list[tuple[float, float]]]:
-    """The parts of a trajectory between which the robot did not drive."""
-    ways = list[list[tuple[float, float]]]()
-    for position in trajectory:
-        if not ways or math.dist(ways[-1][-1], position) > _DRIVEN_M:
-            ways.append([])
-        ways[-1].append(position)
-    return ways
 
 
 def _thing(thing: Thing, view: MapView, images: _Images) -> dict[str, Any]:

@@ -21,7 +21,8 @@ from hypernav.core.score_weights import NEUTRAL
 _SAME_IOU = 0.5
 """Overlap from which on boxes of two detectors are of one thing."""
 _OWN_SHARE = 0.8
-"""Share of the sum of the weights that counts; the rest are errors that the detectors share."""
+"""Share of the sum of the weights that counts; the rest are errors that the detectors share. The
+value is ours and not measured."""
 
 
 class DetectorsTogether:

@@ -32,7 +32,7 @@ class OnnxDetectorConfig(RoomConfig):
     """How an exported detector is used.
 
     Attributes:
-        score_threshold: Score below which detections are dropped.
+        score_threshold: Score below which detections are dropped; measured with YOLOX-nano alone.
         classes: Names in the order of the network's outputs.
     """
 

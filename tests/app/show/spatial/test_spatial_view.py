@@ -2,7 +2,6 @@
 
 import base64
 import gzip
-import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from selenium import webdriver
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import WebDriverWait
 
+from browsers import chromium
 from hypernav.app.show.episode_page import write_page
 from hypernav.app.show.spatial import view as view_module
 from hypernav.app.show.spatial.cloud import ColouredCloud
@@ -100,17 +100,8 @@ def test_a_search_without_a_map_has_no_view(make_step: MakeStep) -> None:
 
 
 @pytest.fixture(scope="module")
-def chromium() -> Iterator[webdriver.Chrome]:
-    driver = shutil.which("chromedriver")
-    if driver is None:
-        pytest.skip("no chromedriver")
-    options = webdriver.ChromeOptions()
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage"):
-        options.add_argument(argument)
-    for argument in ("--enable-unsafe-swiftshader", "--use-angle=swiftshader"):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    with webdriver.Chrome(options, webdriver.ChromeService(driver)) as browser:
+def browser() -> Iterator[webdriver.Chrome]:
+    with chromium("--enable-unsafe-swiftshader", "--use-angle=swiftshader") as browser:
         browser.set_window_size(800, 600)
         browser.set_script_timeout(300)
         yield browser
@@ -118,7 +109,7 @@ def chromium() -> Iterator[webdriver.Chrome]:
 
 @pytest.mark.slow
 def test_the_building_is_drawn_offline_and_turns(
-    chromium: webdriver.Chrome,
+    browser: webdriver.Chrome,
     make_step: MakeStep,
     room: OccupancyGrid,
     result: dict[str, Any],
@@ -129,22 +120,22 @@ def test_the_building_is_drawn_offline_and_turns(
     maps = dict.fromkeys(range(1, 4), room)
     page = write_page(tmp_path, result, steps, maps, cloud=_cloud(observation, floors=3))
     assert page.stat().st_size < 5_000_000
-    chromium.get(page.as_uri())
-    chromium.execute_script("document.getElementById('stage').scrollIntoView()")
-    space = chromium.find_element(By.ID, "space")
-    WebDriverWait(chromium, 60).until(lambda _: space.get_attribute("data-state"))
+    browser.get(page.as_uri())
+    browser.execute_script("document.getElementById('stage').scrollIntoView()")
+    space = browser.find_element(By.ID, "space")
+    WebDriverWait(browser, 60).until(lambda _: space.get_attribute("data-state"))
     assert space.get_attribute("data-state") == "drawn"
-    canvas = chromium.find_element(By.CSS_SELECTOR, "#stage canvas")
-    stage = chromium.find_element(By.ID, "stage")
+    canvas = browser.find_element(By.CSS_SELECTOR, "#stage canvas")
+    stage = browser.find_element(By.ID, "stage")
 
     def settled() -> bytes:
-        chromium.execute_async_script("requestAnimationFrame(() => setTimeout(arguments[0], 300))")
+        browser.execute_async_script("requestAnimationFrame(() => setTimeout(arguments[0], 300))")
         return canvas.screenshot_as_png
 
     seen = settled()
     stage.send_keys("\ue012")  # the left arrow key
     turned = settled()
     assert turned != seen
-    chromium.find_element(By.CSS_SELECTOR, "[data-show='2']").click()
+    browser.find_element(By.CSS_SELECTOR, "[data-show='2']").click()
     assert settled() != turned
-    assert [one for one in chromium.get_log("browser") if one["level"] == "SEVERE"] == []
+    assert [one for one in browser.get_log("browser") if one["level"] == "SEVERE"] == []
