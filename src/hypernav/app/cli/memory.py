@@ -14,9 +14,9 @@ import numpy as np
 
 from hypernav.app.cli.guards.crashes import ExitStatus
 from hypernav.app.cli.guards.outputs import check_file
+from hypernav.app.cli.memory_view import memory_view, ways
 from hypernav.app.cli.options.commands import MemoryOptions
 from hypernav.app.cli.screen.terminal import Terminal
-from hypernav.app.show.spatial.memory_view import memory_view, ways
 from hypernav.app.show.spatial.view import library
 from hypernav.app.show.templating import data_uri, image_uri, page_environment
 from hypernav.core.errors import ConfigError, MemoryFolderError, OutputError
