@@ -146,7 +146,9 @@ def test_the_page_shows_all(tmp_path: Path):
     text = page.read_text()
     assert page.name == f"house_{NUMBER}.html"
     assert "<svg" in text
-    assert text.count("data:image/png;base64,") == 5
+    png = "data:image/png;base64,"
+    assert text.count(f'<img class="view" src="{png}') == 5  # one from above, four inside
+    assert text.count(f'"image": "{png}') == 1  # the one floor in three dimensions
     assert "refrigerator" in text
     assert "http://www.w3.org/2000/svg" in text
     assert 'src="http' not in text
