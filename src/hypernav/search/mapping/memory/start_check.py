@@ -28,13 +28,15 @@ _FAR_M = 0.35
 _PATCH_M = 0.25
 """Side of a patch of the map, metres. What lies in one is seen or moved together, so it counts as
 one observation, however many pixels the camera has."""
-_CHANGED, _ELSEWHERE = 0.15, 0.5
+_CHANGED, _ELSEWHERE = 0.15, 0.7
 """Share of the patches in sight that contradict the map: where the robot stands right and much has
-been moved (in training houses 0.05 on average, 0.28 at most), and where it stands elsewhere (0.69
-on average)."""
+been moved (0.05 to 0.2 on average, by camera), and where it stands elsewhere (0.7 to 0.85)."""
 _SURE = math.log(100.0)
 """Log-likelihood ratio from which on one of both is taken for true (Wald's sequential test, 1945):
 at most one start in 100 with as many changes is refused."""
+_SURE_AT_ONCE = math.log(1e6)
+"""The same for a single image, whose patches are not independent: a cupboard that was moved may
+fill it."""
 _PATCHES_IN_A_ROW = 1e6
 """More than any map has."""
 
@@ -194,7 +196,8 @@ class StartCheck:
         z = self._memory.height_of(observation)
         if self._memory.number_at(z) == self._number:
             self._fit += self._floor.fit_of(counted_from(z, observation))
-        if (is_first or self.is_over) and self._fit.doubt >= _SURE:
+        bound = _SURE_AT_ONCE if is_first else _SURE if self.is_over else math.inf
+        if self._fit.doubt >= bound:
             (x, y), (patches, contradict) = observation.robot.xy, self._fit.counts
             raise MemoryStartError(
                 f"what the robot sees at ({x:.1f}, {y:.1f}) is not what {self._folder} remembers "
@@ -212,7 +215,7 @@ class StartCheck:
         z, (x, y) = self._memory.height_of(observation), observation.robot.xy
         for floor in self._memory.floors:
             fit = KnownFloor(floor.map).fit_of(counted_from(z, observation))
-            if fit.doubt <= -_SURE:
+            if fit.doubt <= -_SURE_AT_ONCE:
                 patches, contradict = fit.counts
                 raise MemoryStartError(
                     f"the robot's pose is {z:.1f} m high, where {self._folder} knows no floor, and "
