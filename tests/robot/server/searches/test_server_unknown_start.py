@@ -280,7 +280,7 @@ def test_in_another_building_the_search_begins_anew_and_the_memory_stays(tmp_pat
 def test_where_the_map_contradicts_a_sure_place_the_search_begins_anew(
     tmp_path, plan, home, house, monkeypatch
 ):
-    monkeypatch.setattr("hypernav.search.mapping.memory.start_check._SURE", -1e6)
+    monkeypatch.setattr("hypernav.search.mapping.memory.start_check._SURE_AT_ONCE", -1e6)
     before = files_of(home)
     with robot_server(tmp_path / "state", plan) as link:
         search = opened(link, "bed")
