@@ -103,6 +103,8 @@ class ForeignFolder:
     def descriptor_of(self, name: str, flags: int, mode: int = 0o666) -> int:
         """A descriptor of a regular file, which the caller closes.
 
+        A file that has another name, too, is not opened for writing.
+
         Args:
             name: The file.
             flags: How it is opened, as for `os.open`.
@@ -111,7 +113,12 @@ class ForeignFolder:
         with self._parent(name) as (parent, last):
             descriptor = _opened(last, flags, parent, mode)
             try:
-                _check_own(last, os.fstat(descriptor))
+                status = os.fstat(descriptor)
+                _check_own(last, status)
+                if flags & (os.O_WRONLY | os.O_RDWR) and status.st_nlink > 1:
+                    raise NotOwnError(
+                        errno.EMLINK, f"{last} is also a file elsewhere (a hard link)"
+                    )
             except OSError:
                 os.close(descriptor)
                 raise

@@ -146,7 +146,9 @@ def test_the_page_shows_all(tmp_path: Path):
     text = page.read_text()
     assert page.name == f"house_{NUMBER}.html"
     assert "<svg" in text
-    assert text.count('<img class="view" src="data:image/png;base64,') == 5  # one above, four inside
+    assert (
+        text.count('<img class="view" src="data:image/png;base64,') == 5
+    )  # one above, four inside
     assert text.count('"image": "data:image/png;base64,') == 1  # the one floor in three dimensions
     assert "refrigerator" in text
     assert "http://www.w3.org/2000/svg" in text
