@@ -103,8 +103,6 @@ class ForeignFolder:
     def descriptor_of(self, name: str, flags: int, mode: int = 0o666) -> int:
         """A descriptor of a regular file, which the caller closes.
 
-        A file that has another name, too, is not opened for writing.
-
         Args:
             name: The file.
             flags: How it is opened, as for `os.open`.
@@ -113,16 +111,19 @@ class ForeignFolder:
         with self._parent(name) as (parent, last):
             descriptor = _opened(last, flags, parent, mode)
             try:
-                status = os.fstat(descriptor)
-                _check_own(last, status)
-                if flags & (os.O_WRONLY | os.O_RDWR) and status.st_nlink > 1:
-                    raise NotOwnError(
-                        errno.EMLINK, f"{last} is also a file elsewhere (a hard link)"
-                    )
+                _check_own(last, os.fstat(descriptor))
             except OSError:
                 os.close(descriptor)
                 raise
             return descriptor
+
+    def to_write(self, name: str, flags: int, mode: int = 0o666) -> int:
+        """As `descriptor_of`, to write in place: the file has no other name elsewhere."""
+        descriptor = self.descriptor_of(name, flags, mode)
+        if os.fstat(descriptor).st_nlink > 1:
+            os.close(descriptor)
+            raise NotOwnError(errno.EMLINK, f"{name} is also a file elsewhere (a hard link)")
+        return descriptor
 
     def make_folder(self, name: str) -> None:
         """Make a folder, unless it is there."""

@@ -65,7 +65,8 @@ class AppendOnlyFile:
         """
         how = os.O_RDONLY if to_read else os.O_RDWR | os.O_APPEND | os.O_CREAT
         with ForeignFolder(path.parent) as folder:
-            descriptor = folder.descriptor_of(path.name, how, mode)
+            opened = folder.descriptor_of if to_read else folder.to_write
+            descriptor = opened(path.name, how, mode)
         self._file = open(descriptor, "rb" if to_read else "a+b", 0)  # noqa: SIM115
         self.size = self._file.seek(0, os.SEEK_END)
 

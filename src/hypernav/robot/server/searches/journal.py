@@ -445,7 +445,7 @@ def _write_whole(path: Path, content: BaseModel) -> None:
 
 def _opened(folder: ForeignFolder, name: str) -> BinaryIO:
     """A file of the folder's own, to be written in place; made if missing."""
-    return open(folder.descriptor_of(name, os.O_WRONLY | os.O_CREAT), "wb")
+    return open(folder.to_write(name, os.O_WRONLY | os.O_CREAT), "wb")
 
 
 def _fresh(path: Path) -> Path:
