@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from hypernav.io.writing import write_whole
+from hypernav.io.writing import csv_file, write_whole
 
 
 @pytest.mark.parametrize("content", ["grüße\n", b"\x00\xff"])
@@ -28,3 +28,12 @@ def test_on_a_full_disk_the_file_is_as_before(tmp_path, monkeypatch):
         write_whole(path, "after")
     assert path.read_text() == "before"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_table_replaces_a_hard_link(tmp_path):
+    mine, table = tmp_path / "mine", tmp_path / "table.csv"
+    mine.write_text("mine")
+    table.hardlink_to(mine)
+    with csv_file(table) as file:
+        file.write("a,b\r\n")
+    assert (mine.read_text(), table.read_bytes()) == ("mine", b"a,b\r\n")

@@ -117,6 +117,14 @@ class ForeignFolder:
                 raise
             return descriptor
 
+    def to_write(self, name: str, flags: int, mode: int = 0o666) -> int:
+        """As `descriptor_of`, to write in place: the file has no other name elsewhere."""
+        descriptor = self.descriptor_of(name, flags, mode)
+        if os.fstat(descriptor).st_nlink > 1:
+            os.close(descriptor)
+            raise NotOwnError(errno.EMLINK, f"{name} is also a file elsewhere (a hard link)")
+        return descriptor
+
     def make_folder(self, name: str) -> None:
         """Make a folder, unless it is there."""
         with self._parent(name) as (parent, last):

@@ -1,13 +1,16 @@
 """Writes files: replaced in one step, in complete pieces, or as a search goes on."""
 
 import errno
+import io
 import os
 import stat
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TextIO
 
 from hypernav.core.errors import OutputError
-from hypernav.io.foreign_folder import ForeignFolder, NotOwnError
+from hypernav.io.foreign_folder import ForeignFolder
 
 
 def lacks_room(error: OSError) -> str:
@@ -29,6 +32,14 @@ def write_whole(path: Path, content: str | bytes) -> None:
     """
     with ForeignFolder(path.parent) as folder:
         folder.write(path.name, content)
+
+
+@contextmanager
+def csv_file(path: Path) -> Iterator[TextIO]:
+    """A table to be filled, which then replaces a file, as `write_whole` does."""
+    file = io.StringIO(newline="")
+    yield file
+    write_whole(path, file.getvalue())
 
 
 class AppendOnlyFile:
@@ -54,11 +65,9 @@ class AppendOnlyFile:
         """
         how = os.O_RDONLY if to_read else os.O_RDWR | os.O_APPEND | os.O_CREAT
         with ForeignFolder(path.parent) as folder:
-            descriptor = folder.descriptor_of(path.name, how, mode)
+            opened = folder.descriptor_of if to_read else folder.to_write
+            descriptor = opened(path.name, how, mode)
         self._file = open(descriptor, "rb" if to_read else "a+b", 0)  # noqa: SIM115
-        if not to_read and os.fstat(descriptor).st_nlink > 1:
-            self._file.close()
-            raise NotOwnError(errno.EMLINK, f"{path.name} is also a file elsewhere (a hard link)")
         self.size = self._file.seek(0, os.SEEK_END)
 
     def append(self, data: bytes, *, sync: bool = False) -> None:

@@ -13,7 +13,7 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog, StepTrace
 from hypernav.lab.episodes.episode_run import EpisodeRun
-from hypernav.lab.episodes.recorder import EpisodeRecorder
+from hypernav.lab.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
 from hypernav.search.mapping.ros_map import load_ros_map
 from hypernav.search.perception.local.ground_truth import GroundTruthDetector
 from small_episodes import episode_from
@@ -154,3 +154,14 @@ def test_a_folder_that_became_a_file_names_what_could_not_be_written(tmp_path):
         folder.touch()
         with pytest.raises(OutputError, match=r"^.*out: result\.json, .* could not be written"):
             files.finish({"goal": "bed", "outcome": "not_found"})
+
+
+def test_a_file_that_has_another_name_elsewhere_is_replaced_not_written(tmp_path):
+    folder, mine = tmp_path / "run", tmp_path / "mine"
+    folder.mkdir()
+    mine.write_text("mine")
+    for name in OUTPUT_FILES:
+        (folder / name).hardlink_to(mine)
+    with recorder(folder):
+        assert mine.stat().st_nlink == 1
+    assert mine.read_text() == "mine"

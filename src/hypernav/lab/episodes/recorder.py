@@ -82,16 +82,14 @@ class EpisodeRecorder:
         self._eye = list[list[float]]()
         with _written_to(folder):
             folder.mkdir(parents=True, exist_ok=True)
+            for path in folder.iterdir():  # a file written in place may be one elsewhere, too
+                if path.name in OUTPUT_FILES or _FLOOR_MAP.fullmatch(path.name):
+                    path.unlink()
             # An unnamed file reserves disk space for result and page until they are written.
             self._reserve = tempfile.TemporaryFile(dir=folder, buffering=0)  # noqa: SIM115
             self._reserve.write(bytes(_RESERVE_BYTES))
             self._trace = AppendOnlyFile(folder / "trace.jsonl")
             self._timings = AppendOnlyFile(folder / "timings.jsonl")
-            self._trace.cut(0)
-            self._timings.cut(0)
-            for path in folder.iterdir():
-                if _FLOOR_MAP.fullmatch(path.name):
-                    path.unlink()
             self._video = EpisodeVideo(
                 folder / "episode.mp4",
                 goal,

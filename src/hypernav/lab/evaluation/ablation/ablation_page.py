@@ -11,6 +11,7 @@ from typing import Any
 from hypernav.app.show.templating import page_environment
 from hypernav.core.errors import OutputError
 from hypernav.core.words import number_of
+from hypernav.io.writing import csv_file, write_whole
 from hypernav.lab.evaluation.ablation.figures import drawn_axes, results_figure, write_figure
 from hypernav.lab.evaluation.ablation.study import (
     LeftOut,
@@ -33,7 +34,7 @@ def write_csv(path: Path, results: StudyResults) -> None:
 
     An unfinished variant has no means: they would be of other episodes.
     """
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with csv_file(path) as file:
         writer = csv.writer(file)
         writer.writerow(
             [
@@ -102,7 +103,7 @@ def write_tex(path: Path, results: StudyResults) -> None:
         f"flipping {drawn}, "
         f"corrected for the {results.comparisons} comparisons of this table (Holm)",
     ]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_whole(path, "\n".join(lines) + "\n")
 
 
 def _estimates(*estimates: Estimate) -> list[str]:
@@ -137,7 +138,7 @@ def write_ablation(folder: Path, study: Study) -> Path | None:
         write_csv(folder / "ablation.csv", results)
         write_tex(folder / "ablation.tex", results)
         text = page.render(**_content(results), figure=_figure(folder, results))
-        (folder / PAGE).write_text(text, encoding="utf-8")
+        write_whole(folder / PAGE, text)
     except OSError as error:
         raise OutputError(f"{folder} cannot be written ({error.strerror or error})") from error
     return folder / PAGE

@@ -8,6 +8,7 @@ from pathlib import Path
 from hypernav.app.show.templating import page_environment
 from hypernav.core.errors import OutputError
 from hypernav.core.words import number_of
+from hypernav.io.writing import csv_file, write_whole
 from hypernav.lab.datasets.paper_results import REFINEMENT_DROPS_PERCENT
 from hypernav.lab.evaluation.ablation.ablation_page import PAGE
 from hypernav.lab.evaluation.ablation.figures import write_figure
@@ -46,7 +47,7 @@ def write_refinement(folder: Path, records: Sequence[AreaRecord], *, lead: str) 
             iou=MATCHING_IOU,
             paper=REFINEMENT_DROPS_PERCENT,
         )
-        (folder / PAGE).write_text(text, encoding="utf-8")
+        write_whole(folder / PAGE, text)
         _write_csv(folder / CSV, records)
     except OSError as error:
         raise OutputError(f"{folder} cannot be written ({error.strerror or error})") from error
@@ -70,7 +71,7 @@ def _said(measure: Measure) -> str:
 
 
 def _write_csv(path: Path, records: Sequence[AreaRecord]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with csv_file(path) as file:
         positions = [field.name for field in fields(GoalPosition)]
         own = [field.name for field in fields(AreaRecord) if field.name != "position"]
         writer = csv.DictWriter(file, [*own, *positions])

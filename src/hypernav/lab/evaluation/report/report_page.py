@@ -19,6 +19,7 @@ from hypernav.app.show import captions
 from hypernav.app.show.templating import page_environment, plain
 from hypernav.core.errors import RunFolderError
 from hypernav.core.words import number_of
+from hypernav.io.writing import csv_file, write_whole
 from hypernav.lab.evaluation.failures import RULES, Failure
 from hypernav.lab.evaluation.protocol import PROTOCOLS, EvaluationProtocol, Reference, StopRule
 from hypernav.lab.evaluation.record import EpisodeRecord
@@ -50,7 +51,7 @@ def write_csv(path: Path, runs: Sequence[RunData]) -> None:
     If there are lives, the last columns say which and the number of the goal in it.
     """
     lived = lives.has_lives(runs)
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with csv_file(path) as file:
         writer = csv.writer(file)
         writer.writerow(
             [
@@ -92,7 +93,7 @@ def write_csv(path: Path, runs: Sequence[RunData]) -> None:
 
 def write_tex(path: Path, runs: Sequence[RunData]) -> None:
     """The overall table and the one by scene, for a paper (package ``booktabs``)."""
-    path.write_text(f"{_overall(runs)}\n{_by_scene(runs)}", encoding="utf-8")
+    write_whole(path, f"{_overall(runs)}\n{_by_scene(runs)}")
 
 
 def write_lives(path: Path, runs: Sequence[RunData]) -> None:
@@ -105,7 +106,7 @@ def write_lives(path: Path, runs: Sequence[RunData]) -> None:
             for run in runs[1:]
         },
     }
-    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+    write_whole(path, json.dumps(content, indent=1) + "\n")
 
 
 def tex(text: str) -> str:
@@ -209,7 +210,7 @@ def write_report(
     text = page.render(beside=beside, **_content(folder, runs, pairs))
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        (folder / "report.html").write_text(text, encoding="utf-8")
+        write_whole(folder / "report.html", text)
         write_csv(folder / "report.csv", runs)
         write_tex(folder / "report.tex", runs)
         if lives.has_lives(runs):

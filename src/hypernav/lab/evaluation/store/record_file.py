@@ -31,6 +31,19 @@ def append_line(path: Path, line: str) -> None:
         raise _unwritable(path, error) from error
 
 
+def cut_file(path: Path, size: int) -> None:
+    """Keep the first bytes of a file only.
+
+    Raises:
+        RunFolderError: The file can't be written.
+    """
+    try:
+        with closing(AppendOnlyFile(path)) as file:
+            file.cut(size)
+    except OSError as error:
+        raise _unwritable(path, error) from error
+
+
 def write_whole(path: Path, content: str | bytes) -> None:
     """Replace a file of a run's folder in one step, and wait for the disk.
 

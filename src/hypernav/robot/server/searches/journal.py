@@ -25,7 +25,7 @@ import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import TypeVar
+from typing import BinaryIO, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -34,6 +34,7 @@ from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.errors import HyPerNavError, RunFolderError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
+from hypernav.io.foreign_folder import ForeignFolder
 from hypernav.io.reading import read_file
 from hypernav.io.writing import AppendOnlyFile
 from hypernav.robot.wire.frames import unpack_observation
@@ -393,7 +394,8 @@ class Journal:
         file = self.folder / _PAUSED_FILE
         try:
             if is_paused:
-                file.touch()
+                with ForeignFolder(self.folder) as folder:
+                    _opened(folder, _PAUSED_FILE).close()
             else:
                 file.unlink(missing_ok=True)
         except OSError as error:
@@ -431,15 +433,19 @@ def _write_whole(path: Path, content: BaseModel) -> None:
     """Replace a file in one step and wait for the disk; uses the space reserved for it."""
     fresh = _fresh(path)
     try:
-        fresh.touch()
-        with fresh.open("r+b") as file:
+        with ForeignFolder(path.parent) as folder, _opened(folder, fresh.name) as file:
             file.write(content.model_dump_json(indent=1).encode())
             file.truncate()
             file.flush()
             os.fsync(file.fileno())
-        fresh.replace(path)
+            folder.rename(fresh.name, path.name)
     except OSError as error:
         raise RunFolderError(f"{path} cannot be written: {error.strerror}") from error
+
+
+def _opened(folder: ForeignFolder, name: str) -> BinaryIO:
+    """A file of the folder's own, to be written in place; made if missing."""
+    return open(folder.to_write(name, os.O_WRONLY | os.O_CREAT), "wb")
 
 
 def _fresh(path: Path) -> Path:
