@@ -96,7 +96,8 @@ def config_values(name: str | None = None) -> list[ConfigValue]:
     fields = list(_fields(HyPerNavConfig))
     chosen = [one for one in fields if name is None or f"{one.key}.".startswith(f"{name}.")]
     if not chosen:
-        close = difflib.get_close_matches(
+        close = [one.key for one in fields if one.key.endswith(f".{name}")]
+        close += difflib.get_close_matches(
             str(name), [*HyPerNavConfig.model_fields, *(one.key for one in fields)], n=1
         )
         hint = f"did you mean '{close[0]}'? " if close else ""

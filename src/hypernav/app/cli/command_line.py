@@ -193,7 +193,12 @@ def _plain(said: str) -> str:
         wrong = f"{wrong[:_MOST_CHARACTERS]} …"
     similar = [text for text in help_texts if text.startswith(("Perhaps you meant", "Available"))]
     if wrong.startswith("Unrecognized options: ") and "--" not in wrong:
-        similar.append('several words that are one name go in quotes, as in "potted plant"')
+        words = wrong.removeprefix("Unrecognized options: ")
+        similar.append(
+            "to compare runs: hypernav report A B --compare"
+            if os.path.isdir(words)
+            else 'several words that are one name go in quotes, as in "potted plant"'
+        )
     return "; ".join([wrong, *similar])
 
 

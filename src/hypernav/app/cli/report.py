@@ -10,8 +10,10 @@ from hypernav.app.cli.guards.outputs import check_folder
 from hypernav.app.cli.options.commands import ReportOptions
 from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
+from hypernav.lab.evaluation.report import tables
 from hypernav.lab.evaluation.report.published_results import BesidePaper, beside_paper
 from hypernav.lab.evaluation.report.report_page import REPORT_FILES, write_report
+from hypernav.lab.evaluation.report.report_text import verdict
 from hypernav.lab.evaluation.report.run_data import load_runs
 from hypernav.lab.evaluation.statistics import Estimate
 
@@ -76,5 +78,8 @@ def run(options: ReportOptions) -> int:
     console = Terminal(quiet=options.quiet)
     for run in runs if options.published else ():
         show_beside_paper(run.name, beside_paper(run), console)
+    if options.compare:
+        for other in runs[1:]:
+            console.print(escape(verdict(tables.pair(runs[0], other))), soft_wrap=True)
     console.print(f"open {page}", soft_wrap=True)
     return ExitStatus.SUCCESS

@@ -59,6 +59,10 @@ class SearchRecord:
         """
         return require("pandas", extra="notebook").DataFrame([_row(step) for step in self.steps])
 
+    def __repr__(self) -> str:
+        figures = ", ".join(f"{name} {value}" for name, value in _figures(self.result).items())
+        return f"SearchRecord({self.goal}: {figures}; {self.folder}/index.html)"
+
     def _repr_html_(self) -> str:
         film, drawn = self.folder / "episode.mp4", self.folder / "map.png"
         parts = [html_table([{"goal": self.goal, **_figures(self.result)}])]

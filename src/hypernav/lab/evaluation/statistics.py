@@ -56,10 +56,14 @@ class Comparison:
         difference: Mean difference with its interval.
         p_value: Two-sided p-value of a permutation test that swaps the runs scene by scene: how
             often a difference at least as large arises by chance.
+        least_p_value: The smallest that so few scenes can give, however large the difference.
+        scenes: Number of scenes, or of episodes if there is one scene.
     """
 
     difference: Estimate
     p_value: float
+    least_p_value: float
+    scenes: int
 
 
 @dataclass(frozen=True)
@@ -164,9 +168,10 @@ def compare(
     gaps = np.asarray(second, dtype=np.float64) - np.asarray(first, dtype=np.float64)
     difference = mean_with_interval(gaps.tolist(), scenes, rng=rng, draws=draws)
     if gaps.size == 0:
-        return Comparison(difference, float("nan"))
+        return Comparison(difference, float("nan"), float("nan"), 0)
     sums = np.bincount(_clusters(scenes), weights=gaps)
-    return Comparison(difference, _flip_p_value(sums, rng, draws))
+    least = 0.5 ** (sums.size - 1)  # all signs equal, or all turned
+    return Comparison(difference, _flip_p_value(sums, rng, draws), least, sums.size)
 
 
 def holm(p_values: Sequence[float]) -> list[float]:

@@ -4,7 +4,7 @@ import hashlib
 import json
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -180,7 +180,7 @@ def differences_of(first: Sequence[Answered], second: Sequence[Answered]) -> lis
             found.append(Difference(words, first_mean, second_mean, gap))
     corrected = holm([one.gap.p_value for one in found])
     return [
-        Difference(one.words, one.first, one.second, Comparison(one.gap.difference, p))
+        Difference(one.words, one.first, one.second, replace(one.gap, p_value=p))
         for one, p in zip(found, corrected, strict=True)
     ]
 

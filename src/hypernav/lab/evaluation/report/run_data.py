@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,9 +38,9 @@ class RunData:
 
     folder: Path
     name: str
-    configuration: dict[str, Any]
-    records: list[EpisodeRecord]
-    sessions: list[Session]
+    configuration: dict[str, Any] = field(repr=False)
+    records: list[EpisodeRecord] = field(repr=False)
+    sessions: list[Session] = field(repr=False)
 
     @property
     def counted(self) -> list[EpisodeRecord]:

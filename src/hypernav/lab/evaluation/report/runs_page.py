@@ -4,7 +4,7 @@ The page filters, sorts and compares by itself; nothing is averaged here.
 """
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -21,6 +21,7 @@ from hypernav.lab.evaluation.record import EpisodeRecord
 from hypernav.lab.evaluation.store.run_store import (
     RUN_FILE,
     UNENDED,
+    flat,
     read_configuration,
     read_records,
     read_sessions,
@@ -68,7 +69,19 @@ def overview(root: Path) -> Overview:
         for search in searches:
             page = folder / search.pop("saved") if "saved" in search else None
             found.searches.append({"run": number, **search, **_pages(page, root)})
+    _say_what_differs(found.runs)
     return found
+
+
+def _say_what_differs(runs: Sequence[dict[str, Any]]) -> None:
+    """Put the values in which runs of one agent differ in place of their whole configurations."""
+    for agent in {run["agent"] for run in runs}:
+        alike = [run for run in runs if run["agent"] == agent]
+        configurations = [flat(run.pop("config")) for run in alike]
+        keys = sorted({key for one in configurations for key in one})
+        differing = [key for key in keys if len({str(one.get(key)) for one in configurations}) > 1]
+        for run, one in zip(alike, configurations, strict=True):
+            run["differs"] = ", ".join(f"{key} {one.get(key, '–')}" for key in differing)
 
 
 def run_folders(root: Path) -> Iterator[Path]:
@@ -112,6 +125,7 @@ def _run(folder: Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
         "wanted": wanted.get("count") if isinstance(wanted, Mapping) else None,
         "ended": sessions[-1].ended if sessions else UNENDED,
         "when": _when(_changed(folder)),
+        "config": _mapping(configuration.get("config")),
     }
     return run, [_episode(record) for record in records]
 
@@ -157,11 +171,12 @@ def _search(folder: Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
         }
         run = {
             "agent": _agent(result),
-            "of": "a search",
+            "of": ", ".join(str(result[name]) for name in ("goal", "scene")),
             "commit": str(result.get("commit") or ""),
             "wanted": 1,
             "ended": "finished",
             "when": _when(_changed(folder)),
+            "config": _mapping(result.get("config")),
         }
     except OSError as error:
         raise RunFolderError(f"{path} cannot be read: {error.strerror or error}") from error
@@ -174,6 +189,10 @@ def _agent(who: Mapping[str, Any]) -> str:
     """Agent, preset, and what it sees with, in a few words."""
     parts = [str(who.get(name) or "") for name in ("agent", "preset", "detector", "model")]
     return ", ".join(part for part in parts if part and part != "none")
+
+
+def _mapping(value: Any) -> Mapping[str, Any]:
+    return value if isinstance(value, Mapping) else {}
 
 
 def _outcome(outcome: Outcome, failure: Failure | None) -> str:

@@ -195,8 +195,11 @@ def read_configuration(folder: Path) -> dict[str, Any]:
     try:
         content = parse_json(read_file(path))
     except FileNotFoundError as error:
+        if not folder.is_dir():
+            raise RunFolderError(f"there is no folder {folder}; check the path") from error
         raise RunFolderError(
-            f"{folder} is not the folder of an evaluation: there is no {RUN_FILE} in it"
+            f"{folder} is not the folder of an evaluation: there is no {RUN_FILE} in it; to see "
+            "single searches: hypernav runs"
         ) from error
     except (OSError, ValueError) as error:
         raise RunFolderError(f"{path} cannot be read: {error}") from error
@@ -228,7 +231,7 @@ def read_sessions(folder: Path) -> list[Session]:
 
 def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
     """Differences of two configurations, such as "search.endurance_steps was 40, is now 60"."""
-    before, after = _flat(old), _flat(new)
+    before, after = flat(old), flat(new)
     return [
         f"{key} was {_shown(before, key)}, is now {_shown(after, key)}"
         for key in sorted(before.keys() | after.keys())
@@ -236,14 +239,15 @@ def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def _flat(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
+def flat(value: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """The values of a nested configuration by their whole names."""
+    found: dict[str, Any] = {}
     for key, item in value.items():
         if isinstance(item, Mapping):
-            flat.update(_flat(item, f"{prefix}{key}."))
+            found.update(flat(item, f"{prefix}{key}."))
         else:
-            flat[f"{prefix}{key}"] = item
-    return flat
+            found[f"{prefix}{key}"] = item
+    return found
 
 
 def _shown(values: Mapping[str, Any], key: str) -> str:

@@ -12,11 +12,14 @@
   runs.forEach((run, number) => Object.assign(run, { number, id: run.name }));
   searches.forEach((search) => {
     const run = runs[search.run];
-    Object.assign(search, { id: `${run.name}/${search.key}`, name: run.name, agent: run.agent, commit: run.commit, when: run.when });
+    Object.assign(search, { id: `${run.name}/${search.key}`, name: run.name, agent: run.agent, commit: run.commit, differs: run.differs, when: run.when });
   });
 
   // Filters, sorting and what is chosen are kept in the address, so that a reload keeps them.
-  const FILTERS = { agent: "Agent", goal: "Goal", building: "Building", outcome: "Outcome", commit: "Commit" };
+  const isUsed = ([name]) => !["commit", "differs"].includes(name) || runs.some((run) => run[name]);
+  const FILTERS = Object.fromEntries([
+    ["agent", "Agent"], ["goal", "Goal"], ["building", "Building"], ["outcome", "Outcome"], ["commit", "Commit"],
+  ].filter(isUsed));
   const kept = () => new URLSearchParams(location.hash.slice(1));
   const keep = (name, ...values) => {
     const now = kept();
@@ -43,7 +46,7 @@
     const words = (now.get("text") ?? "").toLowerCase().split(" ").filter(Boolean);
     return searches.filter((one) => {
       if (Object.keys(FILTERS).some((name) => now.get(name) && `=${one[name]}` !== now.get(name))) return false;
-      const row = `${one.name} ${one.agent} ${one.goal} ${one.building} ${one.outcome} ${one.why}`.toLowerCase();
+      const row = `${one.name} ${one.agent} ${one.goal} ${one.building} ${one.outcome} ${one.differs} ${one.why}`.toLowerCase();
       return words.every((word) => row.includes(word));
     });
   };
@@ -60,16 +63,16 @@
   };
 
   const RUN_COLUMNS = [
-    ["name", "Run"], ["when", "Changed"], ["agent", "Agent"], ["of", "Data"], ["commit", "Commit"],
+    ["name", "Run"], ["when", "Changed"], ["agent", "Agent"], ["differs", "Differs in"], ["of", "Data"], ["commit", "Commit"],
     ["done", "Searches", (run) => `${run.done}${run.wanted && run.wanted !== run.all ? ` (${run.all} of ${run.wanted} done)` : ""}`],
     ["success", "Success", (run) => percent(run.success)], ["spl", "SPL", (run) => decimal(run.spl, 3)],
     ["steps", "Steps", (run) => decimal(run.steps, 0)], ["ended", "State"],
-  ];
+  ].filter(isUsed);
   const SEARCH_COLUMNS = [
-    ["goal", "Goal"], ["building", "Building"], ["name", "Run"], ["agent", "Agent"], ["outcome", "Outcome"],
+    ["goal", "Goal"], ["building", "Building"], ["name", "Run"], ["agent", "Agent"], ["differs", "Differs in"], ["outcome", "Outcome"],
     ["spl", "SPL", (one) => decimal(one.spl, 3)], ["steps", "Steps"], ["path", "Path, m", (one) => decimal(one.path, 1)],
     ["commit", "Commit"], ["film", "Film", (one) => (one.film ? "film" : one.page ? "page" : "")],
-  ];
+  ].filter(isUsed);
   const NUMBERS = new Set(["done", "success", "spl", "steps", "path"]);
   const chosenOf = (kind) => kept().getAll(kind);
 
