@@ -619,3 +619,27 @@ def test_the_page_says_what_became_of_a_start_that_the_robot_did_not_know(page, 
         assert first.text == "Step 12"  # those of the turn before have no trace
         first.click()
         page.until(lambda: page.step.text == f"12 of {len(replies)}")
+
+
+def test_a_place_is_closed_by_a_click_on_the_map_and_opened_by_keys(page, tmp_path):
+    with robot_server(tmp_path, real_plan) as link:
+        search = link.open()
+        drive(link, search, BoxRoom(), most=1)
+        page.driver.get(f"http://127.0.0.1:{link.port}/")
+        page.until(lambda: page.map_size_m)
+        page.until(lambda: (page.map.click(), page.place.is_displayed())[1])
+        button = page.place.find_element(By.XPATH, ".//button[text()='Do not enter']")
+        assert button.size["height"] >= 40
+        button.click()
+        page.until(lambda: link.call("GET", f"{search}/no-entry").json)
+        (area,) = link.call("GET", f"{search}/no-entry").json
+        assert (area["radius_m"], area["floor"]) == (0.5, 1)
+        page.until(lambda: not page.place.is_displayed())
+        page.until(
+            lambda: (
+                page.map.send_keys(Keys.ENTER),
+                page.place.find_elements(By.XPATH, ".//button[text()='Allow again']"),
+            )[1]
+        )
+        page.driver.switch_to.active_element.send_keys(Keys.ENTER)
+        page.until(lambda: link.call("GET", f"{search}/no-entry").json == [])

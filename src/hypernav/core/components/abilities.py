@@ -14,6 +14,7 @@ from hypernav.core.errors import ConfigError
 from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.geometry.boxes import Detection
+from hypernav.core.geometry.closed_area import ClosedArea
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.score_weights import MISSED
@@ -46,6 +47,19 @@ class PlansSteps(Protocol):
 
     def allow_steps(self, most: int) -> None:
         """Tell it how many steps its next searches have at most; called before `reset`."""
+        ...
+
+
+@runtime_checkable
+class KeepsOut(Protocol):
+    """An agent that can be told during a search where its robot is not to go."""
+
+    def keep_out_of(self, areas: Sequence[ClosedArea]) -> None:
+        """Enter none of these areas from the next `act` on; those of before count no longer.
+
+        Args:
+            areas: All areas of all floors, in the ``map`` frame of the search.
+        """
         ...
 
 

@@ -11,7 +11,7 @@ from typing import Protocol, TypeVar, runtime_checkable
 from urllib.parse import urlsplit
 
 import numpy as np
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from hypernav.core.components.registry import require
 from hypernav.core.errors import (
@@ -25,6 +25,7 @@ from hypernav.core.trace import StepTrace
 from hypernav.io.bounded_http import Deadline, Session
 from hypernav.io.reading import read_file, text_of
 from hypernav.io.secret import Secret
+from hypernav.robot.wire.no_entry import NO_ENTRY, NoEntryArea, NoEntryRequest
 from hypernav.robot.wire.replies import ErrorBody, Reply, SearchOpened, Status, StreamMessage
 from hypernav.robot.wire.requests import ROBOTS, CloseRequest, GivenGoal, OpenSearch, StopRequest
 from hypernav.robot.wire.values import SEARCHES
@@ -93,6 +94,7 @@ class ServerAddress:
 
 
 MessageT = TypeVar("MessageT", bound=BaseModel)
+_AREAS = TypeAdapter(list[NoEntryArea])
 _CONNECT_S = 5.0
 _LONGEST_REASON = 500
 _MOST_QUOTED = 4096
@@ -218,6 +220,29 @@ class HttpServer:
         """Press stop."""
         body = StopRequest(reason=reason).model_dump_json().encode()
         return self._asked(Status, "POST", f"{SEARCHES}/{search_id}/stop", body)
+
+    def no_entry(self, search_id: str) -> list[NoEntryArea]:
+        """The places that the robot of a search is not to enter."""
+        return _AREAS.validate_json(self._request("GET", f"{SEARCHES}/{search_id}/{NO_ENTRY}"))
+
+    def close_area(self, search_id: str, request: NoEntryRequest) -> NoEntryArea:
+        """Close a place to the robot of a search, from its next decision on.
+
+        Raises:
+            RequestRefusedError: The place is not on the map, the robot stands in it, or the search
+                is over.
+        """
+        body = request.model_dump_json().encode()
+        return self._asked(NoEntryArea, "POST", f"{SEARCHES}/{search_id}/{NO_ENTRY}", body)
+
+    def open_area(self, search_id: str, number: int) -> list[NoEntryArea]:
+        """Let the robot enter a place again; returns what stays closed.
+
+        Raises:
+            RequestRefusedError: No closed place has this number, or the search is over.
+        """
+        path = f"{SEARCHES}/{search_id}/{NO_ENTRY}/{number}"
+        return _AREAS.validate_json(self._request("DELETE", path))
 
     def close_search(self, search_id: str, *, failure: str | None = None) -> None:
         """Tell the server that the search is no longer needed.

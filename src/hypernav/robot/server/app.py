@@ -25,6 +25,7 @@ from hypernav.robot.server.searches.searches import Searches
 from hypernav.robot.server.searches.standing import Turn
 from hypernav.robot.server.waiting_robots import WaitingRobots
 from hypernav.robot.server.watching import Name, watching_routes
+from hypernav.robot.wire.no_entry import NO_ENTRY, NoEntryArea, NoEntryRequest
 from hypernav.robot.wire.replies import (
     ErrorBody,
     Reply,
@@ -214,7 +215,7 @@ def _error(error: str, message: str, status: int, expected: int | None = None) -
     return StreamMessage(error=body, status=status)
 
 
-_Number = Annotated[int, Path(ge=0, le=1_000_000, description="Number of the observation.")]
+_Number = Annotated[int, Path(ge=0, le=1_000_000, description="Number of the observation or area.")]
 _OBSERVATION_BODY = {
     "requestBody": {
         "required": True,
@@ -353,6 +354,21 @@ def _routes(searches: Searches, waiting: WaitingRobots, allowances: Allowances) 
         search = searches.find(name)
         search.pause(is_paused=is_paused)
         return search.status()
+
+    @routes.get(f"{SEARCHES}/{{name}}/{NO_ENTRY}")
+    async def no_entry(name: Name) -> list[NoEntryArea]:
+        """The places that the robot is not to enter."""
+        return list(searches.find(name).closed)
+
+    @routes.post(f"{SEARCHES}/{{name}}/{NO_ENTRY}", status_code=201)
+    def close_area(name: Name, request: NoEntryRequest) -> NoEntryArea:
+        """Close a place to the robot, from its next decision on."""
+        return searches.find(name).close_area(request)
+
+    @routes.delete(f"{SEARCHES}/{{name}}/{NO_ENTRY}/{{number}}")
+    def open_area(name: Name, number: _Number) -> list[NoEntryArea]:
+        """Let the robot enter a place again; the answer is what stays closed."""
+        return list(searches.find(name).open_area(number))
 
     @routes.post(f"{SEARCHES}/{{name}}/close")
     async def close(name: Name, request: CloseRequest | None = None) -> Status:

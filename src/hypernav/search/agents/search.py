@@ -3,11 +3,12 @@
 In every step phases hand the decision on from one to another until one of them decides.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import WorldError
+from hypernav.core.geometry.closed_area import ClosedArea, with_closed
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -51,6 +52,7 @@ class SearchAgent:
         self._trace: StepTrace | None = None
         self._steps = 0
         self._most_steps = components.config.max_steps
+        self._closed: tuple[ClosedArea, ...] = ()
 
     @property
     def embodiment(self) -> Embodiment:
@@ -78,7 +80,11 @@ class SearchAgent:
         memory.begin_search(lasts=lasts, sees_stairs=components.config.use_stairs)
         components.log.drain()
         self._goal, self._memory, self._plan = goal, memory, None
-        self._trace, self._steps = None, 0
+        self._trace, self._steps, self._closed = None, 0, ()
+
+    def keep_out_of(self, areas: Sequence[ClosedArea]) -> None:
+        """Enter none of these areas from the next `act` on; `reset` forgets them."""
+        self._closed = tuple(areas)
 
     def new_memory(self) -> Memory:
         """An empty memory, for the first of several searches."""
@@ -115,13 +121,16 @@ class SearchAgent:
             memory.keep_image(seen)
         if was_elsewhere and floor.search.seen_off_floor is None:
             events.append("goal is on this floor after all")
-        step = Step(self._steps, goal, seen, floor.map.grid, use, clock, events)
+        closed = [one for one in self._closed if one.floor == memory.number + 1]
+        grid = with_closed(floor.map.grid, closed)
+        step = Step(self._steps, goal, seen, grid, use, clock, events)
         if use.learner is not None:
             with clock("global"):
                 use.learner.learn(step.view(memory))
         if use.gaze is not None:
             floor.search.looked = use.gaze.after_image(floor.search.looked, seen.robot)
         decision, plan = decide(step, memory, plan)
+        decision = _kept_out(step, decision, closed)
         if decision.action is not None:
             plan = replace(plan, ordered=(seen.robot, decision.action))
         self._trace = self._traced(step, memory, plan, decision, detections)
@@ -238,6 +247,22 @@ def _off_the_floor(robot: Pose2, memory: Memory, plan: Plan, events: list[str]) 
     flight = replace(memory.connectors[number], end=robot.xy, axis=robot.yaw)
     climbing = Climbing(number, flight=flight, then=then)
     return replace(plan.explore(destination=None), climbing=climbing)
+
+
+def _kept_out(step: Step, decision: Decision, closed: Sequence[ClosedArea]) -> Decision:
+    """A turn instead of a step into a closed area, whichever phase orders it; stairs have no map.
+
+    A robot that an area was closed around may leave it.
+    """
+    if decision.action is not Action.MOVE_FORWARD:
+        return decision
+    here, ahead = step.robot.xy, step.robot.ahead(step.motion.forward_m).xy
+    for area in closed:
+        left_m = area.distance_m(*ahead)
+        if left_m < 0.0 and left_m < area.distance_m(*here):
+            reason = "the way ahead is closed by the operator"
+            return Decision(Action.TURN_LEFT, decision.mode, reason)
+    return decision
 
 
 def decide(step: Step, memory: Memory, plan: Plan) -> tuple[Decision, Plan]:

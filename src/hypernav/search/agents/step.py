@@ -159,7 +159,7 @@ class Step:
         number: Number of the step in the search, from 0.
         goal: Target of the search.
         observation: Frame of this step, with heights counted from the robot's floor.
-        grid: Map of that floor, with this frame integrated.
+        grid: Map of that floor, with this frame integrated and closed areas as obstacles.
         components: Components and configuration of the search.
         clock: Clock of the modules.
         events: Names of what happened in this step, for the trace.

@@ -6,6 +6,7 @@ import { element, metres, swatch } from "./elements.js";
 import { Follower, floorOf, namesFloors, whereIs } from "./follower.js";
 import { Lens } from "./lens.js";
 import { drawMap } from "./map.js";
+import { Places } from "./places.js";
 import { connection, getJson, hasToken, pause, post } from "./server.js";
 import { Timeline } from "./timeline.js";
 import { ACTIONS, COLORS, MODES, QUESTIONS } from "./vocabulary.js";
@@ -28,6 +29,7 @@ const LEGEND = [
   ["goal area", COLORS.goal],
   ["stairs taken or tried", COLORS.stairs],
   ["obstacle", COLORS.occupied],
+  ["closed to the robot", COLORS.failure, "M8 1a7 7 0 1 0 .01 0z"],
   ["remembered thing", COLORS.ink, "M1 1h14v14H1zM3 3v10h10V3z"],
   ["unknown", COLORS.unknown],
 ];
@@ -35,6 +37,7 @@ const LEGEND = [
 const byId = (id) => document.getElementById(id);
 const timeline = new Timeline(show);
 const lens = new Lens(byId("map"), document.querySelectorAll("[data-zoom]"), show);
+const places = new Places(byId("map"), byId("place"), lens, show);
 let follower = null;
 let floorOfRobot = null;
 let floorChosen = null; // by hand, until the robot goes to another floor
@@ -46,7 +49,12 @@ function follow(id) {
   floorChosen = null;
   imageShown = null;
   lens.nearer(0);
-  follower = new Follower(id, show);
+  follower = new Follower(id, () => {
+    const { status } = follower;
+    const isOurs = !status.ending && status.silent_s !== null; // a server's, under way
+    places.follow(isOurs ? `v1/searches/${id}` : null);
+    show();
+  });
 }
 
 function show() {
@@ -74,7 +82,7 @@ function show() {
   floorOfRobot = step ? floorOf(step) : null;
   const floor = floorChosen ?? floorOfRobot;
   const map = step && maps.get(floor);
-  drawMap(byId("map"), map, steps, stairs, timeline.shown, floor, { lens, things: follower.things });
+  drawMap(byId("map"), map, steps, stairs, timeline.shown, floor, { lens, things: follower.things, places: places.shown(floor) });
   showFloor(steps, floorWords, floor);
   if (step) {
     byId("map").setAttribute("aria-label", mapWords(map, step, floor));

@@ -7,7 +7,7 @@ const MARGIN_M = 0.6;
 const LEAST_M = 4;
 
 /** Draws the map of a floor and everything on it at the shown step, sharp on any screen. */
-export function drawMap(canvas, map, steps, stairs, shown, floor, { lens, things }) {
+export function drawMap(canvas, map, steps, stairs, shown, floor, { lens, things, places }) {
   const ratio = window.devicePixelRatio || 1;
   canvas.width = Math.round(canvas.clientWidth * ratio);
   canvas.height = Math.round(canvas.clientHeight * ratio);
@@ -17,6 +17,7 @@ export function drawMap(canvas, map, steps, stairs, shown, floor, { lens, things
   if (!map || shown < 0) return;
   const view = fit(canvas, map.extent, lens);
   lens.scale = view.scale / ratio;
+  lens.middle = view.middle;
   const draw = new Painter(context, view, ratio);
   const step = steps[shown];
   const walked = steps.slice(0, shown + 1);
@@ -33,6 +34,8 @@ export function drawMap(canvas, map, steps, stairs, shown, floor, { lens, things
     if (step.destination) draw.destination(step.destination);
     draw.robot(step.pose);
   }
+  for (const area of places.areas) draw.closed(area, 0.35);
+  if (places.spot) draw.spot(places.spot);
   draw.scale();
 }
 
@@ -54,7 +57,7 @@ function fit(canvas, extent, lens) {
   const scale = lens.zoom * Math.min(canvas.width / width, canvas.height / height);
   const middle = [origin[0] + (columns * size) / 2 + lens.aside[0], origin[1] + (rows * size) / 2 + lens.aside[1]];
   const at = (x, y) => [canvas.width / 2 + (x - middle[0]) * scale, canvas.height / 2 - (y - middle[1]) * scale];
-  return { at, scale };
+  return { at, scale, middle };
 }
 
 class Painter {
@@ -166,6 +169,27 @@ class Painter {
       taken.push(box);
       this.text(words, box.left, box.v + 0.3 * row);
     });
+  }
+
+  /** A place that the robot is not to enter. */
+  closed({ x, y, radius_m: radius }, alpha) {
+    const { context, ratio } = this;
+    context.beginPath();
+    context.arc(...this.view.at(x, y), radius * this.view.scale, 0, 2 * Math.PI);
+    context.fillStyle = context.strokeStyle = COLORS.failure;
+    context.globalAlpha = alpha;
+    context.fill();
+    context.globalAlpha = 1;
+    context.lineWidth = 2 * ratio;
+    context.stroke();
+  }
+
+  /** The chosen place: a crosshair, and the area that would be closed. */
+  spot(spot) {
+    this.closed(spot, 0.15);
+    const half = 9 * this.ratio / this.view.scale;
+    this.line([[spot.x - half, spot.y], [spot.x + half, spot.y]], COLORS.ink, 2);
+    this.line([[spot.x, spot.y - half], [spot.x, spot.y + half]], COLORS.ink, 2);
   }
 
   destination([x, y]) {

@@ -2,15 +2,17 @@
 
 import logging
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import cast
 
 import numpy as np
 
 from hypernav.app.build.agents import BuiltAgent
+from hypernav.core.components.abilities import KeepsOut
 from hypernav.core.components.protocols import ExplainsItself, Remembers
 from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import OutputError, WireError
+from hypernav.core.geometry.closed_area import ClosedArea, with_closed
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -90,10 +92,20 @@ class Decisions:
         self._sensing.check(packed, seen, self._commanded)
         return seen
 
+    @property
+    def keeps_out(self) -> bool:
+        """Whether the agent can be told where its robot is not to go."""
+        return isinstance(self._built.agent, KeepsOut)
+
     def decide(
-        self, packed: PackedObservation, seen: Observation
+        self, packed: PackedObservation, seen: Observation, closed: Sequence[ClosedArea] = ()
     ) -> tuple[StepRecord, OccupancyGrid | None]:
         """Decide about an observation that was checked.
+
+        Args:
+            packed: The observation.
+            seen: The same, decoded.
+            closed: Places that the robot is not to enter.
 
         Returns:
             The decision, and a copy of the map that it was made on; None if the steps have run out,
@@ -105,13 +117,13 @@ class Decisions:
             MemoryStartError: What the robot sees at first contradicts the memory.
             HyPerNavError: The agent cannot go on.
         """
-        step, grid = self._decided(packed, seen)
+        step, grid = self._decided(packed, seen, closed)
         step = self._with_doubts(step, self._doubts.look(packed.header, seen))
         self._commanded = step.reply.action
         return step if self._start is None else self._start.as_robot_knows(step), grid
 
     def _decided(
-        self, packed: PackedObservation, seen: Observation
+        self, packed: PackedObservation, seen: Observation, closed: Sequence[ClosedArea]
     ) -> tuple[StepRecord, OccupancyGrid | None]:
         """The decision in the ``map`` frame of the search, and the map."""
         number, start = packed.header.sequence, self._start
@@ -124,6 +136,8 @@ class Decisions:
             seen = self._begin(packed.header, seen)
         elif self._memory is not None:
             self._memory.check(seen)
+        if isinstance(self._built.agent, KeepsOut):
+            self._built.agent.keep_out_of(closed)
         self._built.agent.act(seen)
         self._steps += 1
         grid, trace = self._agent.grid, self._agent.last_step
@@ -131,7 +145,8 @@ class Decisions:
             trace = _turning(trace)
         if packed.header.blocked:
             trace = trace.model_copy(update={"events": [*trace.events, _BLOCKED]})
-        reply = reply_of(number, trace, grid, self._robot)
+        here = [one for one in closed if one.floor == floor_of(trace)]
+        reply = reply_of(number, trace, with_closed(grid, here), self._robot)
         return StepRecord(reply=reply, trace=trace), grid.cropped().copy()
 
     def _with_doubts(self, step: StepRecord, doubts: list[str]) -> StepRecord:
@@ -186,13 +201,13 @@ class Decisions:
         Raises:
             HyPerNavError: The agent cannot repeat it.
         """
-        maps = dict[int, OccupancyGrid]()
+        maps, closed = dict[int, OccupancyGrid](), journal.closed
         for number in range(journal.step_count):
             if not is_wanted():
                 break
             recorded = journal.step(number)
             packed = unpack_observation(journal.observation(number))
-            again, grid = self.decide(packed, self._decoded(packed))
+            again, grid = self.decide(packed, self._decoded(packed), closed.at(number))
             if again.trace is not None and grid is not None:
                 maps[floor_of(again.trace)] = grid
             self._commanded = recorded.reply.action

@@ -16,18 +16,22 @@ from hypernav.core.errors import (
     HyPerNavError,
     ModelSetupError,
     ModelUnavailableError,
+    RequestRefusedError,
     RunFolderError,
     SensorError,
     WireError,
 )
+from hypernav.core.geometry.closed_area import ClosedArea
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import floor_of
 from hypernav.robot.server.limits import Pace
+from hypernav.robot.server.searches.closing import added, removed
 from hypernav.robot.server.searches.decisions import Decisions
-from hypernav.robot.server.searches.journal import EndRecord, Journal, StepRecord
+from hypernav.robot.server.searches.journal import ClosedSpans, EndRecord, Journal, StepRecord
 from hypernav.robot.server.searches.standing import Standing, Turn, end_reply
 from hypernav.robot.server.searches.threads import Bell, Worker
 from hypernav.robot.wire.frames import PackedObservation, unpack_observation
+from hypernav.robot.wire.no_entry import NoEntryArea, NoEntryRequest
 from hypernav.robot.wire.replies import Reply, SearchEnding, SearchState, Status
 
 _LOG = logging.getLogger(__name__)
@@ -64,6 +68,10 @@ class Search:
         self._worker: Worker | None = None
         self._last_worker: Worker | None = None  # it may still save what the search learned
         self._is_end_kept = journal.end is not None
+        self._closed = journal.closed
+        self._next_decision = journal.step_count
+        self._closing = threading.Lock()  # its own, so that STOP never waits for the disk
+        self._keeps_out = False
         self._may_decide = threading.Event()
         if not journal.is_paused:
             self._may_decide.set()
@@ -171,7 +179,7 @@ class Search:
         Args:
             decisions: Agent that has its goal and has seen nothing.
         """
-        self._decisions = decisions
+        self._decisions, self._keeps_out = decisions, decisions.keeps_out
         self._worker = Worker(f"search {self.record.id[:8]}", self._fail)
         if (last := self._now.last) is not None:
             with self._lock:
@@ -259,6 +267,61 @@ class Search:
             else:
                 self._may_decide.set()
 
+    @property
+    def closed(self) -> tuple[NoEntryArea, ...]:
+        """The places that the robot is not to enter."""
+        return self._closed.now
+
+    def close_area(self, request: NoEntryRequest) -> NoEntryArea:
+        """Close a place to the robot, from its next decision on.
+
+        Raises:
+            RequestRefusedError: The search is over, its agent can't keep out of places, the place
+                is not on the map or the robot stands in it, or there are too many.
+            RunFolderError: It cannot be noted on disk; nothing has changed.
+        """
+        with self._closing:
+            self._check_can_close()
+            self._keep_closed(added(self._closed, request, self._now, self._next_decision))
+            return self._closed.spans[-1].area
+
+    def open_area(self, number: int) -> tuple[NoEntryArea, ...]:
+        """Let the robot enter a place again, from its next decision on.
+
+        Returns:
+            The places that stay closed.
+
+        Raises:
+            RequestRefusedError: There is none of this number, or the search is over.
+            RunFolderError: It cannot be noted on disk; nothing has changed.
+        """
+        with self._closing:
+            self._check_can_close()
+            self._keep_closed(removed(self._closed, number, self._next_decision))
+            return self._closed.now
+
+    def _check_can_close(self) -> None:
+        words = ""
+        if self._now.end is not None:
+            words = "the search is over; close places while a search is under way"
+        elif not self._keeps_out:
+            words = "the agent of this search can't be told where not to go; use STOP or pause"
+        if words:
+            raise RequestRefusedError(words, error="no-entry", status=409)
+
+    def _keep_closed(self, closed: ClosedSpans) -> None:
+        """Note a change on disk before it counts, with the lock of the closed places held."""
+        self._journal.write_closed(closed)
+        self._closed = closed
+        with self._lock:
+            self._tell(self._now)
+
+    def _closed_for(self, turn: Turn) -> tuple[ClosedArea, ...]:
+        """What the decision about an observation heeds; later changes count for the next one."""
+        with self._closing:
+            self._next_decision = turn.sequence + 1
+            return self._closed.at(turn.sequence)
+
     def write_end(self) -> None:
         """Write the end of the search to disk, if it is over.
 
@@ -312,7 +375,7 @@ class Search:
                 offered_s = monotonic()  # the pause is nobody's delay
                 if not self._is_wanted():
                     return
-            step, grid = self._decisions.decide(packed, seen)
+            step, grid = self._decisions.decide(packed, seen, self._closed_for(turn))
             self._answer(turn, step, grid)
             self._pace.note(step.trace, offered_s)
 
@@ -351,7 +414,8 @@ class Search:
                 if not self._is_wanted():
                     return
                 packed = unpack_observation(self._journal.observation(last.sequence))
-                step, grid = self._decisions.decide(packed, self._decisions.check(packed))
+                seen = self._decisions.check(packed)
+                step, grid = self._decisions.decide(packed, seen, self._closed_for(last))
                 self._answer(last, step, grid)
 
     def _is_wanted(self) -> bool:
