@@ -168,6 +168,16 @@ class ForeignFolder:
                 os.close(descriptor)
 
 
+def read_own(path: Path) -> bytes:
+    """The content of a regular file that is its folder's own.
+
+    Raises:
+        OSError: It can't be read; a `NotOwnError` for a link, a pipe, a device or a socket.
+    """
+    with ForeignFolder(path.parent) as folder:
+        return folder.read(path.name)
+
+
 def _opened(name: str, flags: int, parent: int, mode: int = 0o666) -> int:
     """A descriptor of what is in a folder, which is no link."""
     try:

@@ -1,11 +1,10 @@
 """Runs the exam: asks every question once, several at a time, and resumes after a kill."""
 
-import os
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from hypernav.core.errors import OutputError, RunFolderError
-from hypernav.lab.evaluation.store.record_file import append_line
+from hypernav.lab.evaluation.store.record_file import append_line, file_content, write_whole
 from hypernav.lab.evaluation.store.run_store import keep_configuration
 from hypernav.lab.exam.bank import Bank, Gather
 from hypernav.lab.exam.examinee import Examinee
@@ -268,10 +267,8 @@ def _collect(running: set[Future[Answered]], add: Callable[[Answered], None], mo
 
 def _whole_lines(path: Path) -> list[bytes]:
     """The lines of a file; a last one that a kill cut off is removed from it."""
-    with suppress(FileNotFoundError):
-        content = path.read_bytes()
-        end = content.rfind(b"\n") + 1
-        if end < len(content):
-            os.truncate(path, end)
-        return content[:end].splitlines()
-    return []
+    content = file_content(path)
+    end = content.rfind(b"\n") + 1
+    if end < len(content):
+        write_whole(path, content[:end])
+    return content[:end].splitlines()
