@@ -168,14 +168,18 @@ class ForeignFolder:
                 os.close(descriptor)
 
 
-def read_own(path: Path) -> bytes:
+def read_own(path: Path, *, most: int = MOST_BYTES) -> bytes:
     """The content of a regular file that is its folder's own.
+
+    Args:
+        path: The file.
+        most: Largest size that is read, bytes.
 
     Raises:
         OSError: It can't be read; a `NotOwnError` for a link, a pipe, a device or a socket.
     """
     with ForeignFolder(path.parent) as folder:
-        return folder.read(path.name)
+        return folder.read(path.name, most=most)
 
 
 def _opened(name: str, flags: int, parent: int, mode: int = 0o666) -> int:

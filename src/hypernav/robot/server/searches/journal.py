@@ -34,8 +34,8 @@ from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.errors import HyPerNavError, RunFolderError
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
-from hypernav.io.reading import read_file
-from hypernav.io.writing import AppendOnlyFile
+from hypernav.io.foreign_folder import read_own
+from hypernav.io.writing import AppendOnlyFile, own_descriptor
 from hypernav.robot.wire.frames import unpack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding, StartInMemory
 from hypernav.robot.wire.requests import OpenSearch
@@ -393,7 +393,7 @@ class Journal:
         file = self.folder / _PAUSED_FILE
         try:
             if is_paused:
-                file.touch()
+                os.close(own_descriptor(file))
             else:
                 file.unlink(missing_ok=True)
         except OSError as error:
@@ -416,7 +416,7 @@ class Journal:
 
 def _read(path: Path, model: type[_Model]) -> _Model:
     try:
-        return model.model_validate_json(read_file(path, most=_MOST_BYTES))
+        return model.model_validate_json(read_own(path, most=_MOST_BYTES))
     except OSError as error:
         raise RunFolderError(f"cannot read {path}: {error.strerror}") from error
     except (ValidationError, HyPerNavError) as error:
@@ -431,8 +431,7 @@ def _write_whole(path: Path, content: BaseModel) -> None:
     """Replace a file in one step and wait for the disk; uses the space reserved for it."""
     fresh = _fresh(path)
     try:
-        fresh.touch()
-        with fresh.open("r+b") as file:
+        with open(own_descriptor(fresh), "r+b") as file:
             file.write(content.model_dump_json(indent=1).encode())
             file.truncate()
             file.flush()
