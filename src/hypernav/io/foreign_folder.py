@@ -117,14 +117,6 @@ class ForeignFolder:
                 raise
             return descriptor
 
-    def to_write(self, name: str, flags: int, mode: int = 0o666) -> int:
-        """As `descriptor_of`, to write in place: the file has no other name elsewhere."""
-        descriptor = self.descriptor_of(name, flags, mode)
-        if os.fstat(descriptor).st_nlink > 1:
-            os.close(descriptor)
-            raise NotOwnError(errno.EMLINK, f"{name} is also a file elsewhere (a hard link)")
-        return descriptor
-
     def make_folder(self, name: str) -> None:
         """Make a folder, unless it is there."""
         with self._parent(name) as (parent, last):
@@ -174,6 +166,20 @@ class ForeignFolder:
         finally:
             if descriptor != self._descriptor:
                 os.close(descriptor)
+
+
+def read_own(path: Path, *, most: int = MOST_BYTES) -> bytes:
+    """The content of a regular file that is its folder's own.
+
+    Args:
+        path: The file.
+        most: Largest size that is read, bytes.
+
+    Raises:
+        OSError: It can't be read; a `NotOwnError` for a link, a pipe, a device or a socket.
+    """
+    with ForeignFolder(path.parent) as folder:
+        return folder.read(path.name, most=most)
 
 
 def _opened(name: str, flags: int, parent: int, mode: int = 0o666) -> int:

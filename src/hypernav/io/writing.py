@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TextIO
 
 from hypernav.core.errors import OutputError
-from hypernav.io.foreign_folder import ForeignFolder
+from hypernav.io.foreign_folder import ForeignFolder, NotOwnError
 
 
 def lacks_room(error: OSError) -> str:
@@ -42,6 +42,25 @@ def csv_file(path: Path) -> Iterator[TextIO]:
     write_whole(path, file.getvalue())
 
 
+def own_descriptor(path: Path, how: int = 0, mode: int = 0o666) -> int:
+    """A descriptor of a file to write in place, which is made if missing.
+
+    Args:
+        path: The file.
+        how: More flags, as for `os.open`.
+        mode: Permissions of a new file.
+
+    Raises:
+        OSError: It can't be opened; a `NotOwnError` if it is not only its folder's own.
+    """
+    with ForeignFolder(path.parent) as folder:
+        descriptor = folder.descriptor_of(path.name, os.O_RDWR | os.O_CREAT | how, mode)
+    if os.fstat(descriptor).st_nlink > 1:
+        os.close(descriptor)
+        raise NotOwnError(errno.EMLINK, f"{path.name} is also a file elsewhere (a hard link)")
+    return descriptor
+
+
 class AppendOnlyFile:
     """Appends bytes completely or not at all, and passes them to the operating system at once.
 
@@ -63,10 +82,11 @@ class AppendOnlyFile:
         Raises:
             OSError: It cannot be opened.
         """
-        how = os.O_RDONLY if to_read else os.O_RDWR | os.O_APPEND | os.O_CREAT
-        with ForeignFolder(path.parent) as folder:
-            opened = folder.descriptor_of if to_read else folder.to_write
-            descriptor = opened(path.name, how, mode)
+        if to_read:
+            with ForeignFolder(path.parent) as folder:
+                descriptor = folder.descriptor_of(path.name, os.O_RDONLY)
+        else:
+            descriptor = own_descriptor(path, os.O_APPEND, mode)
         self._file = open(descriptor, "rb" if to_read else "a+b", 0)  # noqa: SIM115
         self.size = self._file.seek(0, os.SEEK_END)
 

@@ -1,6 +1,7 @@
 """The exam against a server that knows everything, and makes one mistake all the time."""
 
 import json
+import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from hypernav.lab.exam.gathering import questions_of
 from hypernav.lab.exam.marks import marks_of
 from hypernav.lab.exam.questions import Answered, ExamQuestion, Kind
 from hypernav.lab.exam.results import Examined, differences_of, digest_of, write_results
-from hypernav.lab.exam.sitting import ANSWERS, Progress, sit
+from hypernav.lab.exam.sitting import ANSWERS, Progress, read_answers, sit
 from hypernav.search.models.chat.vlm_spec import open_chat
 from servers.scripted import Personality, ScriptedServer
 from small_worlds import small_config
@@ -164,6 +165,20 @@ def test_a_killed_exam_goes_on_and_equals_a_whole_one(exam: Exam):
     ]
     assert before < calls
     assert exam.asked <= calls - 12  # nothing that was answered is asked again
+
+
+@pytest.mark.parametrize("kind", ["link", "pipe"])
+def test_an_exam_from_a_stranger_leads_to_no_file_elsewhere(tmp_path: Path, kind: str):
+    mine, folder = tmp_path / "mine", tmp_path / "exam"
+    mine.write_text("my only copy, without a line's end")
+    folder.mkdir()
+    if kind == "link":
+        (folder / ANSWERS).symlink_to(mine)
+    else:
+        os.mkfifo(folder / ANSWERS)
+    with pytest.raises(RunFolderError, match=f"is a {kind}"):
+        read_answers(folder)
+    assert mine.read_text() == "my only copy, without a line's end"
 
 
 def test_there_is_a_forecast_after_ten_answers(exam: Exam):

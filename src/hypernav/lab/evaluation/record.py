@@ -113,7 +113,7 @@ class EpisodeRecord(EpisodeLine):
     unusable_answers: dict[str, int] = Field(default_factory=dict)
     tokens_in: int = 0
     tokens_out: int = 0
-    saved: str = ""
+    saved: str = Field("", pattern=r"^(episodes/[a-z0-9-]{1,200})?$")
     life: str = ""
     goal_number: int = 1
     seconds: dict[str, float] = Field(default_factory=dict)

@@ -13,7 +13,7 @@ import numpy as np
 from hypernav.app.build.exam_file import VERSION
 from hypernav.app.show.templating import data_uri, page_environment, plain
 from hypernav.core.errors import OutputError
-from hypernav.io.reading import read_file
+from hypernav.io.foreign_folder import read_own
 from hypernav.io.writing import write_whole
 from hypernav.lab.evaluation.checks.findings import Finding, State
 from hypernav.lab.evaluation.statistics import Comparison, compare, holm
@@ -244,7 +244,7 @@ def _examples(folder: Path, answers: Sequence[Answered]) -> list[dict[str, Any]]
     found, kinds = [], set[str]()
     for one in sorted(answers, key=lambda one: one.kind in kinds or bool(kinds.add(one.kind))):
         try:
-            picture = read_file(picture_of(folder, one.id))
+            picture = read_own(picture_of(folder, one.id))
         except OSError:
             continue
         said = next((e.answer for e in one.exchanges if e.by_model), "")

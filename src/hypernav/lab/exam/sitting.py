@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from hypernav.core.errors import OutputError, RunFolderError
-from hypernav.lab.evaluation.store.record_file import append_line, cut_file, file_content
+from hypernav.lab.evaluation.store.record_file import append_line, file_content, write_whole
 from hypernav.lab.evaluation.store.run_store import keep_configuration
 from hypernav.lab.exam.bank import Bank, Gather
 from hypernav.lab.exam.examinee import Examinee
@@ -267,8 +267,8 @@ def _collect(running: set[Future[Answered]], add: Callable[[Answered], None], mo
 
 def _whole_lines(path: Path) -> list[bytes]:
     """The lines of a file; a last one that a kill cut off is removed from it."""
-    content = file_content(path) if path.exists() else b""
+    content = file_content(path)
     end = content.rfind(b"\n") + 1
     if end < len(content):
-        cut_file(path, end)
+        write_whole(path, content[:end])
     return content[:end].splitlines()

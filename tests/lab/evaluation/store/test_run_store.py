@@ -8,9 +8,11 @@ import time
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
 from eval_runs import apart, record
 from hypernav.core.errors import RunFolderError
+from hypernav.lab.evaluation.record import EpisodeRecord
 from hypernav.lab.evaluation.store.run_store import (
     EPISODES_FILE,
     UNENDED,
@@ -256,6 +258,30 @@ def test_every_start_has_a_line_from_its_first_moment(tmp_path, caplog):
     ]
     assert found[0].workers == 2
     assert caplog.text.count("left out") == 2
+
+
+@pytest.mark.parametrize("name", ["run.json", "episodes.jsonl", "sessions.jsonl"])
+@pytest.mark.parametrize("kind", ["link", "link to nowhere", "pipe"])
+def test_a_report_reads_only_files_of_the_runs_own(tmp_path, name, kind):
+    folder = tmp_path / "run"
+    with store(folder) as run:
+        run.add(record())
+        run.write_session(Session(began="now"))
+    path = folder / name
+    path.rename(tmp_path / "elsewhere")
+    if kind == "pipe":
+        os.mkfifo(path)
+    else:
+        path.symlink_to(tmp_path / ("elsewhere" if kind == "link" else "nowhere"))
+    with pytest.raises(RunFolderError, match=f"{name} cannot be read: .* is a (link|pipe)"):
+        read_configuration(folder), read_records(folder), read_sessions(folder)
+
+
+@pytest.mark.parametrize("saved", ["../elsewhere", "/etc", "episodes/..", "episodes/" + "x" * 5000])
+def test_a_run_names_no_page_outside_its_folder(saved):
+    line = record().model_dump() | {"saved": saved}
+    with pytest.raises(ValidationError, match="saved"):
+        EpisodeRecord.model_validate(line)
 
 
 @pytest.mark.parametrize(

@@ -1,9 +1,16 @@
 """Records survive whatever cuts the file short: all but the last, whole."""
 
+import os
+from contextlib import closing
+
 import pytest
 
+from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.errors import RunFolderError
-from hypernav.robot.server.searches.journal import RecordFile
+from hypernav.robot.server.searches.journal import EndRecord, Journal, RecordFile, SearchRecord
+from hypernav.robot.wire.replies import SearchEnding
+from hypernav.robot.wire.requests import OpenSearch
 
 RECORDS = [b"first", b"", b"\x00" * 40, b"last of all"]
 
@@ -91,3 +98,39 @@ def test_zeros_after_the_last_record_are_no_records(tmp_path):
     file.append(b"new", sync=False)
     assert all_of(file) == [*RECORDS, b"new"]
     file.close()
+
+
+SEARCH = SearchRecord(
+    id="0" * 32,
+    opened_s=0.0,
+    version="0",
+    words="",
+    request=OpenSearch(goal="bed"),
+    specs=ComponentSpecs(),
+    config=HyPerNavConfig(),
+)
+
+
+@pytest.mark.parametrize("name", [".end.json.new", "paused", "search.json"])
+@pytest.mark.parametrize("kind", ["link", "hard link", "pipe"])
+def test_a_search_from_a_stranger_leads_to_no_file_elsewhere(tmp_path, name, kind):
+    mine, folder = tmp_path / "mine", tmp_path / "search"
+    Journal.create(folder, SEARCH).close()
+    mine.write_bytes((folder / "search.json").read_bytes())
+    (folder / name).unlink(missing_ok=True)
+    match kind:
+        case "link":
+            (folder / name).symlink_to(mine)
+        case "hard link":
+            os.link(mine, folder / name)
+        case "pipe":
+            os.mkfifo(folder / name)
+    before, told = mine.read_bytes(), ""
+    try:
+        with closing(Journal(folder)) as journal:
+            journal.write_paused(True)
+            journal.write_end(EndRecord(ending=SearchEnding.FOUND), {}, last_floor=1)
+    except RunFolderError as error:
+        told = str(error)
+    assert mine.read_bytes() == before
+    assert bool(told) != (kind == "hard link" and name == "search.json"), told  # only read

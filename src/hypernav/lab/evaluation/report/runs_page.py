@@ -14,8 +14,8 @@ from urllib.parse import quote
 from hypernav.app.show.templating import page_environment
 from hypernav.core.episode import Outcome
 from hypernav.core.errors import RunFolderError
+from hypernav.io.foreign_folder import read_own
 from hypernav.io.parsing import parse_json
-from hypernav.io.reading import read_file
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.record import EpisodeRecord
 from hypernav.lab.evaluation.store.run_store import (
@@ -154,7 +154,7 @@ def _search(folder: Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """
     path = folder / RESULT_FILE
     try:
-        result = parse_json(read_file(path))
+        result = parse_json(read_own(path))
         outcome = Outcome(result["outcome"])
         search = {
             "key": f"{result['scene']}/{result['goal']}/{result.get('seed', '')}",

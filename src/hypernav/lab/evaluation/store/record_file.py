@@ -12,8 +12,7 @@ from pydantic import ValidationError
 
 from hypernav.core.errors import RunFolderError
 from hypernav.io import writing
-from hypernav.io.foreign_folder import NotOwnError
-from hypernav.io.reading import read_file
+from hypernav.io.foreign_folder import NotOwnError, read_own
 from hypernav.io.writing import AppendOnlyFile
 from hypernav.lab.evaluation.record import EpisodeKey, EpisodeLine
 
@@ -27,19 +26,6 @@ def append_line(path: Path, line: str) -> None:
     try:
         with closing(AppendOnlyFile(path)) as file:
             file.append(line.encode() + b"\n", sync=True)
-    except OSError as error:
-        raise _unwritable(path, error) from error
-
-
-def cut_file(path: Path, size: int) -> None:
-    """Keep the first bytes of a file only.
-
-    Raises:
-        RunFolderError: The file can't be written.
-    """
-    try:
-        with closing(AppendOnlyFile(path)) as file:
-            file.cut(size)
     except OSError as error:
         raise _unwritable(path, error) from error
 
@@ -115,8 +101,6 @@ def read_record_file(path: Path, kind: type[Record]) -> dict[EpisodeKey, Record]
     Raises:
         RunFolderError: A line cannot be read, or an episode is there twice.
     """
-    if not path.exists():
-        return {}
     records: dict[EpisodeKey, Record] = {}
     for number, line in enumerate(file_content(path).splitlines(), start=1):
         try:
@@ -136,21 +120,21 @@ def read_record_file(path: Path, kind: type[Record]) -> dict[EpisodeKey, Record]
 
 
 def file_content(path: Path) -> bytes:
-    """The bytes of a file of the folder.
+    """The bytes of a file of the folder; empty where there is none.
 
     Raises:
-        RunFolderError: It cannot be read.
+        RunFolderError: It cannot be read, or is no file of the folder's own.
     """
     try:
-        return read_file(path)
+        return read_own(path)
+    except FileNotFoundError:
+        return b""
     except OSError as error:
         raise RunFolderError(f"{path} cannot be read: {error.strerror or error}") from error
 
 
 def _repair_last_line(path: Path, kind: type[Record]) -> None:
     """Move a truncated last line to a file of its own."""
-    if not path.exists():
-        return
     content = file_content(path)
     start = content.rstrip(b"\n").rfind(b"\n") + 1
     last = content[start:]

@@ -22,8 +22,8 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from hypernav.core.errors import RunFolderError
 from hypernav.io.folder_lock import folder_lock
+from hypernav.io.foreign_folder import read_own
 from hypernav.io.parsing import parse_json
-from hypernav.io.reading import read_file
 from hypernav.lab.evaluation.record import EpisodeKey, EpisodeRecord
 from hypernav.lab.evaluation.store.record_file import (
     RecordFile,
@@ -193,7 +193,7 @@ def read_configuration(folder: Path) -> dict[str, Any]:
     """
     path = folder / RUN_FILE
     try:
-        content = parse_json(read_file(path))
+        content = parse_json(read_own(path))
     except FileNotFoundError as error:
         if not folder.is_dir():
             raise RunFolderError(f"there is no folder {folder}; check the path") from error
@@ -201,7 +201,9 @@ def read_configuration(folder: Path) -> dict[str, Any]:
             f"{folder} is not the folder of an evaluation: there is no {RUN_FILE} in it; to see "
             "single searches: hypernav runs"
         ) from error
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        raise RunFolderError(f"{path} cannot be read: {error.strerror or error}") from error
+    except ValueError as error:
         raise RunFolderError(f"{path} cannot be read: {error}") from error
     if not isinstance(content, dict) or not isinstance(content.get("configuration"), dict):
         raise RunFolderError(f"{path} holds no configuration; was it edited?")
@@ -256,7 +258,7 @@ def _shown(values: Mapping[str, Any], key: str) -> str:
 
 def _whole_lines(path: Path) -> bytes:
     """The content of a file of lines, its last line terminated; empty if there is no file."""
-    content = file_content(path) if path.exists() else b""
+    content = file_content(path)
     return content if content.endswith(b"\n") or not content else content + b"\n"
 
 

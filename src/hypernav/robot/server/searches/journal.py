@@ -26,7 +26,7 @@ import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import BinaryIO, TypeVar
+from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -36,9 +36,8 @@ from hypernav.core.errors import HyPerNavError, RunFolderError
 from hypernav.core.geometry.closed_area import ClosedArea
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
-from hypernav.io.foreign_folder import ForeignFolder
-from hypernav.io.reading import read_file
-from hypernav.io.writing import AppendOnlyFile
+from hypernav.io.foreign_folder import read_own
+from hypernav.io.writing import AppendOnlyFile, own_descriptor
 from hypernav.robot.wire.frames import unpack_observation
 from hypernav.robot.wire.no_entry import NoEntryArea
 from hypernav.robot.wire.replies import Reply, SearchEnding, StartInMemory
@@ -432,8 +431,7 @@ class Journal:
         file = self.folder / _PAUSED_FILE
         try:
             if is_paused:
-                with ForeignFolder(self.folder) as folder:
-                    _opened(folder, _PAUSED_FILE).close()
+                os.close(own_descriptor(file))
             else:
                 file.unlink(missing_ok=True)
         except OSError as error:
@@ -474,7 +472,7 @@ class Journal:
 
 def _read(path: Path, model: type[_Model]) -> _Model:
     try:
-        return model.model_validate_json(read_file(path, most=_MOST_BYTES))
+        return model.model_validate_json(read_own(path, most=_MOST_BYTES))
     except OSError as error:
         raise RunFolderError(f"cannot read {path}: {error.strerror}") from error
     except (ValidationError, HyPerNavError) as error:
@@ -489,19 +487,14 @@ def _write_whole(path: Path, content: BaseModel) -> None:
     """Replace a file in one step and wait for the disk; uses the space reserved for it."""
     fresh = _fresh(path)
     try:
-        with ForeignFolder(path.parent) as folder, _opened(folder, fresh.name) as file:
+        with open(own_descriptor(fresh), "r+b") as file:
             file.write(content.model_dump_json(indent=1).encode())
             file.truncate()
             file.flush()
             os.fsync(file.fileno())
-            folder.rename(fresh.name, path.name)
+        fresh.replace(path)
     except OSError as error:
         raise RunFolderError(f"{path} cannot be written: {error.strerror}") from error
-
-
-def _opened(folder: ForeignFolder, name: str) -> BinaryIO:
-    """A file of the folder's own, to be written in place; made if missing."""
-    return open(folder.to_write(name, os.O_WRONLY | os.O_CREAT), "wb")
 
 
 def _fresh(path: Path) -> Path:
