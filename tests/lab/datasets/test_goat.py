@@ -130,3 +130,9 @@ def test_goal_types_that_cannot_be_run_are_refused(text, message):
 def test_goal_types_are_named_with_commas():
     assert goal_types_in("description, object") == ("description", "object")
     assert goal_types_in("object") == ("object",)
+
+
+def test_a_life_of_three_hundred_thousand_goals_is_refused(tmp_path):
+    """A bound that real lives are far from: else a file of 50 kB takes a minute to read."""
+    with pytest.raises(EpisodeError, match="field 'tasks': list should have at most 1000 items"):
+        goals(tmp_path, tasks=[("chair", "object", None)] * 300_000)

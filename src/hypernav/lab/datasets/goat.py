@@ -38,6 +38,8 @@ _WORDS = {
     "image": "image",
     LONG_DESCRIPTION: "over-long description",
 }
+_MOST_TASKS = 1_000
+"""Most goals of a life; the benchmark's have 5 to 10."""
 _MOST_WORDS = 55
 """Greatest number of words of a description, counted by single spaces, as the code does."""
 
@@ -125,7 +127,7 @@ class GoatEpisode(BaseModel):
         scene_id: File of the scene within its data set.
         start_position: Start position, Habitat's frame, metres.
         start_rotation: Start rotation, quaternion ``[x, y, z, w]``.
-        tasks: Goals in their order.
+        tasks: Goals in their order, at most 1,000.
     """
 
     model_config = ConfigDict(frozen=True, extra="allow")
@@ -133,7 +135,9 @@ class GoatEpisode(BaseModel):
     scene_id: str
     start_position: Position
     start_rotation: Quaternion
-    tasks: list[Annotated[GoatTask, BeforeValidator(_first_three)]]
+    tasks: Annotated[
+        list[Annotated[GoatTask, BeforeValidator(_first_three)]], Field(max_length=_MOST_TASKS)
+    ]
 
 
 class GoatFile(BaseModel):
