@@ -196,7 +196,7 @@ def test_report_compares_runs_and_writes_csv_and_tex(runs, tmp_path):
     ("arguments", "words"),
     [
         ([], "name at least one folder"),
-        (["nowhere"], "no run.json"),
+        (["nowhere"], "there is no folder nowhere"),
         (["nowhere", "--compare"], "at least two"),
     ],
 )

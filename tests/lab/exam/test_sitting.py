@@ -181,6 +181,15 @@ def test_an_exam_from_a_stranger_leads_to_no_file_elsewhere(tmp_path: Path, kind
     assert mine.read_text() == "my only copy, without a line's end"
 
 
+def test_a_half_line_is_cut_off_in_the_folder_only(tmp_path: Path):
+    mine = tmp_path / "mine"
+    mine.write_text("whole\nnot whole")
+    (tmp_path / ANSWERS).hardlink_to(mine)
+    with pytest.raises(RunFolderError):  # no line of it is an answer
+        read_answers(tmp_path)
+    assert mine.read_text() == "whole\nnot whole"
+
+
 def test_there_is_a_forecast_after_ten_answers(exam: Exam):
     exam.sit()
     by_done = {one.answered_here: one for one in exam.progress}

@@ -60,6 +60,7 @@ class SearchRecord:
         return require("pandas", extra="notebook").DataFrame([_row(step) for step in self.steps])
 
     def __repr__(self) -> str:
+        """One line, without the steps."""
         figures = ", ".join(f"{name} {value}" for name, value in _figures(self.result).items())
         return f"SearchRecord({self.goal}: {figures}; {self.folder}/index.html)"
 

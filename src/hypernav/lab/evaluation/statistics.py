@@ -57,13 +57,11 @@ class Comparison:
         p_value: Two-sided p-value of a permutation test that swaps the runs scene by scene: how
             often a difference at least as large arises by chance.
         least_p_value: The smallest that so few scenes can give, however large the difference.
-        scenes: Number of scenes, or of episodes if there is one scene.
     """
 
     difference: Estimate
     p_value: float
     least_p_value: float
-    scenes: int
 
 
 @dataclass(frozen=True)
@@ -134,7 +132,7 @@ def ratio_with_interval(
     """
     numbers, weights = (np.asarray(each, dtype=np.float64) for each in (values, references))
     if numbers.size == 0:
-        return Estimate(float("nan"), float("nan"), float("nan"), 0)
+        return Estimate(float("nan"), float("nan"), float("nan"))
     clusters = _clusters(scenes)
     sums, totals = (np.bincount(clusters, weights=each) for each in (numbers, weights))
     rng = rng or np.random.default_rng(_SEED)
@@ -171,7 +169,7 @@ def compare(
         return Comparison(difference, float("nan"), float("nan"), 0)
     sums = np.bincount(_clusters(scenes), weights=gaps)
     least = 0.5 ** (sums.size - 1)  # all signs equal, or all turned
-    return Comparison(difference, _flip_p_value(sums, rng, draws), least, sums.size)
+    return Comparison(difference, _flip_p_value(sums, rng, draws), least)
 
 
 def holm(p_values: Sequence[float]) -> list[float]:

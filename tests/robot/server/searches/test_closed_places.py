@@ -42,12 +42,12 @@ def test_a_search_drives_around_a_closed_place(tmp_path, is_restarted):
         closed = link.call("POST", f"{search}/no-entry", AHEAD)
         assert closed.status == 201, closed.content
         assert closed.json == AHEAD | {"floor": 1, "number": 0}
-        if not is_restarted:
-            nearest_m, ending = driven(link, search, room, 1)
-    if is_restarted:
+        end = None if is_restarted else driven(link, search, room, 1)
+    if end is None:
         with robot_server(tmp_path, real_plan, port=port) as link:
             assert link.call("GET", f"{search}/no-entry").json == [closed.json]
-            nearest_m, ending = driven(link, search, room, 1)
+            end = driven(link, search, room, 1)
+    nearest_m, ending = end
     assert nearest_m >= AHEAD["radius_m"]
     assert ending == "found"
 
@@ -118,7 +118,7 @@ def test_the_python_client_closes_and_opens_places(tmp_path):
         name = search.rpartition("/")[2]
         address = ServerAddress.of(f"http://127.0.0.1:{link.port}")
         with closing(HttpServer(address)) as server:
-            area = server.close_area(name, NoEntryRequest(**AHEAD))
+            area = server.close_area(name, NoEntryRequest.model_validate(AHEAD))
             assert server.no_entry(name) == [area]
             with pytest.raises(RequestRefusedError, match="no closed area has the number 7"):
                 server.open_area(name, 7)

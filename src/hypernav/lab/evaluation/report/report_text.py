@@ -153,17 +153,13 @@ def verdict(pair: Pair) -> str:
             parts.append(f"its {name} is {size} {side} (p {p_value(compared.p_value)})")
         else:
             parts.append(f"no difference in {name} is shown (p {p_value(compared.p_value)})")
-    few = pair.spl
+    least = pair.spl.least_p_value
+    few = f" With so few scenes p is never below {least:.3f}: take episodes of six scenes or more."
     return (
         f"{pair.second} against {pair.first} on the {pair.count:,} episodes that count in both: "
         + ", and ".join(parts)
         + "."
-        + (
-            f" With {few.scenes} scenes p is at least {p_value(few.least_p_value)}, so these "
-            "episodes could not show one: take some of six scenes or more."
-            if few.least_p_value >= SIGNIFICANT
-            else ""
-        )
+        + (few if least >= SIGNIFICANT else "")
     )
 
 

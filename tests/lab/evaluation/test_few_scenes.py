@@ -1,0 +1,39 @@
+"""A comparison over few scenes says that it could not show a difference."""
+
+import pytest
+
+from hypernav.lab.evaluation.report.report_text import verdict
+from hypernav.lab.evaluation.report.tables import Pair
+from hypernav.lab.evaluation.statistics import compare, discordance
+
+
+def said_of(scenes: int) -> str:
+    """The verdict on a run that is better by far in every scene."""
+    first, second = [0.1] * scenes, [0.9] * scenes
+    names = [f"houses:{k}" for k in range(scenes)]
+    gap = compare(first, second, names)
+    pair = Pair(
+        "a",
+        "b",
+        scenes,
+        gap,
+        gap,
+        gap,
+        gap,
+        discordance([False] * scenes, [True] * scenes),
+        "scenes",
+    )
+    return verdict(pair)
+
+
+@pytest.mark.parametrize("scenes", [2, 3, 5])
+def test_few_scenes_are_named_as_the_reason(scenes: int) -> None:
+    said = said_of(scenes)
+    assert "no difference in SPL is shown" in said
+    assert "With so few scenes p is never below 0." in said
+
+
+def test_six_are_enough() -> None:
+    said = said_of(6)
+    assert "its SPL is 0.800 higher" in said
+    assert "few scenes" not in said
