@@ -73,6 +73,14 @@ def test_every_run_and_search_below_the_folder_is_shown(root: Path) -> None:
     assert search["page"] == "2026/first%20search/index.html"
 
 
+def test_a_run_says_which_of_its_values_are_not_the_usual_ones(tmp_path: Path) -> None:
+    for name, steps in (("a", 40), ("b", 40), ("c", 10)):
+        search = {"endurance_steps": steps, "max_steps": 500}
+        write_search(tmp_path / name, config={"search": search})
+    runs = {one["name"]: one["differs"] for one in overview(tmp_path).runs}
+    assert runs == {"a": "", "b": "", "c": "search.endurance_steps 10"}
+
+
 def test_an_outage_counts_in_no_rate(root: Path) -> None:
     outcomes = {one["key"]: one["counts"] for one in overview(root).searches if one["run"] == 0}
     for one in overview(root).searches:

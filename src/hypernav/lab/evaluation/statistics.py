@@ -132,7 +132,7 @@ def ratio_with_interval(
     """
     numbers, weights = (np.asarray(each, dtype=np.float64) for each in (values, references))
     if numbers.size == 0:
-        return Estimate(float("nan"), float("nan"), float("nan"))
+        return Estimate(float("nan"), float("nan"), float("nan"), 0)
     clusters = _clusters(scenes)
     sums, totals = (np.bincount(clusters, weights=each) for each in (numbers, weights))
     rng = rng or np.random.default_rng(_SEED)
@@ -166,7 +166,7 @@ def compare(
     gaps = np.asarray(second, dtype=np.float64) - np.asarray(first, dtype=np.float64)
     difference = mean_with_interval(gaps.tolist(), scenes, rng=rng, draws=draws)
     if gaps.size == 0:
-        return Comparison(difference, float("nan"), float("nan"), 0)
+        return Comparison(difference, float("nan"), float("nan"))
     sums = np.bincount(_clusters(scenes), weights=gaps)
     least = 0.5 ** (sums.size - 1)  # all signs equal, or all turned
     return Comparison(difference, _flip_p_value(sums, rng, draws), least)

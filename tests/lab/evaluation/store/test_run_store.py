@@ -274,7 +274,7 @@ def test_a_report_reads_only_files_of_the_runs_own(tmp_path, name, kind):
     else:
         path.symlink_to(tmp_path / ("elsewhere" if kind == "link" else "nowhere"))
     with pytest.raises(RunFolderError, match=f"{name} cannot be read: .* is a (link|pipe)"):
-        read_configuration(folder), read_records(folder), read_sessions(folder)
+        _ = read_configuration(folder), read_records(folder), read_sessions(folder)
 
 
 @pytest.mark.parametrize("saved", ["../elsewhere", "/etc", "episodes/..", "episodes/" + "x" * 5000])

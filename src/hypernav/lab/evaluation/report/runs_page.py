@@ -4,6 +4,7 @@ The page filters, sorts and compares by itself; nothing is averaged here.
 """
 
 import os
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -74,14 +75,16 @@ def overview(root: Path) -> Overview:
 
 
 def _say_what_differs(runs: Sequence[dict[str, Any]]) -> None:
-    """Put the values in which runs of one agent differ in place of their whole configurations."""
+    """Put the values that are not the commonest for an agent in place of whole configurations."""
     for agent in {run["agent"] for run in runs}:
         alike = [run for run in runs if run["agent"] == agent]
         configurations = [flat(run.pop("config")) for run in alike]
-        keys = sorted({key for one in configurations for key in one})
-        differing = [key for key in keys if len({str(one.get(key)) for one in configurations}) > 1]
+        keys = dict.fromkeys(key for one in configurations for key in one)
+        counts = {key: Counter(str(one.get(key)) for one in configurations) for key in keys}
+        usual = {key: count.most_common(1)[0][0] for key, count in counts.items()}
         for run, one in zip(alike, configurations, strict=True):
-            run["differs"] = ", ".join(f"{key} {one.get(key, '–')}" for key in differing)
+            differing = [key for key in usual if str(one.get(key)) != usual[key]]
+            run["differs"] = ", ".join(f"{key} {one.get(key)}" for key in differing)
 
 
 def run_folders(root: Path) -> Iterator[Path]:
