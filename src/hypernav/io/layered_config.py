@@ -2,7 +2,7 @@
 
 import difflib
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
@@ -24,9 +24,11 @@ _REASONS = {
     ("_steps",): "steps of a search",
 }
 """Reasons for the bounds, by suffixes of field names."""
-_OUT_OF_BOUNDS = frozenset(
+_EXPLAINED = frozenset(
     {
         "finite_number",
+        "float_parsing",
+        "int_parsing",
         "greater_than",
         "greater_than_equal",
         "less_than",
@@ -112,7 +114,7 @@ def _validated(model: type[ConfigT], values: dict[str, Any], *, section: str = "
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in (section, *first["loc"]) if part != "")
-        why = _reason(str(first["loc"][-1])) if first["type"] in _OUT_OF_BOUNDS else ""
+        why = _reason(str(first["loc"][-1])) if first["type"] in _EXPLAINED else ""
         raise ConfigError(f"{where}: {first['msg']}, got {_shown(first['input'])}{why}") from error
 
 
@@ -191,14 +193,18 @@ def _similar(model: type[BaseModel], key: str) -> str:
     close = difflib.get_close_matches(key, model.model_fields, n=1)
     if close:
         return f"did you mean '{close[0]}'? "
-    inside = {
-        name: outer
-        for outer, field in model.model_fields.items()
-        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel)
-        for name in field.annotation.model_fields
-    }
+    inside = dict(_names_inside(model))
     close = difflib.get_close_matches(key.rpartition(".")[2], inside, n=1)
     return f"did you mean '{close[0]}' in the section '{inside[close[0]]}'? " if close else ""
+
+
+def _names_inside(model: type[BaseModel], outer: str = "") -> Iterator[tuple[str, str]]:
+    """The keys in the sections of a model, at any depth, each with the section that holds it."""
+    for name, field in model.model_fields.items():
+        if isinstance(field.annotation, type) and issubclass(field.annotation, BaseModel):
+            section = f"{outer}{name}"
+            yield from _names_inside(field.annotation, f"{section}.")
+            yield from ((inner, section) for inner in field.annotation.model_fields)
 
 
 def _shown(value: Any) -> str:

@@ -11,6 +11,15 @@ from hypernav.lab.evaluation.ablation.switches import values_by_field
 VALUES = {value.key: value for value in config_values()}
 
 
+def test_a_value_is_found_by_its_last_name() -> None:
+    with pytest.raises(ConfigError, match=r"did you mean 'embodiment\.motion\.forward_m'"):
+        config_values("forward_m")
+    with pytest.raises(ConfigError, match=r"'forward_m' in the section 'embodiment\.motion'"):
+        HyPerNavConfig().with_(forward_m=0.25)
+    with pytest.raises(ConfigError, match=r"got '50cm' \(metres"):
+        HyPerNavConfig().with_(embodiment={"motion": {"forward_m": "50cm"}})
+
+
 def test_every_value_is_listed_once_with_its_default_in_both_presets():
     assert list(VALUES) == list(values_by_field(HyPerNavConfig()))
     assert {key: one.default for key, one in VALUES.items()} == values_by_field(preset("default"))
