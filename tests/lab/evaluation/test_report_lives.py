@@ -12,6 +12,7 @@ from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.report import lives
 from hypernav.lab.evaluation.report.report_page import write_report
 from hypernav.lab.evaluation.report.run_data import load_runs
+from hypernav.lab.evaluation.report.tables import pairs
 from hypernav.lab.evaluation.run_plan import RunPlan
 from hypernav.lab.evaluation.store.run_store import RunStore
 
@@ -102,7 +103,7 @@ def test_a_life_with_a_goal_that_does_not_count_has_no_record(tmp_path):
 
 
 def test_the_page_shows_lives_and_says_what_became_of_the_memory(tmp_path, runs):
-    page = write_report(tmp_path / "report", runs, compare=True).read_text()
+    page = write_report(tmp_path / "report", runs, pairs=pairs(runs)).read_text()
     assert "By number of the goal in its life" in page
     assert "memory: emptied before each goal" in page
     assert "memory: kept between goals" in page
@@ -129,7 +130,7 @@ def test_a_single_life_of_a_single_run_is_one_and_has_no_pairs(tmp_path, runs):
 def test_of_runs_that_differ_in_it_each_is_said_to_be_drawn_by_scenes_or_episodes(tmp_path, runs):
     alone = written(tmp_path / "alone", goals(spls={"a": SPLS["a"]}))
     both = load_runs([alone, runs[1].folder])
-    page = write_report(tmp_path / "report", both, compare=True).read_text()
+    page = write_report(tmp_path / "report", both, pairs=pairs(both)).read_text()
     assert "intervals over episodes (alone), scenes (kept)." in page
     assert "episode by episode" in page
 

@@ -137,7 +137,8 @@ def test_a_reader_is_warned_of_all_that_limits_the_numbers(good, bad):
 
 
 def test_the_page_is_whole_and_needs_no_network(good, bad, tmp_path):
-    page = write_report(tmp_path / "out", load_runs([good, bad]), compare=True).read_text()
+    runs = load_runs([good, bad])
+    page = write_report(tmp_path / "out", runs, pairs=tables.pairs(runs)).read_text()
     for text in ("hypernav", "frontier", "Under every protocol", "The protocol in full"):
         assert text in page
     assert "<script" not in page
@@ -167,7 +168,7 @@ def test_a_goal_is_text_and_never_markup(tmp_path):
 def test_runs_without_a_common_episode_cannot_be_compared(good, tmp_path):
     other = written(tmp_path / "other", [record("9", "z")], agent="frontier")
     with pytest.raises(RunFolderError, match="no episode in common"):
-        write_report(tmp_path / "out", load_runs([good, other]), compare=True)
+        tables.pairs(load_runs([good, other]))
 
 
 def test_a_run_of_outages_alone_says_so(tmp_path):

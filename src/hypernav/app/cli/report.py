@@ -74,12 +74,12 @@ def run(options: ReportOptions) -> int:
     out = options.out or (options.runs[0] / "compared" if several else options.runs[0])
     check_folder(out, REPORT_FILES)
     runs = load_runs(options.runs)
-    page = write_report(out, runs, compare=options.compare, published=options.published)
+    pairs = tables.pairs(runs) if options.compare else []
+    page = write_report(out, runs, pairs=pairs, published=options.published)
     console = Terminal(quiet=options.quiet)
     for run in runs if options.published else ():
         show_beside_paper(run.name, beside_paper(run), console)
-    if options.compare:
-        for other in runs[1:]:
-            console.print(escape(verdict(tables.pair(runs[0], other))), soft_wrap=True)
+    for pair in pairs:
+        console.print(escape(verdict(pair)), soft_wrap=True)
     console.print(f"open {page}", soft_wrap=True)
     return ExitStatus.SUCCESS

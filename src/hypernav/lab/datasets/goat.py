@@ -39,7 +39,7 @@ _WORDS = {
     LONG_DESCRIPTION: "over-long description",
 }
 _MOST_TASKS = 1_000
-"""Most goals of a life; the benchmark's have 5 to 10."""
+"""Most goals of a life; ours, the benchmark's have 5 to 10."""
 _MOST_WORDS = 55
 """Greatest number of words of a description, counted by single spaces, as the code does."""
 

@@ -23,6 +23,7 @@ from hypernav.lab.evaluation.store.run_store import (
     read_records,
     read_sessions,
 )
+from leads import lead
 
 CONFIGURATION = {"agent": "hypernav", "config": {"search": {"endurance_steps": 40}}}
 
@@ -293,13 +294,7 @@ def test_a_run_from_a_stranger_leads_to_no_file_elsewhere(tmp_path, name, kind):
     mine, folder = tmp_path / "mine", tmp_path / "run"
     mine.write_text("")
     folder.mkdir()
-    match kind:
-        case "link":
-            (folder / name).symlink_to(mine)
-        case "hard link":
-            os.link(mine, folder / name)
-        case "pipe":
-            os.mkfifo(folder / name)
+    lead(folder / name, kind, mine)
     if name == "episodes.jsonl":
         (folder / "run.json").write_text(json.dumps({"configuration": CONFIGURATION}))
     told = ""

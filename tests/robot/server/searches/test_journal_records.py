@@ -1,6 +1,5 @@
 """Records survive whatever cuts the file short: all but the last, whole."""
 
-import os
 from contextlib import closing
 
 import pytest
@@ -8,9 +7,16 @@ import pytest
 from hypernav.app.build.component_specs import ComponentSpecs
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.errors import RunFolderError
-from hypernav.robot.server.searches.journal import EndRecord, Journal, RecordFile, SearchRecord
+from hypernav.robot.server.searches.journal import (
+    EndRecord,
+    Journal,
+    RecordFile,
+    SearchRecord,
+    _write_whole,
+)
 from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch
+from leads import lead
 
 RECORDS = [b"first", b"", b"\x00" * 40, b"last of all"]
 
@@ -118,13 +124,7 @@ def test_a_search_from_a_stranger_leads_to_no_file_elsewhere(tmp_path, name, kin
     Journal.create(folder, SEARCH).close()
     mine.write_bytes((folder / "search.json").read_bytes())
     (folder / name).unlink(missing_ok=True)
-    match kind:
-        case "link":
-            (folder / name).symlink_to(mine)
-        case "hard link":
-            os.link(mine, folder / name)
-        case "pipe":
-            os.mkfifo(folder / name)
+    lead(folder / name, kind, mine)
     before, told = mine.read_bytes(), ""
     try:
         with closing(Journal(folder)) as journal:
@@ -134,3 +134,10 @@ def test_a_search_from_a_stranger_leads_to_no_file_elsewhere(tmp_path, name, kin
         told = str(error)
     assert mine.read_bytes() == before
     assert bool(told) != (kind == "hard link" and name == "search.json"), told  # only read
+
+
+def test_the_reserved_room_is_used_and_the_rest_given_back(tmp_path):
+    (tmp_path / ".end.json.new").write_bytes(bytes(4096))
+    _write_whole(tmp_path / "end.json", SEARCH)
+    assert SearchRecord.model_validate_json((tmp_path / "end.json").read_text()) == SEARCH
+    assert [one.name for one in tmp_path.iterdir()] == ["end.json"]

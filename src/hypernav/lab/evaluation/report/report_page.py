@@ -182,29 +182,27 @@ _SHOWN_FAILURES = 200
 
 
 def write_report(
-    folder: str | Path, runs: Sequence[RunData], *, compare: bool = False, published: bool = False
+    folder: str | Path,
+    runs: Sequence[RunData],
+    *,
+    pairs: Sequence[tables.Pair] = (),
+    published: bool = False,
 ) -> Path:
     """Write ``report.html``, ``report.csv``, ``report.tex``, and ``lives.json`` if there are lives.
 
     Args:
         folder: Folder of the report; created if missing.
         runs: Runs to report, at least one.
-        compare: Whether to compare every run with the first one, episode by episode.
+        pairs: Comparisons to show, such as `tables.pairs` of these runs.
         published: Whether to set every run beside the HyPerNav paper's rows.
 
     Returns:
         Path of the page; it needs no network, but links to the pages of saved episodes.
 
     Raises:
-        RunFolderError: Runs to be compared share no episode, or the folder can't be written.
+        RunFolderError: The folder can't be written.
     """
     folder = Path(folder)
-    pairs = [tables.pair(runs[0], other) for other in runs[1:]] if compare else []
-    if missing := [p for p in pairs if p.count == 0]:
-        raise RunFolderError(
-            f"{missing[0].first} and {missing[0].second} have no episode in common; only runs of "
-            "the same data set can be compared"
-        )
     page = page_environment("hypernav.lab.evaluation").get_template("report.html.j2")
     beside = [(run, beside_paper(run)) for run in runs] if published else []
     text = page.render(beside=beside, **_content(folder, runs, pairs))

@@ -120,9 +120,9 @@ class Runs(list[RunData]):
         Raises:
             RunFolderError: The runs share no episode, or the folder can't be written.
         """
-        from hypernav.lab.evaluation.report.report_page import write_report  # it imports this
+        from hypernav.lab.evaluation.report import report_page, tables  # they import this
 
-        return write_report(folder, self, compare=len(self) > 1)
+        return report_page.write_report(folder, self, pairs=tables.pairs(self))
 
     def to_pandas(self) -> "pandas.DataFrame":
         """A row for every episode of every run, with the fields of `EpisodeRecord`.

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from hypernav.core.errors import RunFolderError
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.protocol import PROTOCOLS, EvaluationProtocol, StopRule
 from hypernav.lab.evaluation.record import EpisodeRecord
@@ -244,6 +245,21 @@ def questions_a_step(runs: Sequence[RunData]) -> dict[str, list[float]]:
     steps = [max(sum(record.steps for record in run.records), 1) for run in runs]
     kinds = sorted({kind for total in totals for kind in total})
     return {kind: [t[kind] / n for t, n in zip(totals, steps, strict=True)] for kind in kinds}
+
+
+def pairs(runs: Sequence[RunData]) -> list[Pair]:
+    """Every run against the first one.
+
+    Raises:
+        RunFolderError: One shares no episode with it.
+    """
+    found = [pair(runs[0], other) for other in runs[1:]]
+    if missing := [one for one in found if one.count == 0]:
+        raise RunFolderError(
+            f"{missing[0].first} and {missing[0].second} have no episode in common; only runs of "
+            "the same data set can be compared"
+        )
+    return found
 
 
 def pair(first: RunData, second: RunData) -> Pair:

@@ -35,8 +35,8 @@ _SURE = math.log(100.0)
 """Log-likelihood ratio from which on one of both is taken for true (Wald's sequential test, 1945):
 at most one start in 100 with as many changes is refused."""
 _SURE_AT_ONCE = math.log(1e6)
-"""The same for a single image, whose patches are not independent: a cupboard that was moved may
-fill it."""
+"""The same for a single image, ours, since its patches are not independent: a cupboard that was
+moved may fill it."""
 _PATCHES_IN_A_ROW = 1e6
 """More than any map has."""
 
