@@ -75,7 +75,7 @@ OPERATORS = tuple(
 _TESTS_S = 20.0
 """Recorded processor time of the tests of each stage that a mutant has to survive."""
 _FILE_S = 40.0
-"""Processor time after which no other test of a file is recorded."""
+"""Processor time after which a test is not recorded, nor any other of its file."""
 _LEAST_S, _TIMES = 10.0, 20.0
 """Processor time that a test may take with a mutant, and how much more than without."""
 _MOST_S, _MEMORY = 900, 12 * 2**30
@@ -225,10 +225,15 @@ class Session:
         self._cover.set_option("run:disable_warnings", ["no-data-collected"])
         self._cover.start()
         tests: dict[str, float] = {}
+        spent, late = 0.0, list[str]()
         for item, following in pairwise([*items, None]):
+            if spent >= _FILE_S:
+                break
             began = time.process_time()
-            if sum(tests.values()) < _FILE_S and self._passes(item, following):
-                tests[item.nodeid] = time.process_time() - began
+            passes = self._passes(item, following, _FILE_S, late)
+            spent += (took := time.process_time() - began)
+            if passes:
+                tests[item.nodeid] = took
         self._cover.stop()
         data, lines = self._cover.get_data(), dict[str, dict[str, int]]()
         for path in data.measured_files():
@@ -241,25 +246,28 @@ class Session:
     def fate(self, tests: Mapping[str, float]) -> _Fate:
         """Run tests until one fails."""
         late = list[str]()
-
-        def stop(*_: object) -> None:
-            late.append(item.nodeid)
-            raise _LateError
-
-        signal.signal(signal.SIGPROF, stop)
         for item, following in pairwise([*(self.items[n] for n in tests if n in self.items), None]):
-            signal.setitimer(signal.ITIMER_PROF, _LEAST_S + _TIMES * tests[item.nodeid])
-            passes = self._passes(item, following)
-            signal.setitimer(signal.ITIMER_PROF, 0.0)
+            passes = self._passes(item, following, _LEAST_S + _TIMES * tests[item.nodeid], late)
             if not passes and item.nodeid not in late:
                 return {"fate": "killed", "by": item.nodeid}
             if len(late) == 2:
                 break
         return {"fate": "out of time", "by": late[0]} if late else {"fate": "survived"}
 
-    def _passes(self, item: pytest.Item, following: pytest.Item | None) -> bool:
+    def _passes(
+        self, item: pytest.Item, following: pytest.Item | None, within_s: float, late: list[str]
+    ) -> bool:
+        """Whether a test passes; it ends, and is noted as late, after this processor time."""
+
+        def stop(*_: object) -> None:
+            late.append(item.nodeid)
+            raise _LateError
+
         self._failed = False
+        signal.signal(signal.SIGPROF, stop)
+        signal.setitimer(signal.ITIMER_PROF, within_s)
         item.ihook.pytest_runtest_protocol(item=item, nextitem=following)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
         return not self._failed
 
     def pytest_sessionstart(self) -> None:

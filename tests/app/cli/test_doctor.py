@@ -245,7 +245,8 @@ def test_a_hanging_server_is_given_up(server: ScriptedServer, capsys: pytest.Cap
     server.plan.append("hang")
     status, lines = examine(capsys, server.spec, "--set", "chat.timeout_s=0.2")
     assert status == 1
-    assert "no answer within 0.2 s" in faults(lines)[0]
+    told = re.search(r": no answer within ([0-9.]+) s$", faults(lines)[0])
+    assert told and 0.2 <= float(told[1]) < 10.0  # what it waited, which a busy machine prolongs
 
 
 def broken_list(talk: Talk) -> None:

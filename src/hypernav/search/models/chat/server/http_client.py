@@ -141,7 +141,7 @@ class HttpClient:
         except TimeoutError as error:
             waited_s = max(time.monotonic() - begin, deadline.limit_s)
             raise ChatTimeoutError(
-                f"{self.url}{asked}: no answer within {waited_s:.3g} s"
+                f"{self.url}{asked}: no answer within {waited_s:.1f} s"
             ) from error
         except (ReplyTooLargeError, ValueError) as error:
             raise ChatTransportError(f"{url}{asked}: {self._told(error)}") from error
