@@ -18,7 +18,7 @@ from typing import Literal
 import numpy as np
 import tyro
 
-from hypernav.app.build.memories import open_memory
+from hypernav.app.build.memories.building_memory import open_memory
 from hypernav.app.build.search import find
 
 _GOALS = ("bed", "sofa", "tv", "toilet", "chair")

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from hypernav.app.build.component_specs import ComponentSpecs
     from hypernav.app.build.data.scenes import load_scene
     from hypernav.app.build.env import ObjectNavEnv
-    from hypernav.app.build.memories import open_memory
+    from hypernav.app.build.memories.building_memory import BuildingMemory, open_memory
     from hypernav.app.build.native import native_config
     from hypernav.app.build.presets import HyPerNavConfig, preset
     from hypernav.app.build.search import find
@@ -87,6 +87,7 @@ __all__ = [
     "BlockReasoner",
     "Box",
     "BoxRoom",
+    "BuildingMemory",
     "BuiltAgent",
     "ChatModel",
     "ComponentError",
@@ -169,11 +170,12 @@ __all__ = [
 ]
 
 _MODULES = {
+    "BuildingMemory": "hypernav.app.build.memories.building_memory",
     "BuiltAgent": "hypernav.app.build.built_agent",
     "build_agent": "hypernav.app.build.agents",
     "build_search": "hypernav.app.build.agents",
     "ComponentSpecs": "hypernav.app.build.component_specs",
-    "open_memory": "hypernav.app.build.memories",
+    "open_memory": "hypernav.app.build.memories.building_memory",
     "native_config": "hypernav.app.build.native",
     "HyPerNavConfig": "hypernav.app.build.presets",
     "preset": "hypernav.app.build.presets",

@@ -82,7 +82,7 @@ class CameraConfig(RoomConfig):
 
     width: int = Field(default=640, ge=8, le=8192)
     height: int = Field(default=480, ge=8, le=8192)
-    hfov_deg: float = Field(default=79.0, ge=1.0, le=170.0)
+    hfov_deg: float = Field(default=79.0, ge=5.0, le=170.0)
     height_m: float = Field(default=0.88, gt=0.0, le=10.0)
     pitch_deg: float = Field(default=0.0, gt=-90.0, lt=90.0)
     min_depth_m: float = Field(default=0.5, ge=0.0, le=100.0)

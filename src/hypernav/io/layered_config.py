@@ -36,6 +36,8 @@ _EXPLAINED = frozenset(
     }
 )
 """Pydantic's error types to which these reasons apply."""
+_MOST_KEYS = 12
+"""Largest number of keys of a section that a message lists."""
 
 ConfigT = TypeVar("ConfigT", bound=BaseModel)
 
@@ -70,7 +72,7 @@ def layered(
         if not equals:
             raise ConfigError(
                 f"--set {assignment}: expected SECTION.KEY=VALUE, for example "
-                "--set search.endurance_steps=60"
+                "--set embodiment.camera.hfov_deg=60"
             )
         _assign(type(base), values, key.split("."), text, source=f"--set {assignment:.80}")
     return _validated(type(base), values)
@@ -164,9 +166,11 @@ def _merge(
 ) -> None:
     for key, change in changes.items():
         if key not in model.model_fields:
+            here = f"keys here: {', '.join(model.model_fields)}"
+            if len(model.model_fields) > _MOST_KEYS:
+                here = "hypernav config lists all keys"
             raise ConfigError(
-                f"{source}: unknown key '{key!s:.60}'; {_similar(model, str(key))}"
-                f"keys here: {', '.join(model.model_fields)}"
+                f"{source}: unknown key '{key!s:.60}'; {_similar(model, str(key))}{here}"
             )
         inner = model.model_fields[key].annotation
         if isinstance(change, bool) and {int, float} & {inner, *get_args(inner)}:

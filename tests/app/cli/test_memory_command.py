@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from box_scenes import room_glb
+from hypernav.app.build.memories.memory_view import ways
 from hypernav.app.cli.main import main
-from hypernav.app.cli.memory_view import ways
 from hypernav.core.errors import OutputError
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 
-from hypernav.app.build.memories import open_memory
+from hypernav.app.build.memories.building_memory import open_memory
 from hypernav.app.cli.command_line import run_command
 from hypernav.core.errors import (
     ConfigError,

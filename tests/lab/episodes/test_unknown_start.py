@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from hypernav.app.build.agents import build_search
-from hypernav.app.build.memories import open_memory
+from hypernav.app.build.memories.building_memory import open_memory
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog
 from hypernav.lab.episodes.episode_run import EpisodeRun

@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from PIL import Image
 
-from hypernav.app.build.memories import open_memory
+from hypernav.app.build.memories.building_memory import open_memory
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.embodiment import Action
 from hypernav.core.errors import ModelUnavailableError, RunFolderError

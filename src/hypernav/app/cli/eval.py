@@ -25,6 +25,7 @@ from hypernav.app.cli.screen.search_lines import unusable_answers_line, warnings
 from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.core.episode import Episode, lives_of
 from hypernav.core.errors import ConfigError
+from hypernav.core.words import number_of
 from hypernav.lab.evaluation.checks.vlm_checkup import grounding_answer
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.report.report_text import interval, percent
@@ -107,7 +108,8 @@ def _rates(progress: RunProgress) -> str:
 
 def outcome_lines(progress: RunProgress, folder: Path) -> Iterator[str]:
     """The summary of a run, in lines."""
-    yield f"{len(progress.records)} of {progress.total} episodes done"
+    buildings = number_of(len({one.scene_id for one in progress.records}), "building")
+    yield f"{len(progress.records)} of {progress.total} episodes done, in {buildings}"
     if progress.records:
         for name, value, remark in _numbers(progress, is_over=True):
             yield f"  {name:9s} {value}  {remark}"

@@ -14,7 +14,7 @@ from rich.markup import escape
 from rich.status import Status
 
 from hypernav.app.build.built_agent import BuiltAgent
-from hypernav.app.build.memories import check_memory_size, open_memory
+from hypernav.app.build.memories.building_memory import check_memory_size, open_memory
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.build.worlds import open_world
 from hypernav.app.cli.guards.crashes import ExitStatus, crash_report

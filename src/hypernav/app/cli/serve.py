@@ -35,7 +35,7 @@ def run(options: ServeOptions) -> int:
     """
     for module in _MODULES:
         require(module, extra="robot")
-    from hypernav.app.build.memories import check_memory_size
+    from hypernav.app.build.memories.building_memory import check_memory_size
     from hypernav.app.build.presets import HyPerNavConfig
     from hypernav.robot.server.guard import Access
     from hypernav.robot.server.limits import ServerLimits

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from hypernav.app.build.agents import build_search
-from hypernav.app.build.memories import open_memory
+from hypernav.app.build.memories.building_memory import open_memory
 from hypernav.core.embodiment import Action
 from hypernav.core.errors import MemoryFolderError, MemoryStartError, RunFolderError
 from hypernav.core.geometry.transforms import Pose2, Transform
@@ -401,7 +401,7 @@ KILLED = """
 import sys
 sys.path.insert(0, {tests!r})
 from test_memory_folder import CONFIG, run
-from hypernav.app.build.memories import open_memory
+from hypernav.app.build.memories.building_memory import open_memory
 with open_memory({folder!r}, CONFIG) as memory:
     run(memory, goal="piano", most=14)
     print("searched", flush=True)

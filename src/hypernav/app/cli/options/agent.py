@@ -51,7 +51,7 @@ class AgentOptions:
     set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(
         default_factory=tuple
     )
-    """Single values that override the configuration, for example search.endurance_steps=60."""
+    """Single values that override the configuration, for example embodiment.camera.hfov_deg=60."""
 
     @property
     def specs(self) -> ComponentSpecs:

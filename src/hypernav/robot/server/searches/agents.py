@@ -8,7 +8,7 @@ from pathlib import Path
 
 from hypernav.app.build.agents import BuiltAgent, build_agent
 from hypernav.app.build.component_specs import ComponentSpecs
-from hypernav.app.build.memories import open_memory
+from hypernav.app.build.memories.building_memory import open_memory
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.components.abilities import check_remembers
 from hypernav.core.components.protocols import Agent

@@ -1,11 +1,60 @@
 """Opens the memory of a building that is kept in a folder."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from hypernav.app.build.memories.memory_page import in_short, memory_page, thing_rows
 from hypernav.app.build.presets import HyPerNavConfig
+from hypernav.core.components.registry import require
 from hypernav.core.config import check_option
+from hypernav.core.errors import OutputError
+from hypernav.core.words import number_of
+from hypernav.io.writing import write_whole
 from hypernav.search.mapping.memory.key_images import LARGEST_BYTES
 from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+
+if TYPE_CHECKING:
+    import pandas
+
+
+class BuildingMemory(MemoryFolder):
+    """The memory of a building. In a notebook it shows the plans of its floors and its things."""
+
+    def save_page(self, file: str | Path) -> Path:
+        """Write the page that ``hypernav memory`` writes, which needs no network.
+
+        Returns:
+            The page.
+
+        Raises:
+            OutputError: It can't be written.
+        """
+        try:
+            write_whole(Path(file), memory_page(self))
+        except OSError as error:
+            raise OutputError(f"{file} cannot be written ({error.strerror or error})") from error
+        return Path(file)
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """A row for every remembered thing: where it is, its size, how often and when it was seen.
+
+        Lengths are metres of the ``map`` frame, heights those above the floor. ``chance``, 0 to 1,
+        is that it is what its label says; ``missed`` counts images that should show it and don't.
+
+        Raises:
+            MissingExtraError: pandas is not installed.
+        """
+        return require("pandas", extra="notebook").DataFrame(thing_rows(self.memory))
+
+    def __repr__(self) -> str:
+        """One line."""
+        floors = self.memory.floors
+        things = number_of(sum(len(one.things.known) for one in floors), "thing")
+        searches = number_of(len(self.history), "search", "searches")
+        return f"BuildingMemory({self.folder}: {searches}, {things}, floors: {len(floors)})"
+
+    def _repr_html_(self) -> str:
+        return in_short(self.memory)
 
 
 def open_memory(
@@ -14,7 +63,7 @@ def open_memory(
     *,
     most_megabytes: float | None = None,
     patience_s: float = 0.0,
-) -> MemoryFolder:
+) -> BuildingMemory:
     """Open the memory of a building, for `find` and for a robot of your own.
 
     Args:
@@ -31,7 +80,7 @@ def open_memory(
     """
     check_memory_size("most_megabytes", most_megabytes)
     config = config or HyPerNavConfig()
-    return MemoryFolder(
+    return BuildingMemory(
         Path(folder),
         config.mapping,
         config.embodiment,

@@ -1,0 +1,1 @@
+"""The memory of a building in a folder: opened, shown in a notebook, drawn on a page."""
