@@ -57,7 +57,7 @@ class HttpClient:
     """Sends JSON and receives JSON within a deadline.
 
     The key comes from the environment only and never shows in messages: ``HYPERNAV_API_KEY`` goes
-    to any server, ``OPENAI_API_KEY`` only over https or within this machine.
+    to any server, ``OPENAI_API_KEY`` only over https or to a loopback address.
     """
 
     def __init__(
