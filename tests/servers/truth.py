@@ -31,14 +31,15 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.models.chat.vlm_families import family_named
 from hypernav.search.perception.explorers import map_question
-from hypernav.search.perception.explorers.guides import ChatGuide, TruthGuide
 from hypernav.search.perception.explorers.map_question import VlmReasonerConfig
-from hypernav.search.perception.explorers.scene_scorers import ChatScorer, chance_in_view
 from hypernav.search.perception.local.ground_truth import GroundTruthDetector
 from hypernav.search.perception.local.vlm_detector import CROP_MARGIN, VlmDetector
 from hypernav.search.perception.local.yes_no_checks import VlmPresenceCheck, crop_of
-from hypernav.search.perception.visual_prompts.arrow_reasoners import ChatArrowReasoner
-from hypernav.search.perception.visual_prompts.stop_checks import ChatStopCheck, TruthStopCheck
+from hypernav.search.rivals.arrows.arrow_reasoners import ChatArrowReasoner
+from hypernav.search.rivals.arrows.stop_checks import ChatStopCheck, TruthStopCheck
+from hypernav.search.rivals.navvlm.guides import ChatGuide, TruthGuide
+from hypernav.search.rivals.rooms_in_view import chance_in_view
+from hypernav.search.rivals.vlfm.scene_scorers import ChatScorer
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from hypernav.simulator.worlds.surface.goal_regions import GoalRegion
 from servers.scripted import Asked

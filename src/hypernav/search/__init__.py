@@ -7,12 +7,12 @@ Rooms in reading order:
   stairs, and a memory of things (`mapping.memory`), which can be kept in a folder.
 - ``models``: vision-language models and networks, local or on a server, and what their answers say.
 - ``perception``: is the goal in the image (`perception.local`), and in which block would it be
-  (`perception.explorers.map_question`)? Published rivals answer the second question in their own
-  ways.
+  (`perception.explorers.map_question`)?
 - ``drawing``: the map as an image, as a model is shown it (`drawing.question_map`).
 - ``planning``: paths on the map, and the next action on a path.
 - ``agents``: one step after the other (`agents.search`): explore, approach, verify; whether the
   robot stops at the goal is decided in `agents.verify`.
+- ``rivals``: published ways to answer the second question, for comparison.
 
 May import: ``core`` and ``io``.
 """

@@ -16,11 +16,11 @@ from arrow_views import arrow, view_of
 from hypernav.core.chat import Question
 from hypernav.search.models.chat.answer_parsing import final_answer, parse_answer, unwrapped
 from hypernav.search.models.chat.vlm_families import family_named, family_of
-from hypernav.search.perception.explorers.guides import direction_in
 from hypernav.search.perception.explorers.map_question import summarised
 from hypernav.search.perception.image_recall import named_images
 from hypernav.search.perception.local.grounding_format import read_grounding
-from hypernav.search.perception.visual_prompts.arrow_reasoners import named_numbers
+from hypernav.search.rivals.arrows.arrow_reasoners import named_numbers
+from hypernav.search.rivals.navvlm.guides import direction_in
 
 FILE = Path(__file__).parents[1] / "models" / "chat" / "answers.jsonl"
 ANSWERS: list[dict[str, Any]] = [json.loads(line) for line in FILE.read_text("utf-8").splitlines()]

@@ -2,9 +2,9 @@
 
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.search.perception.exchanges import prompt_hash
-from hypernav.search.perception.explorers.guides import DIRECTION_WORDS
 from hypernav.search.perception.local.yes_no_checks import CROP_WORDS
-from hypernav.search.perception.visual_prompts.arrow_reasoners import ARROW_WORDS
+from hypernav.search.rivals.arrows.arrow_reasoners import ARROW_WORDS
+from hypernav.search.rivals.navvlm.guides import DIRECTION_WORDS
 
 
 def prompt_hashes(config: HyPerNavConfig) -> dict[str, str]:

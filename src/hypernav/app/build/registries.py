@@ -98,7 +98,7 @@ SIMILARITIES: Registry[Factory] = Registry(
     [
         Entry(
             "local",
-            "hypernav.search.perception.explorers.scene_scorers:load_similarity",
+            "hypernav.search.models.similarity:load_similarity",
             form="local:PATH_OR_ID",
             words="similarity by {files}",
             section="similarity_scorer",
@@ -146,20 +146,20 @@ SCORERS: Registry[Factory] = Registry(
     [
         Entry(
             "truth",
-            "hypernav.search.perception.explorers.scene_scorers:TruthScorer",
+            "hypernav.search.rivals.vlfm.scene_scorers:TruthScorer",
             words="the truth in view (stand-in)",
             section="truth_scorer",
         ),
         Entry(
             "similarity",
-            "hypernav.search.perception.explorers.scene_scorers:SimilarityScorer",
+            "hypernav.search.rivals.vlfm.scene_scorers:SimilarityScorer",
             form="similarity:PATH_OR_ID",
             words="similarity by {files}",
             section="similarity_scorer",
         ),
         Entry(
             "vlm",
-            "hypernav.search.perception.explorers.scene_scorers:ChatScorer",
+            "hypernav.search.rivals.vlfm.scene_scorers:ChatScorer",
             words="{model}",
             section="chat_scorer",
         ),
@@ -173,13 +173,13 @@ ARROW_REASONERS: Registry[Factory] = Registry(
     [
         Entry(
             "geometric",
-            "hypernav.search.perception.visual_prompts.arrow_reasoners:GeometricArrowReasoner",
+            "hypernav.search.rivals.arrows.arrow_reasoners:GeometricArrowReasoner",
             words="free floor (stand-in)",
             section="arrows",
         ),
         Entry(
             "vlm",
-            "hypernav.search.perception.visual_prompts.arrow_reasoners:ChatArrowReasoner",
+            "hypernav.search.rivals.arrows.arrow_reasoners:ChatArrowReasoner",
             words="{model}",
             section="arrows",
         ),
@@ -194,12 +194,12 @@ GUIDES: Registry[Factory] = Registry(
     [
         Entry(
             "truth",
-            "hypernav.search.perception.explorers.guides:TruthGuide",
+            "hypernav.search.rivals.navvlm.guides:TruthGuide",
             words="the truth in view (stand-in)",
         ),
         Entry(
             "vlm",
-            "hypernav.search.perception.explorers.guides:ChatGuide",
+            "hypernav.search.rivals.navvlm.guides:ChatGuide",
             words="{model}",
             section="chat_guide",
         ),
@@ -243,36 +243,36 @@ AGENTS: Registry[Factory] = Registry(
         ),
         Entry(
             "frontier",
-            "hypernav.search.perception.explorers.frontier_explorers:NearestFrontierExplorer",
+            "hypernav.search.rivals.nearest_frontier:NearestFrontierExplorer",
             words="nearest frontier",
         ),
         Entry(
             "vlfm",
-            "hypernav.search.perception.explorers.frontier_explorers:ValueFrontierExplorer",
+            "hypernav.search.rivals.vlfm.value_frontier:ValueFrontierExplorer",
             words="VLFM's frontiers by value",
             section="value_frontier",
         ),
         Entry(
             "navvlm",
-            "hypernav.search.perception.explorers.area_explorer:AreaExplorer",
+            "hypernav.search.rivals.navvlm.area_explorer:AreaExplorer",
             words="NavVLM's areas",
             section="navvlm",
         ),
         Entry(
             "vlmnav",
-            "hypernav.search.perception.visual_prompts.arrow_explorer:VlmnavExplorer",
+            "hypernav.search.rivals.arrows.arrow_explorer:VlmnavExplorer",
             words="VLMnav's arrows",
             section="arrows",
         ),
         Entry(
             "pivot",
-            "hypernav.search.perception.visual_prompts.pivot:PivotExplorer",
+            "hypernav.search.rivals.arrows.pivot:PivotExplorer",
             words="PIVOT's marks",
             section="arrows",
         ),
         Entry(
             "dynavlm-style",
-            "hypernav.search.perception.visual_prompts.arrow_explorer:DynavlmStyleExplorer",
+            "hypernav.search.rivals.arrows.arrow_explorer:DynavlmStyleExplorer",
             words="points in DyNaVLM's style",
             section="arrows",
         ),
@@ -301,13 +301,13 @@ NATIVE_AGENTS: Registry[Factory] = Registry(
     [
         Entry(
             "vlmnav",
-            "hypernav.search.agents.prompted:NativeVlmnav",
+            "hypernav.search.rivals.arrows.prompted:NativeVlmnav",
             words="VLMnav's arrows",
             section="arrows",
         ),
         Entry(
             "pivot",
-            "hypernav.search.agents.prompted:NativePivot",
+            "hypernav.search.rivals.arrows.prompted:NativePivot",
             words="PIVOT's marks",
             section="arrows",
         ),

@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 from jaxtyping import Float32
+from pydantic import Field
 
 from hypernav.core.chat import Image
 from hypernav.core.components.registry import require
@@ -135,3 +136,30 @@ class ImageTextSimilarity:
             cosine = (outputs.image_embeds * outputs.text_embeds).float().sum()
             return float((cosine + 1.0) / 2.0)
         return float(outputs.logits_per_image.float().sigmoid()[0, 0])
+
+
+class SimilarityScorerConfig(RoomConfig):
+    """The sentence that images are compared with, and the model's use.
+
+    Attributes:
+        prompt: Sentence; ``{goal}`` is filled in. In substance VLFM's, in our words.
+        similarity: Device, dtype and head of the model. VLFM takes the cosine of BLIP-2's
+            contrastive head.
+    """
+
+    prompt: str = "It looks as if a {goal} is close by."
+    similarity: SimilarityConfig = Field(default=SimilarityConfig(head="itc"))
+
+
+def load_similarity(path: str, config: SimilarityScorerConfig | None = None) -> ImageTextSimilarity:
+    """Load a model that compares images with texts.
+
+    Args:
+        path: A folder, or the id of a model in the local Hugging Face cache.
+        config: Use of the model; the sentence is for scores of views.
+
+    Raises:
+        MissingExtraError: torch or transformers is not installed.
+        ModelError: There are no such weights, or they compare nothing.
+    """
+    return ImageTextSimilarity(path, (config or SimilarityScorerConfig()).similarity)

@@ -14,8 +14,8 @@ from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.memory.floor import SearchMemory
 from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.perception.explorers.block_explorer import BlockExplorer, OverviewConfig
-from hypernav.search.perception.explorers.frontier_explorers import NearestFrontierExplorer
 from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
+from hypernav.search.rivals.nearest_frontier import NearestFrontierExplorer
 
 HERE = Pose2(0.0, 0.0, 0.0)
 CLEARANCES_M = (0.22, 0.18)

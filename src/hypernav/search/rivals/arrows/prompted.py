@@ -1,0 +1,287 @@
+"""Agents that ask a model for every move and make it without looking (native mode).
+
+They have no detector and no planner: a model says whether the robot is at the goal, and which move
+to make; that move is then made without looking at images. Source: Goetting, Singh and Loquercio,
+"End-to-End Navigation with Vision-Language Models", 2024, and its released code.
+"""
+
+import math
+from collections import Counter, deque
+from typing import Any
+
+from pydantic import Field
+
+from hypernav.core.components.abilities import Reports, warning_of
+from hypernav.core.components.protocols import ArrowReasoner, ChatModel, Explorer
+from hypernav.core.config import RoomConfig
+from hypernav.core.embodiment import Action, Embodiment, MotionConfig
+from hypernav.core.errors import WorldError
+from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.insight import Insight
+from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.trace import Ending, ExchangeLog, Mode, ModuleClock, StepTrace
+from hypernav.search.mapping.config import MappingConfig
+from hypernav.search.mapping.memory.floor import Floor
+from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.rivals.arrows.arrow_explorer import VlmnavExplorer
+from hypernav.search.rivals.arrows.pivot import PivotExplorer
+from hypernav.search.rivals.arrows.proposals import ArrowsConfig
+from hypernav.search.rivals.arrows.stop_checks import (
+    ChatStopCheck,
+    StopCheck,
+    StopCheckConfig,
+    TruthStopCheck,
+)
+
+_PAPER = MotionConfig()
+"""Step and turn that moves are counted in, whatever the robot's own: 0.5 m and 30 degrees."""
+_YES_TO_STOP = 2
+"""Number of answers in a row, "the robot is at the goal", on which it stops (VLMnav's code)."""
+
+
+class PromptedConfig(RoomConfig):
+    """Budget and stop of an agent that makes long moves.
+
+    Attributes:
+        most_moves: Number of moves after which the search is given up (VLMnav's code).
+        most_actions: Number of actions of 0.5 m and 30 degrees after which it is given up: the
+            budget of all other agents (ours).
+        stop: Configuration of the question whether the robot is at the goal.
+    """
+
+    most_moves: int = Field(default=40, ge=1, le=100_000)
+    most_actions: int = Field(default=500, ge=1, le=1_000_000)
+    stop: StopCheckConfig = StopCheckConfig()
+
+
+class PromptedAgent:
+    """Asks whether it is at the goal, then which move to make; makes it, and asks again."""
+
+    def __init__(
+        self,
+        explorer: Explorer,
+        stop: StopCheck,
+        embodiment: Embodiment,
+        mapping: MappingConfig,
+        log: ExchangeLog,
+        config: PromptedConfig,
+    ) -> None:
+        """Begin with no search under way.
+
+        Args:
+            explorer: Explorer that chooses the moves from images.
+            stop: Check whether the robot is at the goal.
+            embodiment: What the robot is.
+            mapping: Cells of the map, which the agent draws and hands to its explorer.
+            log: Log of all questions, for the trace.
+            config: Budget and stop.
+        """
+        self._explorer = explorer
+        self._stop = stop
+        self._embodiment = embodiment
+        self._mapping = mapping
+        self._log = log
+        self._config = config
+        self._floor: Floor | None = None
+        self._trace: StepTrace | None = None
+        self._moves = self._spent = 0
+        self._untold = Counter[str]()
+
+    @property
+    def embodiment(self) -> Embodiment:
+        """The robot that the agent was built for."""
+        return self._embodiment
+
+    @property
+    def warning(self) -> str:
+        """Warning of what replaces the stop question, shown before a search; empty if nothing."""
+        return warning_of(self._stop)
+
+    def reset(self, goal: Goal) -> None:
+        """Forget everything and begin a new search."""
+        self._goal = goal
+        self._log.drain()
+        self._floor = Memory(self._mapping, self._embodiment).floor
+        self._yes_in_a_row = 0
+        self._left = deque[Action]()
+        self._destination: Destination | None = None
+        self._trace = None
+        self._moves = self._spent = 0
+
+    def act(self, observation: Observation) -> Action | None:
+        """Go on with the move, or choose the next one.
+
+        Raises:
+            ModelUnavailableError: The model did not answer.
+        """
+        floor, clock, events = self._known, ModuleClock(), list[str]()
+        action: Action | None
+        insight = None
+        if self._left:
+            floor.trajectory.append(observation.robot.xy)
+            action = self._left.popleft()
+            reason = self._destination.reason if self._destination else ""
+        else:
+            with clock("map"):
+                floor.integrate(observation)
+            with clock("global"):
+                action, reason, insight = self._choose(observation, events)
+        ending = Ending.of(action)
+        self._trace = StepTrace(
+            step=len(floor.trajectory) - 1,
+            pose=(observation.robot.x, observation.robot.y, observation.robot.yaw),
+            z=self._embodiment.camera.base_z(observation.camera_to_map),
+            action=action,
+            mode=Mode.EXPLORE if ending is None else Mode.STOP,
+            reason=reason,
+            destination=self._destination.xy if self._destination and ending is None else None,
+            exchanges=self._log.drain(),
+            events=events,
+            insight=insight,
+            ending=ending,
+            seconds=clock.seconds,
+        )
+        return action
+
+    def _choose(
+        self, observation: Observation, events: list[str]
+    ) -> tuple[Action | None, str, Insight | None]:
+        """First action of the next move or end of the search, the reason, what the explorer saw."""
+        config, robot, floor = self._config, observation.robot, self._known
+        here = self._stop.is_here(observation, self._goal)
+        self._yes_in_a_row = self._yes_in_a_row + 1 if here else 0
+        if self._yes_in_a_row >= _YES_TO_STOP:
+            events.append("goal reached")
+            return Action.STOP, f"here is {self._goal.in_sentence}", None
+        if self._moves >= config.most_moves:
+            return None, f"{config.most_moves} moves are made", None
+        if self._spent >= config.most_actions:
+            return None, f"the moves made are worth {config.most_actions} actions", None
+        if here:
+            events.append("said to be at the goal")
+        view = ExplorationView(
+            goal=self._goal,
+            observation=observation,
+            grid=floor.map.grid,
+            trajectory=floor.trajectory,
+            notes=floor.search.notes,
+            may_be_here=here,
+        )
+        destination = self._explorer.next_destination(view)
+        if destination is None:
+            return None, "no move is left", None
+        self._destination = destination
+        spent = paper_actions(destination, robot)
+        self._moves += 1
+        self._spent += spent
+        self._untold.update(moves=1, actions_of_half_a_metre=spent)
+        self._left.extend(actions_to(destination, robot, self._embodiment.motion))
+        return self._left.popleft(), destination.reason, destination.insight
+
+    def take_report(self) -> dict[str, Any]:
+        """Moves since the last call, the actions of 0.5 m and 30° they are worth, and faults."""
+        report = {key: self._untold[key] for key in ("moves", "actions_of_half_a_metre")}
+        self._untold.clear()
+        return report | (self._stop.take_report() if isinstance(self._stop, Reports) else {})
+
+    @property
+    def last_step(self) -> StepTrace:
+        """The trace of the latest `act`."""
+        if self._trace is None:
+            raise WorldError("the agent has not acted yet; call reset(goal), then act(observation)")
+        return self._trace
+
+    @property
+    def grid(self) -> OccupancyGrid:
+        """The map drawn so far, from the images that moves were chosen from."""
+        return self._known.map.grid
+
+    @property
+    def _known(self) -> Floor:
+        if self._floor is None:
+            raise WorldError("no search is under way; call reset(goal) first")
+        return self._floor
+
+
+class NativeVlmnav(PromptedAgent):
+    """VLMnav with its own stop and moves."""
+
+    def __init__(
+        self,
+        arrow_reasoner: ArrowReasoner,
+        embodiment: Embodiment,
+        mapping: MappingConfig,
+        clearances_m: tuple[float, ...],
+        log: ExchangeLog,
+        prompted: PromptedConfig,
+        chat: ChatModel | None = None,
+        config: ArrowsConfig | None = None,
+    ) -> None:
+        """Put it together; see `VlmnavExplorer` and `PromptedAgent`.
+
+        Without a ``chat`` model for the stop question it stops by the truth.
+        """
+        explorer = VlmnavExplorer(
+            arrow_reasoner, embodiment, mapping, clearances_m, config or ArrowsConfig()
+        )
+        stop = _stop_check(chat, log, prompted.stop)
+        super().__init__(explorer, stop, embodiment, mapping, log, prompted)
+
+
+class NativePivot(PromptedAgent):
+    """PIVOT with VLMnav's stop and moves."""
+
+    def __init__(
+        self,
+        arrow_reasoner: ArrowReasoner,
+        embodiment: Embodiment,
+        mapping: MappingConfig,
+        log: ExchangeLog,
+        prompted: PromptedConfig,
+        chat: ChatModel | None = None,
+        config: ArrowsConfig | None = None,
+    ) -> None:
+        """Put it together; see `PivotExplorer` and `PromptedAgent`.
+
+        Without a ``chat`` model for the stop question it stops by the truth.
+        """
+        explorer = PivotExplorer(arrow_reasoner, embodiment, config or ArrowsConfig())
+        stop = _stop_check(chat, log, prompted.stop)
+        super().__init__(explorer, stop, embodiment, mapping, log, prompted)
+
+
+def _stop_check(chat: ChatModel | None, log: ExchangeLog, config: StopCheckConfig) -> StopCheck:
+    return TruthStopCheck(log) if chat is None else ChatStopCheck(chat, log, config)
+
+
+def actions_to(destination: Destination, robot: Pose2, motion: MotionConfig) -> list[Action]:
+    """The actions of a move: a turn, then straight ahead; as exactly as the robot's actions allow.
+
+    Args:
+        destination: End of the move, or a heading to turn to on the spot.
+        robot: Pose of the robot.
+        motion: Effect of its actions.
+    """
+    turn, length_m = _move(destination, robot)
+    turns = round(math.degrees(abs(turn)) / motion.turn_angle_deg)
+    side = Action.TURN_LEFT if turn > 0 else Action.TURN_RIGHT
+    actions = [side] * turns + [Action.MOVE_FORWARD] * round(length_m / motion.forward_m)
+    return actions or [Action.MOVE_FORWARD]
+
+
+def paper_actions(destination: Destination, robot: Pose2) -> int:
+    """Number of actions of 0.5 m and 30 degrees that a move stands for: 3 + 3 for 90° and 1.5 m."""
+    turn, length_m = _move(destination, robot)
+    turns = math.ceil(math.degrees(abs(turn)) / _PAPER.turn_angle_deg - 1e-6)
+    return max(turns + math.ceil(length_m / _PAPER.forward_m - 1e-6), 1)
+
+
+def _move(destination: Destination, robot: Pose2) -> tuple[float, float]:
+    """Turn, radians, positive to the left, and length of the path straight ahead, metres."""
+    length_m = robot.distance_to(*destination.xy)
+    if destination.face is None:
+        return robot.bearing_to(*destination.xy), length_m
+    return math.remainder(destination.face - robot.yaw, math.tau), length_m

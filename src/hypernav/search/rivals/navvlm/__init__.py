@@ -1,0 +1,1 @@
+"""NavVLM: the area that a model points to."""

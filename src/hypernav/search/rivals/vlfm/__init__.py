@@ -1,0 +1,1 @@
+"""VLFM: the frontier around which the views fit the goal best."""
