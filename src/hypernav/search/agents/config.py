@@ -34,8 +34,8 @@ class SearchConfig(RoomConfig):
         endurance_steps: Number of steps after which a destination is given up if
             `give_up_when_stuck` is false (paper: endurance limit; its value is ours).
         give_up_when_stuck: Whether a destination is given up when the robot is stuck
-            (`patience_steps`), however long the path may be, instead of after `endurance_steps`;
-            either rule holds for goal areas as well.
+            (`patience_steps`) instead of after `endurance_steps`; either rule holds for goal areas
+            as well.
         end_when_explored: Whether a search ends when nothing is left to explore; else the robot
             forgets what it visited, turns once around and goes on until the step limit (paper).
         look_around_at_start: Whether to look around before the first step on a new floor.
