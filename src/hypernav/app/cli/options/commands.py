@@ -199,7 +199,7 @@ class ExamOptions:
     reasoner: str | None = None
     """What chooses blocks, in the model's place, or alone: geometric, noisy:P, …"""
     size: Literal["quick", "full"] = "quick"
-    """quick: 203 questions; full: 1,015."""
+    """quick: 203 questions to a model; full: 1,015."""
     bank: Literal["val", "train"] = "val"
     """val, which nothing is tuned on; train for work on prompts."""
     preset: PresetName = "default"
