@@ -295,7 +295,7 @@ class ServeOptions:
     idle_minutes: float = 10.0
     """Minutes without a message of its robot after which a search ends."""
     memory: Path | None = None
-    """Folder of a memory of the building: every search begins with what earlier ones learned."""
+    """Folder of a memory of the building: searches begin with what earlier ones learned."""
     memory_mb: float | None = None
     """Size of that folder, MB, beyond which the images that tell least are forgotten, from now on;
     at first 50."""
