@@ -5,11 +5,11 @@ One class per cause. A message says what was expected, what was found and what t
 
 
 class HyPerNavError(Exception):
-    """Root of all errors of this package."""
+    """Root of the errors of this package."""
 
 
 class ConfigError(HyPerNavError):
-    """A configuration file, option or environment variable is wrong."""
+    """A configuration, option or environment variable is wrong."""
 
 
 class ImportTargetError(ConfigError):
@@ -25,7 +25,7 @@ class CameraError(HyPerNavError):
 
 
 class SceneError(HyPerNavError):
-    """A scene file is missing, broken, empty or not a mesh."""
+    """A scene is missing, broken or otherwise unusable."""
 
 
 class NavmeshError(SceneError):

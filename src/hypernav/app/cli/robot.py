@@ -39,7 +39,7 @@ class Simulate:
     motion: Literal["steps", "continuous"] = "steps"
     """Steps and turns one by one, or smooth driving along the path."""
     agent: str | None = None
-    """Agent of the search: hypernav, frontier; the server's by default."""
+    """Agent, such as frontier; the server's by default."""
     preset: RobotPresetName | None = None
     """Values of the method; the server's by default."""
     start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW [Z]")] = None
@@ -93,7 +93,7 @@ class Wait:
     token_file: Path | None = None
     """File with the server's secret."""
     agent: str | None = None
-    """Agent of the searches: hypernav, frontier; the server's by default."""
+    """Agent, such as frontier; the server's by default."""
     preset: RobotPresetName | None = None
     """Values of the method; the server's by default."""
     start: Annotated[tuple[float, ...] | None, tyro.conf.arg(metavar="X Y YAW [Z]")] = None
@@ -139,7 +139,7 @@ class Ros2:
     """Steps and turns one by one, or smooth driving along the path; steps by default, continuous
     with --drive nav2."""
     agent: str | None = None
-    """Agent of the search: hypernav, frontier; the server's by default."""
+    """Agent, such as frontier; the server's by default."""
     preset: RobotPresetName | None = None
     """Values of the method; the server's by default."""
     max_steps: int = 500

@@ -96,9 +96,9 @@ class EpisodeResult:
 class EpisodeRun:
     """One search by one agent, step by step, so that it can be watched, recorded and interrupted.
 
-    Every command, the evaluation and the examples run episodes by this loop. It also ends when a
-    model is unavailable for longer than the patience: the steps up to then are kept, and the
-    outcome says so.
+    `hypernav find` and evaluations run episodes by this loop. It also ends when a model is
+    unavailable for longer than the patience: the steps up to then are kept, and the outcome says
+    so.
 
     Attributes:
         trial: The state of the episode.

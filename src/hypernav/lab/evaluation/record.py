@@ -57,7 +57,7 @@ class EpisodeLine(BaseModel):
 
 
 class EpisodeRecord(EpisodeLine):
-    """The result of one episode. Everything but ``seconds`` is the same in every run of it.
+    """The result of one episode. Without a live model all but ``seconds`` is the same in every run.
 
     Attributes:
         goal: The object to find.

@@ -33,7 +33,7 @@ class DrivenRobot:
     """A `Robot` that makes steps and turns by velocities, in a closed loop over odometry.
 
     Before every command it checks the latest depth image. If something is in the way the robot
-    stops and waits until it is gone.
+    stops and waits for it to go.
 
     Attributes:
         waits: Number of times that it stopped and waited.

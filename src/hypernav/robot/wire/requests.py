@@ -54,7 +54,7 @@ class OpenSearch(Message):
     Attributes:
         goal: What to find, as text.
         embodiment: Body, camera and actions of the robot; missing values are those of
-            Habitat's HM3D robot.
+            the preset ``default``.
         intrinsics: Calibration of the camera; None means square pixels, ``hfov_deg`` and a central
             principal point. With it, ``hfov_deg`` is calculated.
         preset: Values of the method; None takes the server's.

@@ -31,15 +31,15 @@ class SearchConfig(RoomConfig):
             before it tries again.
         arrival_distance_m: Distance within which a destination of global perception counts as
             reached, metres.
-        endurance_steps: Number of steps after which a destination is given up (paper: endurance
-            limit; its value is ours).
+        endurance_steps: Number of steps after which a destination is given up if
+            `give_up_when_stuck` is false (paper: endurance limit; its value is ours).
         give_up_when_stuck: Whether a destination is given up when the robot is stuck
-            (`patience_steps`), however long the path may be, instead of after `endurance_steps`;
-            either rule holds for goal areas as well.
+            (`patience_steps`) instead of after `endurance_steps`; either rule holds for goal areas
+            as well.
         end_when_explored: Whether a search ends when nothing is left to explore; else the robot
             forgets what it visited, turns once around and goes on until the step limit (paper).
-        look_around_at_start: Whether to turn once around before the first step.
-        finish_first_look: Whether to finish this circle even if there is a candidate to go to
+        look_around_at_start: Whether to look around before the first step on a new floor.
+        finish_first_look: Whether to finish this look even if there is a candidate to go to
             already (VLFM).
         look_again_before_giving_up: Whether, when nothing is left to explore, to forget visited
             positions and bumps, turn once around, and only then give up.
@@ -54,7 +54,7 @@ class SearchConfig(RoomConfig):
         reconsider_steps: Number of steps after which an explorer that answers at once is asked
             again on the way, and the destination changed if it names another; None never asks on
             the way (paper).
-        looks: Steps whose image is searched for the goal: "always" all of them (paper), or only
+        looks: Steps whose image is searched for the goal: "always" all off stairs (paper), or only
             "at-destinations", where the robot then turns once around before it asks the explorer
             (our reading of an ablation without local perception).
         verify_view: Image for the presence check: the "current" one or the "best" of the

@@ -62,7 +62,7 @@ class SamConfig(RoomConfig):
 
     Attributes:
         device: "auto", "cpu", "cuda", "mps".
-        dtype: "auto" is bfloat16 if the device supports it.
+        dtype: "auto" is bfloat16 on NVIDIA GPUs with it.
     """
 
     device: str = "auto"

@@ -35,7 +35,7 @@ class SimilarityConfig(RoomConfig):
 
     Attributes:
         device: "auto", "cpu", "cuda", "mps".
-        dtype: "auto" is bfloat16 if the device supports it.
+        dtype: "auto" is bfloat16 on NVIDIA GPUs with it.
         head: Head of BLIP-2: "itm", matching, whose probability saturates at 0 or 1, or "itc",
             contrast, whose cosine is graded, and which alone has vectors; other models have only
             one.

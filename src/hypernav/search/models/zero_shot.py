@@ -34,7 +34,7 @@ class ZeroShotConfig(RoomConfig):
     Attributes:
         score_threshold: Score below which detections are dropped.
         device: "auto", "cpu", "cuda", "mps".
-        dtype: "auto" is bfloat16 if the device supports it.
+        dtype: "auto" is bfloat16 on NVIDIA GPUs with it.
     """
 
     score_threshold: float = Field(default=0.3, ge=0.0, le=1.0)

@@ -42,8 +42,8 @@ class NoiseConfig(RoomConfig):
         turn_sigma_deg: Standard deviation of a turn, degrees.
         odometry_sigma: Standard deviation of the reported motion, as a share of its length. The
             errors add up: the reported pose drifts from the true one.
-        odometry_turn_sigma_deg: Standard deviation of the reported rotation of an action that turns
-            the robot, degrees.
+        odometry_turn_sigma_deg: Standard deviation of the reported rotation of every motion,
+            degrees.
     """
 
     depth_sigma_m: float = Field(default=0.0, ge=0.0, le=100.0)
@@ -72,8 +72,8 @@ class SimulationConfig(RoomConfig):
     Attributes:
         sliding: Slide along obstacles instead of stopping at them; off, as in Habitat's challenges.
         stop_at: Wall that ends a step without sliding on a navigation mesh: "first_wall", as in
-            habitat-sim 0.3.3, with which all published tables were made, or "last_wall", as since
-            its tag v0.3.4. `--world habitat` goes by the habitat-sim that is installed.
+            habitat-sim up to 0.3.3, or "last_wall", as since its tag v0.3.4. `--world habitat` goes
+            by the habitat-sim that is installed.
         noise: Noise of sensors and motion; none by default.
         labels: Whether observations carry ground-truth labels.
         navmesh: Mesh of a scan: the file's if it was made for such a robot, else one computed as
@@ -88,7 +88,7 @@ class SimulationConfig(RoomConfig):
             its format says; None believes the format. For your own files, not for scans.
         file_scale: Factor on all lengths of a scene's file, such as 0.001 for millimetres; None
             is 1. For your own files, not for scans.
-        renderer: What draws the scene; depth and instances are the same, colours differ at edges.
+        renderer: What draws the scene; depth and instances agree, colours differ at edges.
             "warp" needs the extra ``gpu``, and is for a machine with an NVIDIA GPU. habitat-sim
             draws its own images.
     """

@@ -47,7 +47,7 @@ class SimulatedWorld(SurveyedScene):
         Args:
             scene: The scene that the robot is in.
             config: How the robot is simulated.
-            embodiment: Body, camera and motion of the robot; by default Habitat's HM3D robot.
+            embodiment: Body, camera and motion of the robot; by default the preset ``default``'s.
             renderer: Renderer of the scene; by default the one that the configuration names.
             walkable: The surface on which the robot can stand; by default the navigation
                 mesh that the configuration names, or computed from the scene where it has none.

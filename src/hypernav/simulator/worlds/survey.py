@@ -47,7 +47,7 @@ class SurveyedScene:
         Args:
             scene: The scene.
             config: How the robot is simulated.
-            embodiment: Body, camera and motion of the robot; by default Habitat's HM3D robot.
+            embodiment: Body, camera and motion of the robot; by default the preset ``default``'s.
             rays: Ray caster of the scene; by default a new one.
             walkable: The surface on which the robot can stand; by default the navigation
                 mesh that the configuration names, or computed from the scene where it has none.

@@ -38,7 +38,7 @@ class AgentOptions:
     """What says where to go, in place of --vlm: geometric, …; for vlfm similarity:ID, …; auto:
     what --exam says."""
     segmenter: str | None = None
-    """Segmenter of the pixels in a box: depth-cut, sam:ID or onnx-sam:ENC.onnx,DEC.onnx."""
+    """Segmenter of the pixels in a box: depth-cut, sam:ID, onnx-sam:ENC.onnx,DEC.onnx, …"""
     similarity: str | None = None
     """What compares key images of a memory with the goal's words: local:PATH_OR_ID or module:Name;
     none without it."""

@@ -63,9 +63,8 @@ class EvalOptions:
 
     dataset: tyro.conf.Positional[str]
     """houses-val, houses-ovon, houses-train[#FIRST:END], offices-…, shops-…, crowded-train,
-    storeys-…, houses-life-val, houses-life-train, offices-life-…, storeys-life-…,
-    scene:GLB[#STARTS], habitat:FILE, hm3d:DIR[#SPLIT], mp3d:DIR[#SPLIT], ovon:DIR[#SPLIT] or
-    goat:DIR[#SPLIT]."""
+    storeys-…, houses-life-…, offices-life-…, storeys-life-…, scene:GLB[#STARTS], habitat:FILE,
+    hm3d:DIR[#SPLIT], mp3d:DIR[#SPLIT], ovon:DIR[#SPLIT], goat:DIR[#SPLIT] or module:Name."""
     who: FlatAgentOptions = field(default_factory=AgentOptions)
     """The options that configure the agent."""
     out: Path | None = None
@@ -196,11 +195,11 @@ class ExamOptions:
     """Instead of the questions, measure in training buildings what the scores of this network are
     worth, and keep it beside its file, where searches find it."""
     segmenter: str | None = None
-    """Segmenter to examine: depth-cut, sam:ID or onnx-sam:ENC.onnx,DEC.onnx."""
+    """Segmenter to examine: depth-cut, sam:ID, onnx-sam:ENC.onnx,DEC.onnx, …"""
     reasoner: str | None = None
     """What chooses blocks, in the model's place, or alone: geometric, noisy:P, …"""
     size: Literal["quick", "full"] = "quick"
-    """quick: 203 questions; full: 1,015."""
+    """quick: 203 questions to a model; full: 1,015."""
     bank: Literal["val", "train"] = "val"
     """val, which nothing is tuned on; train for work on prompts."""
     preset: PresetName = "default"
@@ -243,7 +242,7 @@ class SceneOptions:
     what: tyro.conf.Positional[Literal["mesh"]]
     """mesh"""
     scene: Annotated[tyro.conf.Positional[str], tyro.conf.arg(metavar="FILE")]
-    """File of the scene, such as …/00802-wcojb4TFT35/wcojb4TFT35.basis.glb, or houses:N."""
+    """File of the scene, such as …/00802-wcojb4TFT35/wcojb4TFT35.basis.glb, or houses:N, …"""
     out: Path
     """File to write, such as wcojb4TFT35.navmesh."""
     radius: float = 0.18
@@ -284,7 +283,7 @@ class ServeOptions:
     """The address, the access, the agent, and the folder of all searches."""
 
     host: str = "127.0.0.1"
-    """Address to listen on; --token-file is needed unless only this machine can reach it."""
+    """Address to listen on; --token-file is needed unless it is a loopback address."""
     port: int = 8765
     """Port to listen on; 0 takes a free one."""
     token_file: Path | None = None
@@ -296,7 +295,7 @@ class ServeOptions:
     idle_minutes: float = 10.0
     """Minutes without a message of its robot after which a search ends."""
     memory: Path | None = None
-    """Folder of a memory of the building: every search begins with what earlier ones learned."""
+    """Folder of a memory of the building: searches begin with what earlier ones learned."""
     memory_mb: float | None = None
     """Size of that folder, MB, beyond which the images that tell least are forgotten, from now on;
     at first 50."""

@@ -84,8 +84,8 @@ def check_agent(agent: Any, *, goal: str = DOOR, steps: int = 30, repeatable: bo
     """Check an agent against its contract, and list in words what breaks it.
 
     The agent searches an empty room with a door, which needs no simulator. It must answer every
-    observation with an `Action`, not change observations, accept an image without any depth, forget
-    everything at `reset`, and, if it has a trace and a map, keep them consistent.
+    observation with an `Action` or None, not change observations, accept an image without any
+    depth, forget everything at `reset`, and, if it has a trace and a map, keep them consistent.
 
     Args:
         agent: The agent, with ``reset(goal)`` and ``act(observation)``.

@@ -47,7 +47,8 @@ class ChatConfig(RoomConfig):
             ours of the same name, and are never left out.
         jpeg_quality: JPEG quality of the images that are sent (colour is not subsampled).
         device: Device of a model in this process: "auto", "cpu", "cuda", "cuda:1", "mps".
-        dtype: Number format of a model in this process: "auto" is bfloat16 where supported.
+        dtype: Number format of a model in this process: "auto" is bfloat16 on NVIDIA GPUs
+            with it.
     """
 
     published_model: str = ""
