@@ -72,7 +72,9 @@ def _splits() -> None:
     table = Table("split", "buildings", "episodes", "goals")
     for split in SPLITS.values():
         numbers = f"{split.kind} {split.numbers.start}:{split.numbers.stop}"
-        others = " by default; any others that belong to no split" if split.is_open else ""
+        others = (
+            " by default; others, but for the exam's and other splits'" if split.is_open else ""
+        )
         table.add_row(split.name, numbers + others, str(split.episodes), split.style)
     Terminal(stderr=False).print(table)
 

@@ -23,7 +23,6 @@ _CAMERA = PinholeCamera.from_hfov(240, 180, 95.0)
 _ON_ROBOT = optical_to_base(1.5, pitch_deg=25.0)
 """High enough, and turned down enough, to see what stands on tables."""
 _YAWS = tuple(quarter * math.pi / 2.0 for quarter in range(4))
-_NOT_BOXED = ("door", "window", "stairs", "ramp")
 
 
 def building_space(
@@ -97,5 +96,5 @@ def _boxes(scene: Scene, storeys: Sequence[FloorPlan]) -> list[dict[str, Any]]:
             "row": one.label.category,
         }
         for one in scene.instances
-        if one.label is not None and one.label.category not in _NOT_BOXED
+        if one.label is not None
     ]
