@@ -18,10 +18,10 @@ demo: $(VENV)/.installed  ## search for a bed in the built-in house
 	$(BIN)/hypernav find bed --seed 2 --out runs/demo
 
 test: $(VENV)/.installed-dev  ## the tests, in a few minutes
-	$(BIN)/pytest -n auto -m "not slow and not freeze" --timeout 300
+	$(BIN)/pytest -n auto --dist worksteal -m "not slow and not freeze" --timeout 300
 
 slow: $(VENV)/.installed-dev  ## the longer checks
-	$(BIN)/pytest -n auto -m slow --timeout 600
+	$(BIN)/pytest -n auto --dist worksteal -m slow --timeout 600
 
 freeze: $(VENV)/.installed-dev  ## every building and episode of the frozen splits, made anew; 40 minutes of one core
 	rm -rf build/freeze
