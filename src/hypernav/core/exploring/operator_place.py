@@ -37,4 +37,4 @@ class PlaceState(StrEnum):
     @property
     def event(self) -> str:
         """The event by which the trace of an agent says so, once."""
-        return f"operator's place: {self}"
+        return f"place chosen on the map: {self}"
