@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import pytest
 
+from certainty import certain
 from hypernav.app.build.agents import build_search
+from hypernav.app.build.component_specs import PresetName
 from hypernav.core.components.abilities import GoesWhereSent
 from hypernav.core.exploring.operator_place import OperatorPlace, PlaceState
 from hypernav.core.goal import Goal
@@ -25,7 +27,7 @@ class Doubting(GroundTruthDetector):
         return [replace(one, score=0.5) for one in found]
 
 
-def searching(goal: str, detector=None, preset="default") -> SearchAgent:
+def searching(goal: str, detector=None, preset: PresetName = "default") -> SearchAgent:
     agent = build_search(small_config(preset), detector or GroundTruthDetector(), ExchangeLog())
     agent.reset(Goal(goal))
     return agent
@@ -51,7 +53,7 @@ def driven(agent: SearchAgent, room: BoxRoom, steps: int) -> list[str]:
 def test_it_drives_there_by_the_shortest_way_and_looks_around(preset):
     agent, room = searching("piano", preset=preset), BoxRoom()
     assert isinstance(agent, GoesWhereSent)
-    room.step(agent.act(room.observe()))
+    room.step(certain(agent.act(room.observe())))
     agent.go_to(PLACE)
     assert driven(agent, room, 12) == [PlaceState.ON_ITS_WAY.event, PlaceState.REACHED.event]
     assert room.pose.distance_to(*PLACE.xy) <= room.embodiment.motion.forward_m
@@ -63,20 +65,20 @@ def test_it_drives_there_by_the_shortest_way_and_looks_around(preset):
 
 def test_a_doubtful_sighting_waits_until_the_place_is_reached():
     agent, room = searching("door", Doubting()), BoxRoom()
-    room.step(agent.act(room.observe()))
+    room.step(certain(agent.act(room.observe())))
     assert agent.last_step.mode is Mode.APPROACH
     agent.go_to(PLACE)
-    room.step(agent.act(room.observe()))
+    room.step(certain(agent.act(room.observe())))
     assert (agent.last_step.mode, agent.last_step.destination) == (Mode.EXPLORE, PLACE.xy)
     assert driven(agent, room, 12)[-1] == PlaceState.REACHED.event
-    room.step(agent.last_step.action)
+    room.step(certain(agent.last_step.action))
     agent.act(room.observe())
     assert agent.last_step.mode is Mode.APPROACH
 
 
 def test_a_robot_that_gets_no_nearer_says_so_and_searches_on():
     agent, room = searching("piano"), BoxRoom()
-    room.step(agent.act(room.observe()))
+    room.step(certain(agent.act(room.observe())))
     agent.go_to(PLACE)
     pose, told = room.pose, []
     for _ in range(100):

@@ -52,7 +52,7 @@ def events_of(link: RobotLink, search: str) -> list[str]:
 
 @pytest.mark.parametrize("restart_at", [None, "on its way", "reached"])
 def test_a_robot_goes_to_the_place_and_then_searches_on(tmp_path, caplog, restart_at):
-    room = BoxRoom(BEHIND)
+    room, replies = BoxRoom(BEHIND), []
     with robot_server(tmp_path, real_plan) as link:
         port, search = link.port, link.open()
         drive(link, search, room, most=1)

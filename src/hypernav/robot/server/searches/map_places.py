@@ -147,7 +147,7 @@ def _check_on_map(request: NoEntryRequest | GoToRequest, now: Standing, error: s
     x, y, floor = request.x, request.y, request.floor
     grid = now.maps.get(floor)
     if grid is None or not grid.inside(*grid.cell_of(x, y)):
-        words = f"({x:g}, {y:g}) is not on the map of floor {floor}; choose a place on it"
+        words = f"({x:.2f}, {y:.2f}) is not on the map of floor {floor}; choose a place on it"
         raise _refused(words, error)
 
 
