@@ -27,6 +27,7 @@ _PATHS = {
     "/v1/searches/{name}/pause": {"post"},
     "/v1/searches/{name}/no-entry": {"get", "post"},
     "/v1/searches/{name}/no-entry/{number}": {"delete"},
+    "/v1/searches/{name}/go-to": {"get", "put", "delete"},
     "/v1/searches/{name}/resume": {"post"},
     "/v1/searches/{name}/floors": {"get"},
     "/v1/searches/{name}/floors/words": {"get"},

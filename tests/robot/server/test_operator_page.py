@@ -643,3 +643,30 @@ def test_a_place_is_closed_by_a_click_on_the_map_and_opened_by_keys(page, tmp_pa
         )
         page.driver.switch_to.active_element.send_keys(Keys.ENTER)
         page.until(lambda: link.call("GET", f"{search}/no-entry").json == [])
+
+
+def test_a_robot_is_sent_to_a_place_by_a_click_on_the_map_and_called_back(page, tmp_path):
+    with robot_server(tmp_path, real_plan) as link:
+        room, search = BoxRoom(), link.open("piano")
+        drive(link, search, room, most=1)
+        page.driver.get(f"http://127.0.0.1:{link.port}/")
+        page.until(lambda: page.map_size_m)
+        page.until(lambda: (page.map.click(), page.place.is_displayed())[1])
+        assert not page.going.is_displayed()
+        before = page.map.screenshot_as_png
+        page.place.find_element(By.XPATH, ".//button[text()='Go there']").click()
+        page.until(lambda: "is on its way to the chosen place" in page.going.text)
+        assert link.call("GET", f"{search}/go-to").json["state"] == "on its way"
+        assert page.map.screenshot_as_png != before
+        cancel = page.going.find_element(By.XPATH, ".//button[text()='Cancel going there']")
+        assert cancel.size["height"] >= 40
+        cancel.click()
+        page.until(lambda: not page.going.is_displayed())
+        assert link.call("GET", f"{search}/go-to").json is None
+        link.call("PUT", f"{search}/go-to", {"x": 1.5, "y": 0.5})
+        drive(link, search, room, first=1, most=10)
+        page.until(lambda: "has reached the chosen place at 1.5, 0.5." in page.going.text)
+        assert not cancel.is_displayed()
+        link.call("POST", "/v1/stop", {})
+        page.until(lambda: not page.going.is_displayed())
+        assert not page.driver.get_log("browser")

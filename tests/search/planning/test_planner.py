@@ -417,3 +417,42 @@ def test_without_a_limit_the_path_ends_however_far_from_the_destination():
     assert path_of(unlimited, grid, (0.5, 1.5), np.array([[4.0, 1.5]])).gap_m > 2.0
     grid.cells[:] = Cell.OCCUPIED
     assert Planner(unlimited, BODY).plan(grid, (0.5, 1.5), np.array([[4.0, 1.5]])) is None
+
+
+WALLED = """
+    ????????????
+    ############
+    ............
+    ............
+    ............
+    ############
+"""
+
+
+@pytest.mark.parametrize(
+    ("place", "nearest"),
+    [
+        ((1.0, 1.0), (1.0, 1.0)),  # open floor is itself
+        ((1.0, 1.6), (1.0, 1.1)),  # on this side of the wall, a clearance away from it
+        ((1.0, 1.9), (1.0, 1.1)),  # for the unknown beyond it, too
+        ((1.0, 2.3), None),  # more than a metre away
+    ],
+)
+def test_the_nearest_known_position_is_open_and_explored(place, nearest):
+    grid = drawn(WALLED, scale=6)  # cells of the drawing are 0.3 m; the wall begins at y 1.2
+    found = Planner(WIDE, BODY).nearest_known(grid, (0.5, 0.8), place, 1.0)
+    if nearest is None:
+        assert found is None
+    else:
+        assert certain(found) == pytest.approx(nearest, abs=0.15)
+        assert grid.state_at(*certain(found)) is Cell.FREE
+
+
+def test_the_nearest_known_position_is_one_that_a_path_leads_to():
+    grid = drawn(DOOR, scale=6)  # 0.3 m each
+    closed = OccupancyGrid(grid.cells.copy(), grid.resolution_m, grid.origin)
+    closed.cells[:, 30:42] = Cell.OCCUPIED  # the door is shut
+    place = (2.4, 0.9)
+    assert certain(Planner(WIDE, BODY).nearest_known(grid, (0.5, 0.9), place, 1.0))[0] > 2.1
+    found = Planner(WIDE, BODY).nearest_known(closed, (0.5, 0.9), place, 2.0)
+    assert certain(found)[0] < 1.5

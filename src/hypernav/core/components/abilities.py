@@ -13,6 +13,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import ConfigError
 from hypernav.core.exploring.exploration import ExplorationView
 from hypernav.core.exploring.floors import SeenThing
+from hypernav.core.exploring.operator_place import OperatorPlace
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.closed_area import ClosedArea
 from hypernav.core.goal import Goal
@@ -59,6 +60,23 @@ class KeepsOut(Protocol):
 
         Args:
             areas: All areas of all floors, in the ``map`` frame of the search.
+        """
+        ...
+
+
+@runtime_checkable
+class GoesWhereSent(Protocol):
+    """An agent that can be sent to a place during a search.
+
+    From the next `act` on it drives there instead of to a destination of its own. Its trace says by
+    `PlaceState.event` when that has ended; then the search goes on by itself.
+    """
+
+    def go_to(self, place: OperatorPlace | None) -> None:
+        """Go to this place, and no longer to another; the same one again changes nothing.
+
+        Args:
+            place: The place, in the ``map`` frame of the search; None to go on searching.
         """
         ...
 

@@ -25,6 +25,7 @@ from hypernav.core.trace import StepTrace
 from hypernav.io.bounded_http import Deadline, Session
 from hypernav.io.reading import read_file, text_of
 from hypernav.io.secret import Secret
+from hypernav.robot.wire.go_to import GO_TO, GoToPlace, GoToRequest
 from hypernav.robot.wire.no_entry import NO_ENTRY, NoEntryArea, NoEntryRequest
 from hypernav.robot.wire.replies import ErrorBody, Reply, SearchOpened, Status, StreamMessage
 from hypernav.robot.wire.requests import ROBOTS, CloseRequest, GivenGoal, OpenSearch, StopRequest
@@ -95,6 +96,7 @@ class ServerAddress:
 
 MessageT = TypeVar("MessageT", bound=BaseModel)
 _AREAS = TypeAdapter(list[NoEntryArea])
+_GOING_TO = TypeAdapter[GoToPlace | None](GoToPlace | None)
 _CONNECT_S = 5.0
 _LONGEST_REASON = 500
 _MOST_QUOTED = 4096
@@ -243,6 +245,28 @@ class HttpServer:
         """
         path = f"{SEARCHES}/{search_id}/{NO_ENTRY}/{number}"
         return _AREAS.validate_json(self._request("DELETE", path))
+
+    def going_to(self, search_id: str) -> GoToPlace | None:
+        """The last place that the robot was sent to; None without one, and if it was cancelled."""
+        return _GOING_TO.validate_json(self._request("GET", f"{SEARCHES}/{search_id}/{GO_TO}"))
+
+    def go_to(self, search_id: str, request: GoToRequest) -> GoToPlace:
+        """Send the robot of a search to a place, from its next decision on; then it searches on.
+
+        Raises:
+            RequestRefusedError: The place is not on the map of the robot's floor or is closed, or
+                the search is over.
+        """
+        body = request.model_dump_json().encode()
+        return self._asked(GoToPlace, "PUT", f"{SEARCHES}/{search_id}/{GO_TO}", body)
+
+    def cancel_go_to(self, search_id: str) -> None:
+        """Let the robot search by itself again, from its next decision on.
+
+        Raises:
+            RequestRefusedError: It is on its way to no place, or the search is over.
+        """
+        self._request("DELETE", f"{SEARCHES}/{search_id}/{GO_TO}")
 
     def close_search(self, search_id: str, *, failure: str | None = None) -> None:
         """Tell the server that the search is no longer needed.

@@ -25,6 +25,7 @@ from hypernav.robot.server.searches.searches import Searches
 from hypernav.robot.server.searches.standing import Turn
 from hypernav.robot.server.waiting_robots import WaitingRobots
 from hypernav.robot.server.watching import Name, watching_routes
+from hypernav.robot.wire.go_to import GO_TO, GoToPlace, GoToRequest
 from hypernav.robot.wire.no_entry import NO_ENTRY, NoEntryArea, NoEntryRequest
 from hypernav.robot.wire.replies import (
     ErrorBody,
@@ -369,6 +370,21 @@ def _routes(searches: Searches, waiting: WaitingRobots, allowances: Allowances) 
     def open_area(name: Name, number: _Number) -> list[NoEntryArea]:
         """Let the robot enter a place again; the answer is what stays closed."""
         return list(searches.find(name).open_area(number))
+
+    @routes.get(f"{SEARCHES}/{{name}}/{GO_TO}")
+    async def going_to(name: Name) -> GoToPlace | None:
+        """The last place that the robot was sent to; null without one, and if it was cancelled."""
+        return searches.find(name).going_to
+
+    @routes.put(f"{SEARCHES}/{{name}}/{GO_TO}")
+    def go_to(name: Name, request: GoToRequest) -> GoToPlace:
+        """Send the robot to a place, from its next decision on; then it searches by itself."""
+        return searches.find(name).go_to(request)
+
+    @routes.delete(f"{SEARCHES}/{{name}}/{GO_TO}")
+    def cancel_go_to(name: Name) -> None:
+        """Let the robot search by itself again, from its next decision on."""
+        searches.find(name).cancel_go_to()
 
     @routes.post(f"{SEARCHES}/{{name}}/close")
     async def close(name: Name, request: CloseRequest | None = None) -> Status:

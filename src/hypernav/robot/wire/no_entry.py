@@ -1,17 +1,13 @@
 """Places that people close to a robot during its search."""
 
-from typing import Annotated
-
 from pydantic import Field
 
-from hypernav.robot.wire.values import MAP_REACH_M, Message
+from hypernav.robot.wire.values import InMap, Message
 
 NO_ENTRY = "no-entry"
 """Path of the closed places below that of a search; that of one is ``no-entry/NUMBER``."""
 MOST_CLOSED = 100
 """Largest number of places that a search has ever closed, those opened again included."""
-
-_InMap = Annotated[float, Field(ge=-MAP_REACH_M, le=MAP_REACH_M)]
 
 
 class NoEntryRequest(Message):
@@ -24,8 +20,8 @@ class NoEntryRequest(Message):
         floor: Number of the floor, as ``floor`` in a step of the trace; 1 where a step has none.
     """
 
-    x: _InMap
-    y: _InMap
+    x: InMap
+    y: InMap
     radius_m: float = Field(default=0.5, ge=0.1, le=5.0)
     floor: int = Field(default=1, ge=1, le=1000)
 

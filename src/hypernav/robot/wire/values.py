@@ -24,6 +24,7 @@ _RIGID_TOLERANCE = 1e-3
 _LARGEST_ROBOT_M = 10.0
 
 Coordinate = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
+InMap = Annotated[float, Field(ge=-MAP_REACH_M, le=MAP_REACH_M)]
 Angle = Annotated[float, Field(ge=-1000.0, le=1000.0)]
 SearchId = Annotated[str, Field(pattern=r"^[0-9a-f]{32}$")]
 """Name of a search: 32 hexadecimal digits, so that it cannot be a path."""

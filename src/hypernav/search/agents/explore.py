@@ -15,6 +15,7 @@ from hypernav.core.embodiment import Action
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Mode
+from hypernav.search.agents.go_to import go_to
 from hypernav.search.agents.plan import Climbing, Plan, patience_of
 from hypernav.search.agents.recall import errand, may_be_hidden, recalled, refutation, remembered
 from hypernav.search.agents.step import Decision, Phase, Step, turn_towards
@@ -90,8 +91,14 @@ def forget_sighting(memory: Memory, position: tuple[float, float]) -> None:
 
 
 def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]:
-    """Look around; keep a destination until reached, given up or explored; ask for the next."""
+    """Look around; keep a destination until reached, given up or explored; ask for the next.
+
+    A place that the operator sends the robot to comes first.
+    """
     config, robot = step.config, step.robot
+    decision, plan = go_to(step, memory, plan)
+    if decision is not None:
+        return decision, plan
     turn = _turn_of_the_look_around(step, memory, plan)
     if turn is not None:
         plan = replace(plan, turns_left=plan.turns_left - 1, last_scan_at=robot.xy)

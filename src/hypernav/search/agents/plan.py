@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from hypernav.core.embodiment import Action
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.exploring.insight import Insight
+from hypernav.core.exploring.operator_place import OperatorPlace
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.search.agents.config import SearchConfig
@@ -258,6 +259,21 @@ class Climbing:
 
 
 @dataclass(frozen=True, eq=False)
+class Sent:
+    """The way to a place that the operator chose; it ends when there is no progress.
+
+    Attributes:
+        place: The place.
+        patience: Patience with it.
+        route: Path to it.
+    """
+
+    place: OperatorPlace
+    patience: Progress
+    route: Route = field(default_factory=Route)
+
+
+@dataclass(frozen=True, eq=False)
 class Plan:
     """What the robot intends. Every step replaces it; what the robot knows is in the memory.
 
@@ -265,6 +281,7 @@ class Plan:
         exploring: Where to look for the goal.
         approaching: How to get to it.
         climbing: How to get over stairs to another floor; None if the robot is not on any.
+        sent: Where the operator sends the robot; None if nowhere.
         turns_left: Number of turns that are left of the look around.
         full_turn: Whether that look makes all its turns, even those that show nothing unseen.
         last_scan_at: Position ``(x, y)``, metres, of the latest look around; None before.
@@ -277,6 +294,7 @@ class Plan:
     exploring: Exploring
     approaching: Approaching
     climbing: Climbing | None = None
+    sent: Sent | None = None
     turns_left: int = 0
     full_turn: bool = True
     last_scan_at: Position | None = None
@@ -308,6 +326,13 @@ class Plan:
     def stands(self, robot: Pose2) -> bool:
         """Whether the robot is where its last action was ordered; also before the first one."""
         return self.ordered is None or self.ordered[0].distance_to(*robot.xy) < STANDS_M
+
+    def sent_to(self, place: OperatorPlace | None, config: SearchConfig) -> "Plan":
+        """The plan of a robot that is sent to a place, or to none any more."""
+        if place == (self.sent and self.sent.place):
+            return self
+        sent = None if place is None else Sent(place, Progress(config.patience_steps))
+        return replace(self.explore(destination=None), sent=sent)
 
     def explore(self, **changes: object) -> "Plan":
         """The plan with some values of its exploration replaced."""

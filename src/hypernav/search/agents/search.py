@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import WorldError
+from hypernav.core.exploring.operator_place import OperatorPlace, PlaceState
 from hypernav.core.geometry.closed_area import ClosedArea, with_closed
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
@@ -25,7 +26,7 @@ from hypernav.search.agents.verify import second_look, verify
 from hypernav.search.mapping.memory.candidate import Candidate
 from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.stairs.floor_exits import stairs_underfoot
-from hypernav.search.perception.local.belief import likeliest, reconsidered
+from hypernav.search.perception.local.belief import is_convincing, likeliest, reconsidered
 from hypernav.search.planning.bump_sensor import bumped_points
 
 _DETOUR = 2.0
@@ -53,6 +54,7 @@ class SearchAgent:
         self._steps = 0
         self._most_steps = components.config.max_steps
         self._closed: tuple[ClosedArea, ...] = ()
+        self._place: OperatorPlace | None = None
 
     @property
     def embodiment(self) -> Embodiment:
@@ -80,11 +82,18 @@ class SearchAgent:
         memory.begin_search(lasts=lasts, sees_stairs=components.config.use_stairs)
         components.log.drain()
         self._goal, self._memory, self._plan = goal, memory, None
-        self._trace, self._steps, self._closed = None, 0, ()
+        self._trace, self._steps, self._closed, self._place = None, 0, (), None
 
     def keep_out_of(self, areas: Sequence[ClosedArea]) -> None:
         """Enter none of these areas from the next `act` on; `reset` forgets them."""
         self._closed = tuple(areas)
+
+    def go_to(self, place: OperatorPlace | None) -> None:
+        """Go to this place from the next `act` on, then search on; `reset` forgets it.
+
+        What convincingly looks like the goal is gone to first.
+        """
+        self._place = place
 
     def new_memory(self) -> Memory:
         """An empty memory, for the first of several searches."""
@@ -101,6 +110,9 @@ class SearchAgent:
         if memory.on_stairs and plan.climbing is None:
             plan = _off_the_floor(observation.robot, memory, plan, events)
         plan = plan.explore(offered=(), insight=None)
+        if self._place is not None and (plan.sent is None or plan.sent.place != self._place):
+            events.append(PlaceState.ON_ITS_WAY.event)
+        plan = plan.sent_to(self._place, use.paced)
         seen = memory.seen_from_ground(observation)
         with clock("map"):
             if not memory.on_stairs:  # stairs belong to no floor
@@ -139,6 +151,7 @@ class SearchAgent:
             None if climbing is None or climbing.is_back else climbing.connector
         )
         self._plan, self._steps = plan, self._steps + 1
+        self._place = None if plan.sent is None else plan.sent.place
         return decision.action
 
     @property
@@ -197,7 +210,9 @@ class SearchAgent:
         detections: list[DetectionRecord],
     ) -> StepTrace:
         target, destination, robot = memory.search.evidence.target, plan.destination, step.robot
-        if target is not None:
+        if plan.sent is not None and decision.mode is Mode.EXPLORE:
+            going_to = plan.sent.place.xy
+        elif target is not None:
             going_to = target.area.centre
         else:
             going_to = None if destination is None else destination.xy
@@ -291,8 +306,11 @@ def _first_phase(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Pha
         if config.open_the_way:
             plan = plan.approach(as_near_as_possible=True, steps_run_out=True)
     target = memory.search.evidence.target
+    is_doubtful = not is_convincing(memory.search.evidence, step.components.local.config)
     if target is not None and (
-        _is_another(step, memory, target) or is_nearer(step, memory, plan, target)
+        (plan.sent is not None and is_doubtful)
+        or _is_another(step, memory, target)
+        or is_nearer(step, memory, plan, target)
     ):
         target = None
     if target is None or target.number != plan.approaching.candidate:

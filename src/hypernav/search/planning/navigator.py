@@ -133,6 +133,12 @@ class Navigator:
         path = self._planner.plan(grid, robot.xy, *destinations)
         return None if path is None else path.length_m
 
+    def nearest_known(
+        self, grid: OccupancyGrid, robot: Pose2, place: tuple[float, float], within_m: float
+    ) -> tuple[float, float] | None:
+        """The explored position nearest to a place to go `towards`; see `Planner.nearest_known`."""
+        return self._planner.nearest_known(grid, robot.xy, place, within_m)
+
     def is_open(self, grid: OccupancyGrid, start: Pose2, end: Pose2) -> bool:
         """Whether the map shows nothing that the robot would touch on a line between poses."""
         line, clearance_m = (start.xy, end.xy), self._clearances_m[-1]

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import cv2
 import numpy as np
-from jaxtyping import Float32, Float64, Int64, UInt8
+from jaxtyping import Bool, Float32, Float64, Int64, UInt8
 
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.geometry.grid import OccupancyGrid
@@ -185,6 +185,41 @@ class Planner:
         else:
             yield from _known_first([first, *options])
 
+    def nearest_known(
+        self,
+        grid: OccupancyGrid,
+        start: tuple[float, float],
+        place: tuple[float, float],
+        within_m: float,
+    ) -> tuple[float, float] | None:
+        """The explored position nearest to a place that a path leads to.
+
+        Obstacles are inflated less only where that leads nearer by more than the size of the cells.
+
+        Args:
+            grid: The map.
+            start: Position of the robot ``(x, y)``, metres.
+            place: The place ``(x, y)``, metres.
+            within_m: Largest distance from the place, metres.
+
+        Returns:
+            Middle of a cell ``(x, y)``, metres; None if there is none.
+        """
+        nearest, least_m = None, within_m
+        for clearance_m in self._clearances_m:
+            is_squeezed = clearance_m < self._clearances_m[0]
+            costmap = Costmap.of(grid, self._config, start, clearance_m, is_squeezed=is_squeezed)
+            if costmap.escape is None:
+                continue
+            here = costmap.grid.cell_of(*start)
+            is_open = (costmap.is_open > 0) & costmap.grid.explored & _reachable(costmap, here)
+            points = costmap.grid.centres_of(np.argwhere(is_open))
+            away_m = np.linalg.norm(points - np.array(place), axis=1)
+            if len(points) and away_m.min() <= least_m:
+                x, y = points[away_m.argmin()].tolist()
+                nearest, least_m = (x, y), float(away_m.min()) - _BESIDE_M
+        return nearest
+
     def _plan_on(
         self,
         costmap: Costmap,
@@ -244,6 +279,14 @@ def is_blocked(points: tuple[tuple[float, float], ...], costmap: Costmap) -> boo
     return any(np.isinf(cost_of_line(costmap.costs, *a, *b)) for a, b in pairwise(corners))
 
 
+def _reachable(costmap: Costmap, here: tuple[int, int]) -> Bool[np.ndarray, "rows columns"]:
+    """Mask of the cells that a path leads to from a cell."""
+    # Diagonal steps need both neighbours, so what is 8-reachable is 4-connected.
+    passable = (costmap.costs > 0.0).view(np.uint8)
+    cv2.floodFill(passable, None, here[::-1], _REACHED, flags=4)
+    return passable == _REACHED
+
+
 def _enterable_goal(
     costmap: Costmap,
     here: tuple[int, int],
@@ -253,10 +296,7 @@ def _enterable_goal(
     """Mask of the cells to go to: 1 there; and their distance from the destination, metres."""
     enterable = costmap.is_open > 0
     if config.end_in_obstacle == "reachable":
-        # Diagonal steps need both neighbours, so what is 8-reachable is 4-connected.
-        passable = (costmap.costs > 0.0).view(np.uint8)
-        cv2.floodFill(passable, None, here[::-1], _REACHED, flags=4)
-        enterable &= passable == _REACHED
+        enterable &= _reachable(costmap, here)
     wanted = costmap.grid.mask_of(targets)
     known = enterable & costmap.grid.explored
     for allowed in (known, enterable):

@@ -30,6 +30,7 @@ const LEGEND = [
   ["stairs taken or tried", COLORS.stairs],
   ["obstacle", COLORS.occupied],
   ["closed to the robot", COLORS.failure, "M8 1a7 7 0 1 0 .01 0z"],
+  ["place to go to", COLORS.path, "M3 0h2v16H3zM5 1l9 4-9 4z"],
   ["remembered thing", COLORS.ink, "M1 1h14v14H1zM3 3v10h10V3z"],
   ["unknown", COLORS.unknown],
 ];
@@ -37,7 +38,7 @@ const LEGEND = [
 const byId = (id) => document.getElementById(id);
 const timeline = new Timeline(show);
 const lens = new Lens(byId("map"), document.querySelectorAll("[data-zoom]"), show);
-const places = new Places(byId("map"), byId("place"), lens, show);
+const places = new Places(byId("map"), byId("place"), byId("going"), lens, show);
 let follower = null;
 let floorOfRobot = null;
 let floorChosen = null; // by hand, until the robot goes to another floor
@@ -82,7 +83,7 @@ function show() {
   floorOfRobot = step ? floorOf(step) : null;
   const floor = floorChosen ?? floorOfRobot;
   const map = step && maps.get(floor);
-  drawMap(byId("map"), map, steps, stairs, timeline.shown, floor, { lens, things: follower.things, places: places.shown(floor) });
+  drawMap(byId("map"), map, steps, stairs, timeline.shown, floor, { lens, things: follower.things, places: places.shown(floor, floorOfRobot) });
   showFloor(steps, floorWords, floor);
   if (step) {
     byId("map").setAttribute("aria-label", mapWords(map, step, floor));

@@ -35,6 +35,7 @@ export function drawMap(canvas, map, steps, stairs, shown, floor, { lens, things
     draw.robot(step.pose);
   }
   for (const area of places.areas) draw.closed(area, 0.35);
+  if (places.going) draw.flag(places.going);
   if (places.spot) draw.spot(places.spot);
   draw.scale();
 }
@@ -190,6 +191,17 @@ class Painter {
     const half = 9 * this.ratio / this.view.scale;
     this.line([[spot.x - half, spot.y], [spot.x + half, spot.y]], COLORS.ink, 2);
     this.line([[spot.x, spot.y - half], [spot.x, spot.y + half]], COLORS.ink, 2);
+  }
+
+  /** The place that the robot was sent to. */
+  flag({ x, y }) {
+    const [u, v] = this.view.at(x, y);
+    const { context, ratio } = this;
+    context.fillStyle = COLORS.path;
+    context.fillRect(u - ratio, v - 26 * ratio, 2 * ratio, 26 * ratio);
+    context.beginPath();
+    for (const [right, up] of [[0, 26], [16, 20], [0, 14]]) context.lineTo(u + right * ratio, v - up * ratio);
+    context.fill();
   }
 
   destination([x, y]) {

@@ -8,10 +8,11 @@ from typing import cast
 import numpy as np
 
 from hypernav.app.build.agents import BuiltAgent
-from hypernav.core.components.abilities import KeepsOut
+from hypernav.core.components.abilities import GoesWhereSent, KeepsOut
 from hypernav.core.components.protocols import ExplainsItself, Remembers
 from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import OutputError, WireError
+from hypernav.core.exploring.operator_place import OperatorPlace
 from hypernav.core.geometry.closed_area import ClosedArea, with_closed
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
@@ -97,8 +98,17 @@ class Decisions:
         """Whether the agent can be told where its robot is not to go."""
         return isinstance(self._built.agent, KeepsOut)
 
+    @property
+    def goes_where_sent(self) -> bool:
+        """Whether the agent can be sent to a place."""
+        return isinstance(self._built.agent, GoesWhereSent)
+
     def decide(
-        self, packed: PackedObservation, seen: Observation, closed: Sequence[ClosedArea] = ()
+        self,
+        packed: PackedObservation,
+        seen: Observation,
+        closed: Sequence[ClosedArea] = (),
+        place: OperatorPlace | None = None,
     ) -> tuple[StepRecord, OccupancyGrid | None]:
         """Decide about an observation that was checked.
 
@@ -106,6 +116,7 @@ class Decisions:
             packed: The observation.
             seen: The same, decoded.
             closed: Places that the robot is not to enter.
+            place: Place that it is to go to; None if it is to search.
 
         Returns:
             The decision, and a copy of the map that it was made on; None if the steps have run out,
@@ -117,13 +128,17 @@ class Decisions:
             MemoryStartError: What the robot sees at first contradicts the memory.
             HyPerNavError: The agent cannot go on.
         """
-        step, grid = self._decided(packed, seen, closed)
+        step, grid = self._decided(packed, seen, closed, place)
         step = self._with_doubts(step, self._doubts.look(packed.header, seen))
         self._commanded = step.reply.action
         return step if self._start is None else self._start.as_robot_knows(step), grid
 
     def _decided(
-        self, packed: PackedObservation, seen: Observation, closed: Sequence[ClosedArea]
+        self,
+        packed: PackedObservation,
+        seen: Observation,
+        closed: Sequence[ClosedArea],
+        place: OperatorPlace | None,
     ) -> tuple[StepRecord, OccupancyGrid | None]:
         """The decision in the ``map`` frame of the search, and the map."""
         number, start = packed.header.sequence, self._start
@@ -138,6 +153,8 @@ class Decisions:
             self._memory.check(seen)
         if isinstance(self._built.agent, KeepsOut):
             self._built.agent.keep_out_of(closed)
+        if isinstance(self._built.agent, GoesWhereSent):
+            self._built.agent.go_to(place)
         self._built.agent.act(seen)
         self._steps += 1
         grid, trace = self._agent.grid, self._agent.last_step
@@ -201,13 +218,14 @@ class Decisions:
         Raises:
             HyPerNavError: The agent cannot repeat it.
         """
-        maps, closed = dict[int, OccupancyGrid](), journal.closed
+        maps, closed, sent = dict[int, OccupancyGrid](), journal.closed, journal.sent
         for number in range(journal.step_count):
             if not is_wanted():
                 break
             recorded = journal.step(number)
             packed = unpack_observation(journal.observation(number))
-            again, grid = self.decide(packed, self._decoded(packed), closed.at(number))
+            heeded = closed.at(number), sent.at(number)
+            again, grid = self.decide(packed, self._decoded(packed), *heeded)
             if again.trace is not None and grid is not None:
                 maps[floor_of(again.trace)] = grid
             self._commanded = recorded.reply.action

@@ -12,6 +12,7 @@ The folder of a search holds:
 - ``steps.bin``: one `StepRecord` as JSON for every decision.
 - ``model.jsonl``: the exchanges with the model (`hypernav.search.models.chat.recording`).
 - ``no_entry.json``: the places that people closed to the robot, if there are any.
+- ``go_to.json``: the places that they sent it to, likewise.
 - ``end.json``: how the search ended, with ``map.pgm`` and ``map.yaml`` of the floor where it did,
   and those of other floors in ``floor_N``. Until then a hidden file
   reserves its disk space, so that a stop can be written on a full disk, too.
@@ -33,13 +34,12 @@ from pydantic import BaseModel, ValidationError
 from hypernav.app.build.component_specs import ComponentSpecs
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.errors import HyPerNavError, RunFolderError
-from hypernav.core.geometry.closed_area import ClosedArea
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import StepTrace
 from hypernav.io.foreign_folder import read_own
 from hypernav.io.writing import AppendOnlyFile, own_descriptor
+from hypernav.robot.server.searches.spans import ClosedSpans, SentSpans
 from hypernav.robot.wire.frames import unpack_observation
-from hypernav.robot.wire.no_entry import NoEntryArea
 from hypernav.robot.wire.replies import Reply, SearchEnding, StartInMemory
 from hypernav.robot.wire.requests import OpenSearch
 from hypernav.robot.wire.values import Message, SearchId
@@ -162,6 +162,7 @@ _MAP_FILE = "map.yaml"
 _END_FILE = "end.json"
 _PAUSED_FILE = "paused"
 _NO_ENTRY_FILE = "no_entry.json"
+_GO_TO_FILE = "go_to.json"
 _FLOOR = "floor_"
 _MOST_BYTES = 20_000_000
 _ROOM_FOR_END = 4096
@@ -230,40 +231,6 @@ class EndRecord(Message):
 
     ending: SearchEnding
     detail: str = ""
-
-
-class ClosedSpan(Message):
-    """A place that is or was closed to the robot.
-
-    Attributes:
-        area: The place.
-        since: Number of the first observation whose decision heeds it.
-        until: Number of the first one whose decision doesn't any more; None as long as it is
-            closed.
-    """
-
-    area: NoEntryArea
-    since: int
-    until: int | None = None
-
-
-class ClosedSpans(Message):
-    """All places that are or were closed to the robot, in the order in which they were closed."""
-
-    spans: tuple[ClosedSpan, ...] = ()
-
-    def at(self, sequence: int) -> tuple[ClosedArea, ...]:
-        """The places that the decision about an observation heeds."""
-        return tuple(
-            ClosedArea(one.area.floor, one.area.x, one.area.y, one.area.radius_m)
-            for one in self.spans
-            if one.since <= sequence and (one.until is None or sequence < one.until)
-        )
-
-    @property
-    def now(self) -> tuple[NoEntryArea, ...]:
-        """The places that are closed."""
-        return tuple(one.area for one in self.spans if one.until is None)
 
 
 class Journal:
@@ -454,6 +421,24 @@ class Journal:
             RunFolderError: It cannot be written; what was noted before stays.
         """
         _write_whole(self.folder / _NO_ENTRY_FILE, closed)
+
+    @property
+    def sent(self) -> SentSpans:
+        """The places that people sent the robot to.
+
+        Raises:
+            RunFolderError: They are damaged on the disk.
+        """
+        path = self.folder / _GO_TO_FILE
+        return _read(path, SentSpans) if path.exists() else SentSpans()
+
+    def write_sent(self, sent: SentSpans) -> None:
+        """Note the places that people sent the robot to.
+
+        Raises:
+            RunFolderError: It cannot be written; what was noted before stays.
+        """
+        _write_whole(self.folder / _GO_TO_FILE, sent)
 
     @property
     def has_map(self) -> bool:

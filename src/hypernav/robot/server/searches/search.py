@@ -16,22 +16,31 @@ from hypernav.core.errors import (
     HyPerNavError,
     ModelSetupError,
     ModelUnavailableError,
-    RequestRefusedError,
     RunFolderError,
     SensorError,
     WireError,
 )
+from hypernav.core.exploring.operator_place import OperatorPlace
 from hypernav.core.geometry.closed_area import ClosedArea
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import floor_of
 from hypernav.robot.server.limits import Pace
-from hypernav.robot.server.searches.closing import added, removed
 from hypernav.robot.server.searches.decisions import Decisions
-from hypernav.robot.server.searches.journal import ClosedSpans, EndRecord, Journal, StepRecord
+from hypernav.robot.server.searches.journal import EndRecord, Journal, StepRecord
+from hypernav.robot.server.searches.map_places import (
+    added,
+    check_heeded,
+    removed,
+    with_outcome,
+    with_place,
+    without_place,
+)
+from hypernav.robot.server.searches.spans import ClosedSpans, SentSpans
 from hypernav.robot.server.searches.standing import Standing, Turn, end_reply
 from hypernav.robot.server.searches.threads import Bell, Worker
 from hypernav.robot.wire.frames import PackedObservation, unpack_observation
-from hypernav.robot.wire.no_entry import NoEntryArea, NoEntryRequest
+from hypernav.robot.wire.go_to import GO_TO, GoToPlace, GoToRequest
+from hypernav.robot.wire.no_entry import NO_ENTRY, NoEntryArea, NoEntryRequest
 from hypernav.robot.wire.replies import Reply, SearchEnding, SearchState, Status
 
 _LOG = logging.getLogger(__name__)
@@ -68,10 +77,10 @@ class Search:
         self._worker: Worker | None = None
         self._last_worker: Worker | None = None  # it may still save what the search learned
         self._is_end_kept = journal.end is not None
-        self._closed = journal.closed
+        self._closed, self._sent = journal.closed, journal.sent
         self._next_decision = journal.step_count
         self._closing = threading.Lock()  # its own, so that STOP never waits for the disk
-        self._keeps_out = False
+        self._keeps_out = self._goes_where_sent = False
         self._may_decide = threading.Event()
         if not journal.is_paused:
             self._may_decide.set()
@@ -179,7 +188,9 @@ class Search:
         Args:
             decisions: Agent that has its goal and has seen nothing.
         """
-        self._decisions, self._keeps_out = decisions, decisions.keeps_out
+        self._decisions = decisions
+        self._keeps_out = decisions.keeps_out
+        self._goes_where_sent = decisions.goes_where_sent
         self._worker = Worker(f"search {self.record.id[:8]}", self._fail)
         if (last := self._now.last) is not None:
             with self._lock:
@@ -281,8 +292,8 @@ class Search:
             RunFolderError: It cannot be noted on disk; nothing has changed.
         """
         with self._closing:
-            self._check_can_close()
-            self._keep_closed(added(self._closed, request, self._now, self._next_decision))
+            check_heeded(self._now, NO_ENTRY, agent_can=self._keeps_out)
+            self._keep(added(self._closed, request, self._now, self._next_decision))
             return self._closed.spans[-1].area
 
     def open_area(self, number: int) -> tuple[NoEntryArea, ...]:
@@ -296,31 +307,56 @@ class Search:
             RunFolderError: It cannot be noted on disk; nothing has changed.
         """
         with self._closing:
-            self._check_can_close()
-            self._keep_closed(removed(self._closed, number, self._next_decision))
+            check_heeded(self._now, NO_ENTRY, agent_can=self._keeps_out)
+            self._keep(removed(self._closed, number, self._next_decision))
             return self._closed.now
 
-    def _check_can_close(self) -> None:
-        words = ""
-        if self._now.end is not None:
-            words = "the search is over; close places while a search is under way"
-        elif not self._keeps_out:
-            words = "the agent of this search can't be told where not to go; use STOP or pause"
-        if words:
-            raise RequestRefusedError(words, error="no-entry", status=409)
+    @property
+    def going_to(self) -> GoToPlace | None:
+        """The last place that the robot was sent to; None without one, and if it was cancelled."""
+        return self._sent.latest
 
-    def _keep_closed(self, closed: ClosedSpans) -> None:
-        """Note a change on disk before it counts, with the lock of the closed places held."""
-        self._journal.write_closed(closed)
-        self._closed = closed
+    def go_to(self, request: GoToRequest) -> GoToPlace:
+        """Send the robot to a place, from its next decision on, and to no other.
+
+        Raises:
+            RequestRefusedError: The search is over, its agent can't be sent to places, the place is
+                not on the map of the robot's floor or is closed, or there are too many.
+            RunFolderError: It cannot be noted on disk; nothing has changed.
+        """
+        with self._closing:
+            check_heeded(self._now, GO_TO, agent_can=self._goes_where_sent)
+            at = self._next_decision
+            self._keep(with_place(self._sent, request, self._now, self._closed, at))
+            return self._sent.spans[-1].place
+
+    def cancel_go_to(self) -> None:
+        """Let the robot search by itself again, from its next decision on.
+
+        Raises:
+            RequestRefusedError: It is on its way to no place, or the search is over.
+            RunFolderError: It cannot be noted on disk; nothing has changed.
+        """
+        with self._closing:
+            check_heeded(self._now, GO_TO, agent_can=self._goes_where_sent)
+            self._keep(without_place(self._sent, self._next_decision))
+
+    def _keep(self, changed: ClosedSpans | SentSpans) -> None:
+        """Note a change on disk before it counts, with the lock of the chosen places held."""
+        if isinstance(changed, ClosedSpans):
+            self._journal.write_closed(changed)
+            self._closed = changed
+        else:
+            self._journal.write_sent(changed)
+            self._sent = changed
         with self._lock:
             self._tell(self._now)
 
-    def _closed_for(self, turn: Turn) -> tuple[ClosedArea, ...]:
+    def _heeded(self, turn: Turn) -> tuple[tuple[ClosedArea, ...], OperatorPlace | None]:
         """What the decision about an observation heeds; later changes count for the next one."""
         with self._closing:
             self._next_decision = turn.sequence + 1
-            return self._closed.at(turn.sequence)
+            return self._closed.at(turn.sequence), self._sent.at(turn.sequence)
 
     def write_end(self) -> None:
         """Write the end of the search to disk, if it is over.
@@ -375,7 +411,7 @@ class Search:
                 offered_s = monotonic()  # the pause is nobody's delay
                 if not self._is_wanted():
                     return
-            step, grid = self._decisions.decide(packed, seen, self._closed_for(turn))
+            step, grid = self._decisions.decide(packed, seen, *self._heeded(turn))
             self._answer(turn, step, grid)
             self._pace.note(step.trace, offered_s)
 
@@ -390,6 +426,10 @@ class Search:
         """Write a decision to disk and answer the robot, unless it was stopped meanwhile."""
         if not self._is_wanted():
             return
+        with self._closing:  # before the decision: one that was not written is made again
+            sent = with_outcome(self._sent, step, turn.sequence)
+            if sent is not self._sent:
+                self._keep(sent)
         self._journal.add_step(step)
         maps = {} if grid is None or step.trace is None else {floor_of(step.trace): grid}
         with self._lock:
@@ -415,7 +455,7 @@ class Search:
                     return
                 packed = unpack_observation(self._journal.observation(last.sequence))
                 seen = self._decisions.check(packed)
-                step, grid = self._decisions.decide(packed, seen, self._closed_for(last))
+                step, grid = self._decisions.decide(packed, seen, *self._heeded(last))
                 self._answer(last, step, grid)
 
     def _is_wanted(self) -> bool:
