@@ -41,7 +41,7 @@ COMMANDS = {
     "memory": "Write a page about what searches have learned of a building, or forget some of it.",
     "config": "List every value of the configuration: default, unit, range, meaning and source.",
     "serve": "Take the observations of robots over the network, and answer each with an action.",
-    "robot": "Simulate a robot on the network, replay recordings of a camera, report on trials.",
+    "robot": "Drive a robot by ROS 2 or a simulated one, replay recordings, report on trials.",
     "houses": "Generated buildings: pages about them, files for other programs, splits, episodes.",
 }
 _LEAST_MB = 1500

@@ -17,7 +17,7 @@ from hypernav.simulator.worlds.config import NoiseConfig
 SIGNIFICANT = 0.05
 
 RULES_IN_WORDS: dict[Failure, str] = {
-    Failure.MODEL_UNAVAILABLE: "A model gave no answer within its patience. Not counted.",
+    Failure.MODEL_UNAVAILABLE: "A model refused a question or gave no answer in time. Not counted.",
     Failure.SIMULATOR_ERROR: "The world, or the process that ran it, failed. Not counted.",
     Failure.UNREACHABLE: "The scene holds the goal, but no path leads there from the start.",
     Failure.LANGUAGE: "What the robot took for the goal only has a similar name.",
