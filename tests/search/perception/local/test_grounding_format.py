@@ -1,5 +1,7 @@
 import json
 import random
+from collections import Counter
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -60,6 +62,38 @@ OTHER = '{"bbox_2d": [300, 5, 400, 300], "label": "bed"}'
 def test_reads_boxes_however_they_are_wrapped(text: str, expected: list):
     assert boxes(text) == expected
     assert not read(text).rejected
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ('{"point": [10, 20]}', [(10.0, 20.0)]),
+        ('{"point": "10, 20"}', [(10.0, 20.0)]),
+        ('{"points": [[10, 20], [300, 5]]}', [(10.0, 20.0), (300.0, 5.0)]),
+        ('{"points": [[10, 20]]}', [(10.0, 20.0)]),
+        ('{"points": [{"x": 10, "y": 20}, {"x": 300, "y": 5}]}', [(10.0, 20.0), (300.0, 5.0)]),
+        ('{"points": []}', []),
+        ("[10, 20]", [(10.0, 20.0)]),
+        ("[[10, 20], [300, 5]]", [(10.0, 20.0), (300.0, 5.0)]),
+        ("I see [2] of them", []),
+    ],
+)
+def test_reads_points_however_they_are_grouped(text: str, expected: list):
+    found = read(text, replace(PIXELS, points=True)).points
+    assert [(one.x, one.y) for one in found] == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "rejected"),
+    [
+        ("I see [2] beds", {}),
+        ("between [2, 3] beds", {}),
+        ("[10, 20, 110]", {Rejection.NOT_FOUR: 1}),
+        ("[[10, 20, 110], [10, 20, 110, 220, 5]]", {Rejection.NOT_FOUR: 2}),
+    ],
+)
+def test_three_bare_numbers_are_a_broken_box_and_fewer_are_prose(text: str, rejected: dict):
+    assert read(text) == Grounding(rejected=Counter(rejected))
 
 
 @pytest.mark.parametrize("text", ["", "[]", "```json\n[]\n```", "There is no bed.", "{}", "null"])

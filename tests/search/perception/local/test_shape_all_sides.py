@@ -79,7 +79,9 @@ def test_a_seat_that_a_back_may_hide_is_looked_for_from_another_side():
     assert hidden.is_doubtful
 
 
-@pytest.mark.parametrize(("with_seat", "without", "is_against"), [(1, 1, False), (1, 3, False), (1, 9, True)])
+@pytest.mark.parametrize(
+    ("with_seat", "without", "is_against"), [(1, 1, False), (1, 3, False), (1, 9, True)]
+)
 def test_a_seat_that_shows_in_some_images_is_there_and_in_hardly_any_is_none(
     with_seat: int, without: int, is_against: bool
 ):
