@@ -204,6 +204,14 @@ def test_an_attribute_that_says_neither_yes_nor_no_is_named():
         gives_masks(through_door(mine, Detector))
 
 
+@pytest.mark.parametrize("score", [0, 0.0, -1e-7, 0.3, 1, 1.0, 1.0 + 1e-7, np.float32(1.0)])
+def test_scores_from_0_to_1_pass_with_their_rounding(score: float):
+    detector = through_door(returning("detect", [broken(GOOD, score=score)]), Detector)
+    assert detector.detect(SEEN, GOAL)[0].score == score
+    scorer = through_door(returning("score", score), SceneScorer)
+    assert scorer.score(SEEN, GOAL) == score
+
+
 def test_good_values_pass():
     mask = np.ones(SHAPE, bool)
     found = [GOOD, broken(GOOD, mask=mask, score=1.0000001, box=Box(0, 0, 0, 0))]

@@ -1,9 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from hypernav.core.exploring.floors import SeenThing, Sightings
 from hypernav.core.geometry.boxes import Box, Detection
-from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 
@@ -32,6 +34,23 @@ def test_things_are_where_they_are_seen():
     assert (sofa.label, lamp.label) == ("sofa", "lamp")
     assert sofa.position == pytest.approx((0.0, 0.0), abs=0.1)
     assert lamp.position == pytest.approx((1.75, 0.0), abs=0.1)
+
+
+@pytest.mark.parametrize("quarters", range(4))
+def test_a_thing_is_as_far_as_the_middle_of_its_box_whatever_is_beside_it(quarters):
+    beside = np.full((64, 64), 4.0, np.float32)
+    beside[24:40, 24:40] = 2.0  # the middle half of the box, in both directions
+    beside[24:40, 35:40] = 4.0  # of which a third is a gap, on each side in turn
+    seen = replace(
+        view(2.0),
+        rgb=np.zeros((64, 64, 3), np.uint8),
+        depth=np.rot90(beside, quarters),
+        camera=PinholeCamera.from_hfov(64, 64, 90.0),
+        camera_to_map=Pose2(1.0, 2.0, 0.3).to_transform() @ optical_to_base(0.9),
+    )
+    box = Box(16.0, 16.0, 48.0, 48.0)
+    (thing,) = Sightings().with_detections(seen, [found("lamp", box)]).things
+    assert thing.position == pytest.approx(Pose2(1.0, 2.0, 0.3).ahead(2.0).xy, abs=0.05)
 
 
 def test_a_thing_counts_once_and_the_goal_not_at_all():
