@@ -64,6 +64,27 @@ def test_reads_boxes_however_they_are_wrapped(text: str, expected: list):
     assert not read(text).rejected
 
 
+ORDERS = {
+    "xyxy": [10, 20, 110, 220],
+    "yxyx": [20, 10, 220, 110],
+    "xywh": [10, 20, 100, 200],
+    "cxcywh": [60, 120, 100, 200],
+}
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize(
+    "item",
+    [
+        '{{"bbox_{0}": {1}}}',
+        '{{"bbox": {1}, "format": "{0}"}}',
+        '{{"box_format": "{0}", "boxes": [{1}]}}',
+    ],
+)
+def test_numbers_are_taken_in_the_order_that_a_key_or_a_sibling_says(order: str, item: str):
+    assert boxes(item.format(order, ORDERS[order])) == ONE
+
+
 @pytest.mark.parametrize(
     ("text", "expected"),
     [

@@ -315,7 +315,9 @@ def test_a_second_box_of_the_same_thing_in_an_image_says_nothing_new():
     assert (certain(both.target).area.views == certain(once.target).area.views).all()
 
 
-@pytest.mark.parametrize(("score", "widens"), [(0.9, True), (0.1, False)])
+@pytest.mark.parametrize(
+    ("score", "widens"), [(0.9, True), (0.21, True), (0.2, False), (0.1, False)]
+)
 def test_an_image_widens_a_candidate_only_if_it_speaks_for_it(score, widens):
     wider = replace(seen((40.0, 40.0, 120.0, 80.0))[0], score=score)  # with the wall beside it
     local = Perception(ScriptedDetector([seen(), [wider]]))
