@@ -52,7 +52,7 @@ def test_what_is_no_file_of_limited_size_is_refused_at_once(tmp_path, read):
 )
 def test_what_is_no_file_has_the_number_of_its_error(tmp_path, at, code):
     os.mkfifo(tmp_path / "pipe")
-    with pytest.raises(OSError) as refused:
+    with pytest.raises(OSError, match="expected a file") as refused:
         check_file(tmp_path / at)
     assert refused.value.errno == code
 

@@ -212,6 +212,26 @@ def test_scores_from_0_to_1_pass_with_their_rounding(score: float):
     assert scorer.score(SEEN, GOAL) == score
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "expected"),
+    [
+        ("grid", 5, "OccupancyGrid or None"),
+        ("last_step", None, "StepTrace"),
+        ("embodiment", None, "Embodiment"),
+        ("warning", 5, "str"),
+    ],
+)
+def test_an_attribute_of_another_class_is_named(name: str, value: object, expected: str):
+    mine = own(reset=lambda self, goal: None, act=lambda self, seen: 2, **{name: value})
+    with pytest.raises(ComponentError, match=rf"{name} returned {value}; expected {expected}"):
+        getattr(through_door(mine, Agent), name)
+
+
+def test_an_agent_may_have_no_map():
+    mine = own(reset=lambda self, goal: None, act=lambda self, seen: 2, grid=None)
+    assert through_door(mine, Agent).grid is None
+
+
 def test_good_values_pass():
     mask = np.ones(SHAPE, bool)
     found = [GOOD, broken(GOOD, mask=mask, score=1.0000001, box=Box(0, 0, 0, 0))]
