@@ -58,8 +58,12 @@ def test_the_longest_unexplored_direction_is_always_offered(seen):
 
 
 @settings(max_examples=40)
-@given(directions(), st.booleans())
-def test_explored_directions_are_offered_where_nothing_is_near_and_only_there(seen, space_explored):
+@given(directions(), st.sets(st.integers(0, 59), max_size=3), st.booleans())
+def test_explored_directions_are_offered_where_nothing_is_near_and_only_there(
+    seen, unexplored, space_explored
+):
+    seen.is_explored[:] = True
+    seen.is_explored[list(unexplored)] = False
     unit = 79.0 / 360.0
     offered = [
         (move.heading, seen.at(move.heading)[1])
