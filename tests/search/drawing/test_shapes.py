@@ -29,17 +29,17 @@ SHAPES: dict[str, tuple[Draw, float, float]] = {
         4.0 * math.pi * 10.0,
     ),
     "polygon": (
-        lambda image, u, v: shapes.polygon(image, [CORNERS + (u, v)], WHITE),
+        lambda image, u, v: shapes.polygon(image, [CORNERS + np.array([u, v])], WHITE),
         0.5 * 24.0 * 24.0,
         24.0 * (1.0 + math.sqrt(5.0)),
     ),
     "see-through polygon": (
-        lambda image, u, v: shapes.polygon(image, [CORNERS + (u, v)], WHITE, opacity=0.5),
+        lambda image, u, v: shapes.polygon(image, [CORNERS + np.array([u, v])], WHITE, opacity=0.5),
         0.25 * 24.0 * 24.0,
         12.0 * (1.0 + math.sqrt(5.0)),
     ),
     "closed line": (
-        lambda image, u, v: shapes.line(image, WAVE + (u, v), WHITE, 3.0, closed=True),
+        lambda image, u, v: shapes.line(image, WAVE + np.array([u, v]), WHITE, 3.0, closed=True),
         2.0 * math.pi * 10.0 * 3.0,
         4.0 * math.pi * 10.0,
     ),
