@@ -6,6 +6,7 @@ from dataclasses import astuple
 import numpy as np
 import pytest
 
+import images
 from box_views import SolidBox, room, view_of
 from certainty import certain
 from hypernav.core.geometry.boxes import Box
@@ -97,6 +98,20 @@ def test_a_table_top_that_takes_five_rows_of_the_image_is_level():
     form = certain(measured_form(view, mask, box_of(mask)))
     assert form.top_m == pytest.approx(0.7, abs=0.01)
     assert form.level_share == 1.0
+
+
+@pytest.mark.parametrize("side", range(4))
+@pytest.mark.parametrize(("short_px", "is_seen"), [(0, True), (4, True), (5, False), (20, False)])
+def test_a_mask_that_falls_short_of_its_box_by_a_tenth_shows_no_end_there(
+    side: int, short_px: int, is_seen: bool
+):
+    view = images.thing_before_wall(box=(50, 40, 95, 85))
+    edges = [50.0, 40.0, 95.0, 85.0]
+    edges[side] += -short_px if side < 2 else short_px
+    form = certain(measured_form(view, images.thing_pixels(view), Box(*edges)))
+    ends = {"long": form.is_long_seen, "top": form.is_top_seen, "bottom": form.is_bottom_seen}
+    beyond = ("long", "top", "long", "bottom")[side]
+    assert ends == {name: is_seen or name != beyond for name in ends}
 
 
 @pytest.mark.parametrize(
