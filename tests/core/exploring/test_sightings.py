@@ -86,3 +86,19 @@ def test_a_named_thing_counts_once_and_its_number_all_the_same():
     seen = seen.with_named({8: SeenThing("sofa", (1.2, 2.0))})
     assert len(seen.things) == 1
     assert seen.named == {7, 8}
+
+
+def test_of_more_things_than_two_hundred_the_first_are_kept_and_all_numbers():
+    lamps = {number: SeenThing("lamp", (1.5 * number, 0.0)) for number in range(300)}
+    seen = Sightings().with_named(lamps)
+    assert seen.things == tuple(lamps[number] for number in range(200))
+    assert seen.named == lamps.keys()
+
+
+@pytest.mark.parametrize(("away_m", "is_another"), [(0.99, False), (1.0, True)])
+def test_things_of_one_name_a_metre_apart_are_two(away_m, is_another):
+    first, second = (SeenThing("lamp", (x, 2.0)) for x in (3.0, 3.0 + away_m))
+    seen = Sightings().with_named({1: first, 2: second})
+    assert len(seen.things) == 1 + is_another
+    other_name = SeenThing("sofa", first.position)
+    assert len(seen.with_named({3: other_name}).things) == 2 + is_another
