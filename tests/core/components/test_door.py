@@ -153,6 +153,7 @@ CASES = [
     *((ImageTextModel, "image_vectors", (np.zeros((4, 4, 3), np.uint8),), value) for value in (
         None, [[1.0]], np.ones(3), np.ones((1, 3), int), np.zeros((0, 3)), np.zeros((1, 3)),
         np.array([[1.0, math.nan]]), np.array([[1e300]]),
+        np.array([[1e30]]), np.array([[1e-30]]),
     )),
     *((ImageTextModel, "text_vectors", (("a bed", "a sofa"),), value) for value in (
         np.ones((1, 3)), np.array([[1.0], [0.0]]),
