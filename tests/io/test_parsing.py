@@ -10,6 +10,7 @@ from hypernav.io.parsing import (
     MOST_LEVELS,
     check_json_size,
     parse_json,
+    parse_xml,
     parse_yaml,
 )
 from hypernav.io.reading import Allowance
@@ -86,3 +87,28 @@ def test_the_memory_of_values_is_counted_before_they_are_parsed():
     text = b"[" + b'{"a":[1,2]},' * 3_000_000 + b"0]"
     with pytest.raises(OSError, match=r"what its JSON says would take 2,322 MB, .* 2,000 MB"):
         check_json_size(text, Allowance())
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_xml_that_defines_entities_is_refused_and_any_other_is_read_without_namespaces(encoding):
+    plain = f'\n<?xml version="1.0" encoding="{encoding}"?><a xmlns="urn:x"><b c="&lt;"/></a>'
+    root = parse_xml(plain.strip().encode(encoding), Allowance())
+    assert [one.tag for one in root.iter()] == ["a", "b"]
+    assert root[0].attrib == {"c": "<"}
+    bomb = plain.strip().replace("<a ", '<!DOCTYPE a [<!ENTITY e "x">]><a ')
+    with pytest.raises(ValueError, match="defines entities"):
+        parse_xml(bomb.encode(encoding), Allowance())
+
+
+@pytest.mark.parametrize(
+    "text", [b"", b"<a>", b"<a></b>", b'<?xml version="1.0" encoding="x"?><a/>']
+)
+def test_what_is_no_xml_is_refused(text: bytes):
+    with pytest.raises(ValueError, match="not well-formed XML"):
+        parse_xml(text, Allowance())
+
+
+def test_white_space_before_xml_is_no_fault_and_its_elements_are_counted():
+    assert parse_xml(b" \n<a/>", Allowance()).tag == "a"
+    with pytest.raises(OSError, match="its elements would take"):
+        parse_xml(b"<a>" + b"<b/>" * 8_000_000 + b"</a>", Allowance())

@@ -1,3 +1,4 @@
+import errno
 import os
 import socket
 from pathlib import Path
@@ -44,6 +45,16 @@ def test_what_is_no_file_of_limited_size_is_refused_at_once(tmp_path, read):
         read(tmp_path / "sparse")
     with pytest.raises(OSError, match="at most 5 MB are read"):
         read(tmp_path / "sparse", most=5_000_000)
+
+
+@pytest.mark.parametrize(
+    ("at", "code"), [("/dev/zero", errno.EINVAL), ("pipe", errno.EINVAL), (".", errno.EISDIR)]
+)
+def test_what_is_no_file_has_the_number_of_its_error(tmp_path, at, code):
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(OSError, match="expected a file") as refused:
+        check_file(tmp_path / at)
+    assert refused.value.errno == code
 
 
 @pytest.mark.parametrize("reference", ["a.png", "textures/a.png", "textures/../a.png", "./a.png"])

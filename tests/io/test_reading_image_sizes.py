@@ -48,6 +48,17 @@ def test_a_header_that_is_cut_off_tells_nothing(kind, end):
     assert image_size(encoded(5, 7, format=kind)[:end]) is None
 
 
+@pytest.mark.parametrize("marker", range(0xC0, 0xD0))
+def test_a_jpeg_has_the_size_of_its_frame_whatever_tables_come_before(marker):
+    """Of the markers of this range, those of Huffman tables, extensions and coding are none."""
+
+    def segment(name: int, width: int, height: int) -> bytes:
+        return bytes([0xFF, name]) + struct.pack(">HBHH", 8, 8, height, width) + b"\0"
+
+    size = image_size(b"\xff\xd8" + segment(marker, 30, 20) + segment(0xC0, 7, 5) + b"\xff\xd9")
+    assert size == ((7, 5) if marker in (0xC4, 0xC8, 0xCC) else (30, 20))
+
+
 def test_a_jpeg_of_endless_scans_is_none():
     whole = encoded(8, 8, format="JPEG")
     scan = b"\xff\xda" + struct.pack(">H", 8) + b"\x01\x01\x00\x00\x3f\x00"

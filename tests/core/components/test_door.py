@@ -153,6 +153,7 @@ CASES = [
     *((ImageTextModel, "image_vectors", (np.zeros((4, 4, 3), np.uint8),), value) for value in (
         None, [[1.0]], np.ones(3), np.ones((1, 3), int), np.zeros((0, 3)), np.zeros((1, 3)),
         np.array([[1.0, math.nan]]), np.array([[1e300]]),
+        np.array([[1e30]]), np.array([[1e-30]]),
     )),
     *((ImageTextModel, "text_vectors", (("a bed", "a sofa"),), value) for value in (
         np.ones((1, 3)), np.array([[1.0], [0.0]]),
@@ -202,6 +203,34 @@ def test_an_attribute_that_says_neither_yes_nor_no_is_named():
     mine = own(detect=lambda self, *given: [], gives_masks=np.array([1, 2]))
     with pytest.raises(ComponentError, match=r"^Mine: gives_masks returned .*expected True or"):
         gives_masks(through_door(mine, Detector))
+
+
+@pytest.mark.parametrize("score", [0, 0.0, -1e-7, 0.3, 1, 1.0, 1.0 + 1e-7, np.float32(1.0)])
+def test_scores_from_0_to_1_pass_with_their_rounding(score: float):
+    detector = through_door(returning("detect", [broken(GOOD, score=score)]), Detector)
+    assert detector.detect(SEEN, GOAL)[0].score == score
+    scorer = through_door(returning("score", score), SceneScorer)
+    assert scorer.score(SEEN, GOAL) == score
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "expected"),
+    [
+        ("grid", 5, "OccupancyGrid or None"),
+        ("last_step", None, "StepTrace"),
+        ("embodiment", None, "Embodiment"),
+        ("warning", 5, "str"),
+    ],
+)
+def test_an_attribute_of_another_class_is_named(name: str, value: object, expected: str):
+    mine = own(reset=lambda self, goal: None, act=lambda self, seen: 2, **{name: value})
+    with pytest.raises(ComponentError, match=rf"{name} returned {value}; expected {expected}"):
+        getattr(through_door(mine, Agent), name)
+
+
+def test_an_agent_may_have_no_map():
+    mine = own(reset=lambda self, goal: None, act=lambda self, seen: 2, grid=None)
+    assert through_door(mine, Agent).grid is None
 
 
 def test_good_values_pass():

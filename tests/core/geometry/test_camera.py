@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from hypernav.core.errors import CameraError
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry.transforms import Pose2
 
 CAMERA = PinholeCamera(64, 48, 50.0, 40.0, 30.0, 25.0)
 
@@ -73,6 +74,16 @@ def test_rows_and_columns_may_be_given_apart():
     rows, columns = np.arange(48), np.arange(64)
     apart = CAMERA.unproject_pixels(rows[:, None], columns[None, :], 2.0)
     np.testing.assert_array_equal(apart, CAMERA.rays() * 2.0)
+
+
+@given(st.floats(-3.1, 3.1), st.floats(-60.0, 90.0), st.floats(0.1, 10.0))
+def test_all_that_a_camera_measures_lies_within_its_reach_and_fills_it(yaw, pitch_deg, most_m):
+    camera_to_map = Pose2(3.0, -2.0, yaw).to_transform() @ optical_to_base(0.9, pitch_deg)
+    low, high = CAMERA.reach(camera_to_map, most_m)
+    u, v, depth_m = np.meshgrid([0.0, 20.0, 64.0], [0.0, 25.0, 48.0], [0.0, 0.5 * most_m, most_m])
+    shown = camera_to_map.apply(CAMERA.unproject(u, v, depth_m).reshape(-1, 3))[:, :2]
+    np.testing.assert_allclose(shown.min(axis=0) - low, 0.001, atol=1e-9)
+    np.testing.assert_allclose(high - shown.max(axis=0), 0.001, atol=1e-9)
 
 
 @given(st.floats(0.1, 63.9))

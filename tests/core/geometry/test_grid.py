@@ -39,6 +39,17 @@ def test_a_grid_has_the_cells_that_can_be_looked_up_without_counting_from_its_en
     ]
 
 
+@given(st.lists(st.tuples(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0)), max_size=8))
+def test_a_mask_holds_exactly_the_cells_of_its_points(points):
+    grid = grid_of(np.zeros((5, 4)), origin=(-1.0, -2.0), resolution=0.5)
+    at = np.array(points).reshape(-1, 2)
+    mask = grid.mask_of(at)
+    inside = {cell for one in points if grid.inside(*(cell := grid.cell_of(*one)))}
+    assert set(map(tuple, np.argwhere(mask).tolist())) == inside
+    held = [grid.inside(*grid.cell_of(*one)) for one in points]
+    assert grid.picked(mask, at).tolist() == held
+
+
 def test_of_no_cells_none_is_on_the_grid():
     assert grid_of([[0]]).contains(np.zeros((0, 2), dtype=np.int64)).shape == (0,)
 

@@ -1,9 +1,20 @@
 from itertools import combinations
 
+import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.search.drawing.label_placement import Label, placed_labels
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.search.drawing.label_placement import (
+    Disc,
+    HiddenWeight,
+    Label,
+    Square,
+    number_position,
+    placed_labels,
+)
+from hypernav.search.drawing.map_view import MapView
 
 HEIGHT = 16.0
 PIXELS = st.floats(0.0, 400.0)
@@ -42,3 +53,30 @@ def test_one_of_several_equal_names_in_a_row_is_enough():
     cabinets = [Label("cabinet", 50.0 + 30.0 * k, 50.0, 40.0) for k in range(3)]
     assert placed_labels(cabinets, HEIGHT) == cabinets[:1]
     assert len(placed_labels([cabinets[0], cabinets[0]._replace(u=350.0)], HEIGHT)) == 2
+
+
+@given(
+    st.tuples(st.floats(100.0, 140.0), st.floats(100.0, 140.0), st.floats(2.0, 30.0)),
+    st.tuples(st.floats(90.0, 180.0), st.floats(90.0, 180.0), st.floats(5.0, 40.0)),
+)
+def test_a_number_leaves_a_square_too_small_for_it_directly_away_from_the_robot(square, robot):
+    left, top, side = square
+    u, v, radius = robot
+    at = np.array(number_position(Square(*square), 30.0, 16.0, Disc(*robot)))
+    beyond = np.maximum(np.abs(at - (u, v)) - (15.0, 8.0), 0.0)
+    assert np.hypot(*beyond) >= radius - 1e-6
+    middle = np.array([left, top]) + side / 2.0
+    if np.abs(at - middle).max() > side / 2.0:  # it has left the square
+        away, moved = middle - (u, v), at - (u, v)
+        assert np.hypot(*moved) == pytest.approx(radius + 17.0)
+        assert away[0] * moved[1] - away[1] * moved[0] == pytest.approx(0.0, abs=1e-6)
+        assert away @ moved >= 0.0
+
+
+def test_obstacles_are_worth_most_to_see_the_unknown_little_and_floor_nothing():
+    cells = np.repeat([Cell.UNKNOWN, Cell.FREE, Cell.OCCUPIED], 20)[None, :].repeat(60, axis=0)
+    grid = OccupancyGrid(cells.astype(np.uint8), 0.05, (0.0, 0.0))
+    hides = HiddenWeight(grid, MapView(0.0, 3.0, 100.0, 300))
+    assert [hides.weight(u, 150.0, 40.0, 20.0) for u in (50.0, 150.0, 250.0)] == [1.0, 0.0, 100.0]
+    assert hides.weight(200.0, 150.0, 40.0, 20.0) == pytest.approx(50.0, abs=1.0)
+    assert hides.weight(-500.0, -500.0, 40.0, 20.0) == 0.0

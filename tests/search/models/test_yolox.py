@@ -188,10 +188,11 @@ corners = st.floats(0.0, 100.0)
         max_size=20,
     ),
     st.floats(0.1, 0.9),
+    st.sampled_from([1.0, 1e-3]),  # pixels, or shares of an image
 )
-def test_kept_boxes_of_a_class_never_overlap_more_than_allowed(rows, max_iou: float):
+def test_kept_boxes_of_a_class_never_overlap_more_than_allowed(rows, max_iou: float, unit: float):
     table = np.array(rows, dtype=np.float64).reshape(-1, 5)
-    boxes = np.concatenate([table[:, :2], table[:, :2] + table[:, 2:4]], axis=1)
+    boxes = np.concatenate([table[:, :2], table[:, :2] + table[:, 2:4]], axis=1) * unit
     scores = np.linspace(0.1, 0.9, len(boxes))
     classes = table[:, 4].astype(np.int64)
     kept = keep_best_boxes(boxes, scores, classes, max_iou)

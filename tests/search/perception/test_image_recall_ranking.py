@@ -60,6 +60,16 @@ def test_the_image_that_looks_like_the_goal_stands_out_and_no_other_does():
     assert [one.above for one in others] == sorted((one.above for one in others), reverse=True)
 
 
+def test_images_stand_out_from_the_middle_one_in_deviations_of_a_normal_spread():
+    ranked = ranking().ranked(
+        [taken(k, (100 + k * k, 90, 90)) for k in range(11)], Goal("red ball")
+    )
+    above = [one.above for one in ranked]
+    assert ranked[0].number == 10
+    assert float(np.median(above)) == 0.0
+    assert float(np.median(np.abs(above))) == pytest.approx(0.6745, abs=0.001)  # of a normal one
+
+
 def test_a_small_part_of_an_image_is_enough():
     first, *_ = ranking().ranked([*greys(10), taken(10, GREY, RED)], Goal("red ball"))
     assert (first.number, first.above > 3.0) == (10, True)

@@ -8,6 +8,7 @@ from hypernav.core.chat import Fault, Question
 from hypernav.search.models.chat.answer_parsing import (
     CUT_IN_THINKING,
     SEVERAL_ANSWERS,
+    end_of_thinking,
     final_answer,
     parse_answer,
     unwrapped,
@@ -54,6 +55,17 @@ def test_thinking_without_an_end_is_no_answer(thought: str):
 def test_a_mark_between_quotes_is_a_mention(mention: str):
     text = f"The sign says {mention} in red"
     assert unwrapped(text).text == text
+
+
+@pytest.mark.parametrize(
+    "before", ["", "a", " ", "(", "a ", ' "', '"', '("', "=“", '""', 'a"', '."']
+)
+@pytest.mark.parametrize("after", ["", "a", " ", '"', "”)"])
+def test_a_mark_is_mentioned_only_if_a_quote_opens_before_it_and_another_follows(
+    before: str, after: str
+):
+    is_mention = before in {' "', '"', '("', "=“", '""'} and after in {'"', "”)"}
+    assert (end_of_thinking(f"{before}</think>{after}") is None) == is_mention
 
 
 def test_says_what_is_wrong_and_what_was_taken_off():

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -6,7 +8,8 @@ from hypothesis import strategies as st
 from box_scenes import room_boxes, scene_of
 from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.geometry.boxes import Box
-from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.geometry.camera import PinholeCamera
+from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.search.mapping.memory.goal_area import points_under_mask
 from hypernav.search.perception.local.depth_cut import DepthCutSegmenter, _divided
@@ -133,6 +136,35 @@ def test_a_point_takes_no_floor_and_a_point_on_a_rug_takes_it():
     assert (mask & bed.mask).sum() > 0.5 * mask.sum()
     on_floor = DepthCutSegmenter().segment_point(observation, 80.0, 118.0)
     assert (on_floor & bed.mask).sum() < 0.1 * on_floor.sum()
+
+
+@pytest.mark.parametrize("quarters", [1, 2, 3])
+def test_a_camera_on_its_side_sees_the_same_of_a_thing_and_of_the_floor(quarters):
+    upright, bed = seen_in_a_room("bed", (3.5, 0.4, 0.0), (5.5, 1.8, 0.5))
+    width, height = upright.camera.width, upright.camera.height
+    seen, point, camera = (
+        upright,
+        np.array([bed.box.x_min + 5.5, bed.box.y_max - 5.5]),
+        upright.camera,
+    )
+    for _ in range(quarters):  # what was the right edge of the image becomes its upper one
+        camera = PinholeCamera(
+            camera.height, camera.width, camera.fy, camera.fx, camera.cy, camera.width - camera.cx
+        )
+        turn = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+        seen = replace(
+            seen,
+            rgb=np.rot90(seen.rgb),
+            depth=np.rot90(seen.depth),
+            camera=camera,
+            camera_to_map=seen.camera_to_map @ Transform(turn, np.zeros(3)),
+            truth=None,
+        )
+        point = np.array([point[1], camera.height - point[0]])
+    cut = DepthCutSegmenter().segment_point(seen, *point)
+    expected = DepthCutSegmenter().segment_point(upright, bed.box.x_min + 5.5, bed.box.y_max - 5.5)
+    assert 100 < expected.sum() < 0.5 * width * height
+    np.testing.assert_array_equal(np.rot90(cut, -quarters), expected)
 
 
 def test_a_point_without_depth_around_it_holds_nothing():

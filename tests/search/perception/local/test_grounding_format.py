@@ -1,5 +1,7 @@
 import json
 import random
+from collections import Counter
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -60,6 +62,59 @@ OTHER = '{"bbox_2d": [300, 5, 400, 300], "label": "bed"}'
 def test_reads_boxes_however_they_are_wrapped(text: str, expected: list):
     assert boxes(text) == expected
     assert not read(text).rejected
+
+
+ORDERS = {
+    "xyxy": [10, 20, 110, 220],
+    "yxyx": [20, 10, 220, 110],
+    "xywh": [10, 20, 100, 200],
+    "cxcywh": [60, 120, 100, 200],
+}
+
+
+@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize(
+    "item",
+    [
+        '{{"bbox_{0}": {1}}}',
+        '{{"bbox": {1}, "format": "{0}"}}',
+        '{{"box_format": "{0}", "boxes": [{1}]}}',
+    ],
+)
+def test_numbers_are_taken_in_the_order_that_a_key_or_a_sibling_says(order: str, item: str):
+    assert boxes(item.format(order, ORDERS[order])) == ONE
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ('{"point": [10, 20]}', [(10.0, 20.0)]),
+        ('{"point": "10, 20"}', [(10.0, 20.0)]),
+        ('{"points": [[10, 20], [300, 5]]}', [(10.0, 20.0), (300.0, 5.0)]),
+        ('{"points": [[10, 20]]}', [(10.0, 20.0)]),
+        ('{"points": [{"x": 10, "y": 20}, {"x": 300, "y": 5}]}', [(10.0, 20.0), (300.0, 5.0)]),
+        ('{"points": []}', []),
+        ("[10, 20]", [(10.0, 20.0)]),
+        ("[[10, 20], [300, 5]]", [(10.0, 20.0), (300.0, 5.0)]),
+        ("I see [2] of them", []),
+    ],
+)
+def test_reads_points_however_they_are_grouped(text: str, expected: list):
+    found = read(text, replace(PIXELS, points=True)).points
+    assert [(one.x, one.y) for one in found] == expected
+
+
+@pytest.mark.parametrize(
+    ("text", "rejected"),
+    [
+        ("I see [2] beds", {}),
+        ("between [2, 3] beds", {}),
+        ("[10, 20, 110]", {Rejection.NOT_FOUR: 1}),
+        ("[[10, 20, 110], [10, 20, 110, 220, 5]]", {Rejection.NOT_FOUR: 2}),
+    ],
+)
+def test_three_bare_numbers_are_a_broken_box_and_fewer_are_prose(text: str, rejected: dict):
+    assert read(text) == Grounding(rejected=Counter(rejected))
 
 
 @pytest.mark.parametrize("text", ["", "[]", "```json\n[]\n```", "There is no bed.", "{}", "null"])

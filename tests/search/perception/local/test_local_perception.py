@@ -248,6 +248,46 @@ def test_the_raw_box_takes_the_wall_behind_for_the_goal(pixels, depths_m):
     assert len(set(points[:, 0].round(1))) == depths_m
 
 
+@pytest.mark.parametrize("rule", ["candidates", "latest"])
+@pytest.mark.parametrize("is_guessed", [True, False])
+def test_a_few_far_pixels_are_strays_only_where_the_mask_was_guessed_for_a_candidate(
+    rule, is_guessed
+):
+    view = thing_before_wall(thing_m=2.0, wall_m=4.0)
+    view.depth[57:63, 77:83] = 4.0  # a gap in the thing through which the wall shows
+    box = Box(60.0, 40.0, 100.0, 80.0)
+    found = Detection(box, 0.9, "bed", None if is_guessed else box.mask(160, 120))
+    local = Perception(
+        ScriptedDetector([[found]]), target=rule, largest_cluster_only=False, entry_reach_m=0
+    )
+    local.look(view)
+    has_wall = certain(local.target).area.seen_points[:, 0].max() > 3.0
+    assert has_wall == (rule == "latest" or not is_guessed)
+
+
+@pytest.mark.parametrize(
+    ("detector", "is_wanted", "named"),
+    [
+        (GroundTruthDetector(), True, {images.THING}),
+        (GroundTruthDetector(), False, set()),
+        (ScriptedDetector([[]]), True, set()),
+    ],
+)
+def test_all_that_a_detector_can_name_is_remembered_where_it_is_wanted(detector, is_wanted, named):
+    local = LocalPerception(
+        detector,
+        WholeBox(),
+        LocalConfig(),
+        CameraConfig(),
+        cell_size_m=0.05,
+        names_things=is_wanted,
+    )
+    floor = Memory(MappingConfig(), Embodiment()).floor
+    local.look(thing_before_wall(), Goal("bed"), floor)
+    assert floor.sightings.named == named
+    assert [one.label for one in floor.sightings.things] == ["thing"] * len(named)
+
+
 def test_an_image_that_is_not_asked_about_changes_nothing():
     detector = ScriptedDetector([seen()])
     local = Perception(detector)
@@ -275,7 +315,9 @@ def test_a_second_box_of_the_same_thing_in_an_image_says_nothing_new():
     assert (certain(both.target).area.views == certain(once.target).area.views).all()
 
 
-@pytest.mark.parametrize(("score", "widens"), [(0.9, True), (0.1, False)])
+@pytest.mark.parametrize(
+    ("score", "widens"), [(0.9, True), (0.21, True), (0.2, False), (0.1, False)]
+)
 def test_an_image_widens_a_candidate_only_if_it_speaks_for_it(score, widens):
     wider = replace(seen((40.0, 40.0, 120.0, 80.0))[0], score=score)  # with the wall beside it
     local = Perception(ScriptedDetector([seen(), [wider]]))

@@ -1,9 +1,14 @@
 """Size and place speak for and against names, and what is hidden or cut off only bounds them."""
 
+import math
+from dataclasses import astuple
+
 import numpy as np
 import pytest
 
+import images
 from box_views import SolidBox, room, view_of
+from certainty import certain
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.kind_shapes import KINDS, kind_shape
@@ -60,6 +65,53 @@ def test_a_box_is_measured_in_the_map():
     assert form.is_long_seen
     assert form.level_share < 0.1
     assert form_of(BED).level_share > 0.2
+
+
+@pytest.mark.parametrize("turn_deg", [30, 90, 135, 250])
+def test_a_form_is_the_same_however_the_map_is_turned(turn_deg: int):
+    screen: SolidBox = ((2.5, 2.4, 0.5), (2.6, 3.6, 1.2))
+    for thing in (screen, BED):
+        view, mask = seen(thing)
+        turned = view.in_frame(Pose2(3.0, -2.0, math.radians(turn_deg)).to_transform())
+        forms = [measured_form(one, mask, box_of(mask)) for one in (view, turned)]
+        upright, expected = (certain(one) for one in forms)
+        assert upright.is_plane_upright == (thing is screen)
+        assert astuple(upright) == pytest.approx(astuple(expected), abs=1e-6)
+
+
+def test_a_flat_face_has_its_own_width_from_whichever_side_it_is_seen():
+    screen: SolidBox = ((3.0, 2.5, 0.5), (3.05, 3.5, 1.2))
+    for y in (1.0, 2.0, 3.0, 4.0, 5.0):
+        robot = Pose2(1.2, y, math.atan2(3.0 - y, 1.8))
+        view, without = (view_of([*ROOM, *more], robot) for more in ([screen], []))
+        mask = view.depth != without.depth
+        form = certain(measured_form(view, mask, box_of(mask)))
+        assert form.is_plane_upright
+        assert form.long_m == pytest.approx(1.0, abs=0.1)
+
+
+def test_a_table_top_that_takes_five_rows_of_the_image_is_level():
+    rows = 5
+    view = view_of([*ROOM, ((1.0, 2.0, 0.0), (3.0, 4.0, 0.7))], AT)
+    mask = np.zeros(view.depth.shape, bool)
+    mask[190 : 190 + rows, 100:200] = True
+    form = certain(measured_form(view, mask, box_of(mask)))
+    assert form.top_m == pytest.approx(0.7, abs=0.01)
+    assert form.level_share == 1.0
+
+
+@pytest.mark.parametrize("side", range(4))
+@pytest.mark.parametrize(("short_px", "is_seen"), [(0, True), (4, True), (5, False), (20, False)])
+def test_a_mask_that_falls_short_of_its_box_by_a_tenth_shows_no_end_there(
+    side: int, short_px: int, is_seen: bool
+):
+    view = images.thing_before_wall(box=(50, 40, 95, 85))
+    edges = [50.0, 40.0, 95.0, 85.0]
+    edges[side] += -short_px if side < 2 else short_px
+    form = certain(measured_form(view, images.thing_pixels(view), Box(*edges)))
+    ends = {"long": form.is_long_seen, "top": form.is_top_seen, "bottom": form.is_bottom_seen}
+    beyond = ("long", "top", "long", "bottom")[side]
+    assert ends == {name: is_seen or name != beyond for name in ends}
 
 
 @pytest.mark.parametrize(

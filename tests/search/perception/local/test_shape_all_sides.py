@@ -79,6 +79,18 @@ def test_a_seat_that_a_back_may_hide_is_looked_for_from_another_side():
     assert hidden.is_doubtful
 
 
+@pytest.mark.parametrize(
+    ("with_seat", "without", "is_against"), [(1, 1, False), (1, 3, False), (1, 9, True)]
+)
+def test_a_seat_that_shows_in_some_images_is_there_and_in_hardly_any_is_none(
+    with_seat: int, without: int, is_against: bool
+):
+    sides = [measure(level=0.3)] * with_seat + [measure(level=0.0)] * without
+    evidence = form_evidence(sides, TOILET)
+    assert (evidence.log_odds < 0.0) == is_against
+    assert not evidence.is_doubtful
+
+
 def test_a_level_surface_speaks_for_no_kind_and_against_none_that_has_none():
     assert form_evidence([measure(level=0.0)], TV).log_odds == 0.0
     assert form_evidence([measure(level=0.5)], TOILET).log_odds == 0.0

@@ -15,6 +15,7 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
+from hypernav.search.perception.local.second_look import detect_twice
 from hypernav.search.perception.local.vlm_detector import (
     VlmDetector,
     VlmDetectorConfig,
@@ -59,6 +60,13 @@ def test_the_exchange_is_logged_word_for_word(view: Observation):
     assert (exchange.kind, exchange.asked, exchange.answer) == ("ground", "parrot/Qwen2.5-VL", text)
     assert (exchange.tokens_in, exchange.tokens_out) == (100, len(text))
     assert exchange.remarks == []
+
+
+def test_a_weak_box_is_no_reason_to_ask_about_the_same_image_again(view: Observation):
+    parrot = Parrot('{"bbox_2d": [322, 238, 400, 300], "label": "bed", "score": 0.4}')
+    detector = VlmDetector(parrot, ExchangeLog(), AS_THEY_ARE)
+    (found,) = detect_twice(detector, view, BED, below=0.5)
+    assert (found.score, len(parrot.asked)) == (0.4, 1)
 
 
 @pytest.mark.parametrize("text", ["[]", "```json\n[]\n```", '{"objects": []}'])

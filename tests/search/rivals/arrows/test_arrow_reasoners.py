@@ -41,6 +41,15 @@ def test_without_a_model_the_freest_unexplored_arrow_is_taken():
     assert geometric(known, near, far, wanted=2) == (3, 2)
 
 
+def test_it_says_which_arrow_it_takes_and_how_far_that_leads():
+    log = ExchangeLog()
+    view = view_of(arrow(1, free_m=3.25), arrow(2, free_m=5.5), arrow(3), wanted=3)
+    choice = GeometricArrowReasoner(log).choose(view, BED)
+    assert choice == ArrowChoice((2, 1, 3), "arrow 2: unexplored, free for 5.5 m")
+    (noted,) = log.drain()
+    assert (noted.chosen, noted.answer) == (2, choice.reason)
+
+
 def test_where_all_is_explored_it_turns_or_draws_the_same_again():
     arrows = [arrow(number, explored=True) for number in range(1, 6)]
     assert geometric(*arrows) == (TURN_AROUND,)

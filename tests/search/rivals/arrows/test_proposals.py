@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arrow_views import CAMERA, HERE, room_with_wall
@@ -55,6 +55,33 @@ def test_the_longest_unexplored_direction_is_always_offered(seen):
     if worth.any():
         longest = HEADINGS[worth][seen.free_m[worth].argmax()]
         assert any(math.isclose(move.heading, longest) for move in moves)
+
+
+@settings(max_examples=40)
+@given(directions(), st.sets(st.integers(0, 59), max_size=3), st.booleans())
+def test_explored_directions_are_offered_where_nothing_is_near_and_only_there(
+    seen, unexplored, space_explored
+):
+    seen.is_explored[:] = True
+    seen.is_explored[list(unexplored)] = False
+    unit = 79.0 / 360.0
+    offered = [
+        (move.heading, seen.at(move.heading)[1])
+        for move in biased_moves(seen, may_turn=True, space_explored=space_explored)
+    ]
+    fresh = [heading for heading, is_explored in offered if not is_explored]
+    taken = [heading for heading, _ in offered] if space_explored else fresh
+    for heading, is_explored in offered:
+        others = [abs(heading - one) for one in taken if one != heading]
+        assert not (fresh and is_explored) or min(others) >= 4.0 * unit - 1e-9
+    for k in np.flatnonzero(0.66 * seen.free_m > 0.75):  # nothing more could be offered
+        if fresh:
+            spacing, others = (4.0, taken) if seen.is_explored[k] else (0.9, fresh)
+        else:
+            spacing, others = 1.0, [heading for heading, _ in offered]
+        assert min(abs(HEADINGS[k] - one) for one in others) < spacing * unit or any(
+            heading == HEADINGS[k] for heading, _ in offered
+        )
 
 
 def test_where_nothing_is_free_there_is_something_only_if_it_may_not_turn():

@@ -55,8 +55,8 @@ def explorer_of(guide):
     return AreaExplorer(guide, ExchangeLog(), ROBOT, MappingConfig(), (0.2,))
 
 
-def next_of(explorer, search=None, *, robot=HERE):
-    view = exploration_view(hall(), room_with_wall(3.0, robot=robot), search)
+def next_of(explorer, search=None, *, robot=HERE, grid=None):
+    view = exploration_view(grid or hall(), room_with_wall(3.0, robot=robot), search)
     return certain(explorer.next_destination(view))
 
 
@@ -95,6 +95,18 @@ def test_an_area_that_was_reached_is_none(monkeypatch):
     assert next_of(explorer, SearchMemory()).xy == area.xy
     at_wall = Pose2(2.4, 0.0, 0.0)
     assert "nearest frontier" in next_of(explorer, robot=at_wall).reason  # it is there already
+
+
+@pytest.mark.parametrize(("from_m", "is_gone_to"), [(2.6, True), (1.4, False)])
+def test_an_area_is_gone_to_only_if_floor_near_it_can_be_reached(monkeypatch, from_m, is_gone_to):
+    """The image looks over a low wall across the hall, which nothing leads around."""
+    monkeypatch.setattr("hypernav.search.rivals.navvlm.area_explorer._TURNS", 0)
+    grid = hall()
+    _, column = grid.cell_of(from_m, 0.0)
+    grid.cells[40:160, column] = Cell.OCCUPIED
+    area = next_of(explorer_of(Points(Direction.STRAIGHT)), grid=grid)
+    assert ("frontier" not in area.reason) == is_gone_to
+    assert area.x < from_m
 
 
 def test_an_image_without_depth_has_no_areas(monkeypatch):

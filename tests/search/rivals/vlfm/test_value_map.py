@@ -55,6 +55,19 @@ def test_only_what_is_in_view_gets_the_value():
         assert math.isnan(at(world, world.values, x, y))
 
 
+@pytest.mark.parametrize("yaw", [-2.5, -0.7, 0.3, 1.0, 1.9, 3.1])
+def test_all_that_is_in_view_gets_the_value_whatever_the_heading(yaw):
+    world, robot = value_map(), Pose2(0.4, -0.3, yaw)
+    world.integrate(looking(robot), 0.7)
+    for side in (-1.0, 0.0, 1.0):  # the view ends at 39.5 degrees on each side, 3 m ahead
+        towards = Pose2(robot.x, robot.y, yaw + math.radians(38.0) * side)
+        far_m = 3.0 / math.cos(towards.yaw - yaw)
+        assert at(world, world.values, *towards.ahead(far_m - 0.1).xy) == pytest.approx(0.7)
+        wide = Pose2(robot.x, robot.y, yaw + math.radians(43.0) * side)
+        out = wide.ahead(2.0 if side else 3.1)
+        assert math.isnan(at(world, world.values, *out.xy))
+
+
 @given(st.floats(0.0, 1.0), st.integers(1, 4), st.floats(-3.0, 3.0))
 def test_fusing_the_same_value_again_leaves_it_unchanged(value, times, yaw):
     world = value_map()

@@ -52,6 +52,14 @@ def test_asks_and_counts(server: ScriptedServer):
     assert answer.seconds > 0.0
 
 
+@pytest.mark.parametrize("name", sorted(DIALECTS))
+def test_an_answer_is_asked_for_piece_by_piece_where_the_server_can_send_it_so(
+    server: ScriptedServer, name: str
+):
+    chat(server, QUICK.model_copy(update={"dialect": name})).ask(OPEN)
+    assert bool(server.requests[0].body.get("stream")) == (name != "transformers")
+
+
 def test_the_server_sees_the_image_in_its_size_and_nearly_its_colours(server: ScriptedServer):
     smooth = np.linspace(0, 255, 64 * 48 * 3).reshape(48, 64, 3).astype(np.uint8)
     chat(server).ask(Question("ground", "Locate", (smooth, image(2, 28, 56))))
