@@ -10,7 +10,13 @@ from box_views import FLOOR, view_of
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.floors import Drop
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.search.mapping.stairs.connectors import Connector, Passage, relied_on, with_sightings
+from hypernav.search.mapping.stairs.connectors import (
+    MOST_CONNECTORS,
+    Connector,
+    Passage,
+    relied_on,
+    with_sightings,
+)
 from hypernav.search.mapping.stairs.floor_exits import (
     drops_to_look_at,
     known_floors,
@@ -210,6 +216,14 @@ def test_the_axis_is_the_mean_of_sightings_that_agree():
     assert known.axis == pytest.approx(0.1)
     (known,) = with_sightings([known], [edge(1.5)])
     assert known.axis == 1.5
+
+
+def test_half_of_all_connectors_that_fit_into_a_memory_are_left_for_what_the_robot_takes():
+    many = [edge(0.0, x=10.0 * k) for k in range(MOST_CONNECTORS)]
+    known = with_sightings((), many)
+    assert known == tuple(many[: MOST_CONNECTORS // 2])
+    again = with_sightings(known, many[-3:] + many[:3])
+    assert [one.sightings for one in again] == [2] * 3 + [1] * (len(known) - 3)
 
 
 def test_stairs_that_the_robot_is_on_count_however_seldom_they_were_seen():
