@@ -66,6 +66,26 @@ def test_what_stands_on_the_ground_is_an_obstacle_where_it_stands(
     assert not is_hit or np.abs(hits - (x, y)).max() <= half_m + SIDE_M
 
 
+@pytest.mark.parametrize("quarters", range(4))
+def test_beyond_an_edge_where_no_depth_comes_back_stairs_down_are_presumed(quarters: int):
+    robot = Pose2(7.32, -3.41, quarters * np.pi / 2.0)
+    edge_m, far_m = 1.9, 3.5  # up to where a floor would be seen for certain
+    corners = np.array([[-30.0, -9.0, 0.0], [edge_m, 9.0, 0.0]])
+    platform = robot.to_transform().apply(corners)[:, :2]
+    boxes: list[SolidBox] = [((*platform.min(axis=0), -9.0), (*platform.max(axis=0), 0.0))]
+    seen = ElevationMap(CLIMBER, SIDE_M)
+    seen.integrate(view_of(boxes, robot, camera=CAMERA, height_m=CLIMBER.camera.height_m))
+    assert not seen.ground_from(robot.xy).presumed.any()
+    ground = seen.ground_from(robot.xy, down=True)
+    there = ground.positions(ground.presumed)
+    there = np.column_stack([there, np.zeros(len(there))])
+    x, y, _ = robot.to_transform().inverse().apply(there).T
+    assert len(x) > 500
+    assert edge_m - SIDE_M < x.min() < edge_m + 3 * SIDE_M
+    assert far_m - 6 * SIDE_M < x.max() < far_m + SIDE_M
+    assert (np.abs(y) <= x).all()
+
+
 def test_a_robot_knows_the_ground_under_it_that_its_camera_does_not_see():
     robot = Pose2(2.02, -1.03, 0.4)
     ground = looking(robot).ground_from(robot.xy)
