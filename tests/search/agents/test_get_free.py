@@ -143,9 +143,11 @@ def headings_tried(
         memory.floor.map.integrate(frame)
     memory.mark_occupied(np.array(bumps).reshape(-1, 2))
     step = Step(0, Goal("bed"), frames[-1], memory.obstacles, agent.components, ModuleClock(), [])
-    tried, plan = list[float](), Plan.at_start(config.search, turns=0)
+    tried, plan, actions = list[float](), Plan.at_start(config.search, turns=0), 0
     while isinstance(outcome := get_free(step, memory, plan)[0], Decision):
         robot = step.robot
+        actions += 1
+        assert actions <= 150, "it goes on and on"
         if outcome.action is Action.MOVE_FORWARD:
             tried.append(robot.yaw)
             plan = replace(plan, tried=(*plan.tried, robot))

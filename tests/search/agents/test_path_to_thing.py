@@ -1,6 +1,7 @@
 """The way to a remembered thing leads to where it is in sight, around what hides it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -51,6 +52,30 @@ def test_it_leads_beside_the_thing_to_where_nothing_hides_it(floor_map: TopDownM
     crosses &= (line[:, 0] > WALL[0][0]) & (line[:, 0] < WALL[1][0])
     assert not crosses.any()
     assert y < WALL[0][1] or x < WALL[0][0] or x > WALL[1][0]
+
+
+def test_what_cannot_be_come_near_is_gone_to_from_the_nearest_place_in_sight(floor_map: TopDownMap):
+    robot = Pose2(1.5, 1.5, 0.0)
+    reach = ReachableArea.of(floor_map.grid, robot, MappingConfig(), 0.2)
+    y, x = (side + 0.5 for side in np.indices(reach.travel_m.shape))
+    size, (left, bottom) = reach.grid.resolution_m, reach.grid.origin
+    off = [
+        np.maximum(SOFA[0][k] - at, at - SOFA[1][k])
+        for k, at in ((0, left + size * x), (1, bottom + size * y))
+    ]
+    away_m = np.hypot(*np.maximum(off, 0.0))
+    fenced = away_m <= 1.3
+    far = replace(
+        reach,
+        reachable=np.where(fenced, 0, reach.reachable).astype(np.uint8),
+        travel_m=np.where(fenced, np.inf, reach.travel_m).astype(np.float32),
+    )
+    at, path_m = path_to_thing(THING, floor_map, far, robot)
+    cell = reach.grid.cell_of(*at)
+    assert far.reachable[cell]
+    assert 1.3 < away_m[cell] <= 4.0
+    assert path_m == pytest.approx(float(reach.travel_m[cell] + away_m[cell]))
+    assert at[0] < SOFA[0][0]  # on the side that the robot comes from
 
 
 def test_what_it_was_seen_from_is_as_far_as_the_path_or_twice_the_straight_line(floor_map):

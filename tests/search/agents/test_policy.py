@@ -13,6 +13,8 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.lab.evaluation.checks.contracts import check_agent
 from hypernav.search.agents.policy import (
+    HM3D_CAMERA,
+    SQUARE_CAMERA,
     PirlnavAgent,
     PolicyAgent,
     PolicyConfig,
@@ -63,9 +65,10 @@ def test_networks_have_the_published_size(architecture, millions):
 
 
 def test_the_robot_of_the_training_is_taken():
-    check_robot("pirlnav", TRAINED, (CAMERA,))
+    assert HM3D_CAMERA == CAMERA
+    check_robot("pirlnav", TRAINED, (HM3D_CAMERA,))
     square = Embodiment(camera=CameraConfig(**SQUARE), motion=MotionConfig(forward_m=0.25))
-    check_robot("zson", square, (CAMERA, SQUARE))
+    check_robot("zson", square, (HM3D_CAMERA, SQUARE_CAMERA))
 
 
 @pytest.mark.parametrize(

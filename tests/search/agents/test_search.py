@@ -386,3 +386,17 @@ def test_stop_says_that_the_goal_is_here_and_giving_up_does_not():
         for step in steps[:-1]:
             assert step.action not in (Action.STOP, None)
             assert step.ending is None
+
+
+@pytest.mark.parametrize(("number", "told"), [(None, None), (0, 1), (1, 2)])
+def test_the_trace_counts_floors_from_one_where_there_are_several(number, told):
+    agent, world = search(), two_rooms()
+    memory = agent.new_memory()
+    observation = world.reset(episode_from(START))
+    if number is not None:
+        memory.add_floor(3.0 if number == 0 else -3.0)
+        memory.floors = memory.floors[:: -1 if number else 1]
+        memory.number = number
+    agent.reset(Goal("bed"), memory)
+    agent.act(observation)
+    assert agent.last_step.floor == told

@@ -1,12 +1,14 @@
 """Which turns are worth making."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from drawn_grids import drawn
 from hypernav.core.embodiment import Action, CameraConfig, Embodiment
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.search.agents.step import Gaze
 
@@ -63,6 +65,22 @@ def test_where_nothing_is_known_it_turns_around_until_all_was_in_an_image():
     turns, _ = turns_from(0.0, nowhere, least_m2=0.1)
     assert len(turns) == math.ceil((360.0 - 79.0) / 30.0)
     assert len(set(turns)) == 1
+
+
+@pytest.mark.parametrize("pitch_deg", [0.0, 20.0])
+def test_what_lies_below_the_image_is_worth_no_turn(pitch_deg: float):
+    embodiment = Embodiment(camera=CameraConfig(pitch_deg=pitch_deg))
+    lens, below = embodiment.camera.intrinsics, math.radians(pitch_deg)
+    nearest_m = embodiment.camera.height_m / math.tan(below + math.atan(lens.height / 2 / lens.fy))
+    cells = np.full((160, 160), np.uint8(Cell.OCCUPIED))
+    cells[1:-1, 1:-1] = Cell.FREE
+    grid = OccupancyGrid(cells, 0.05, (MIDDLE[0] - 4.0, MIDDLE[1] - 4.0))
+    away_m = np.hypot(*(np.indices(cells.shape) - 79.5)) * 0.05
+    for low, high, turns in ((0.6, 0.9, False), (1.1, 1.4, True)):
+        ring = (away_m > low * nearest_m) & (away_m < high * nearest_m)
+        unknown = np.where(ring, np.uint8(Cell.UNKNOWN), cells)
+        found, _ = turns_from(0.0, replace(grid, cells=unknown), 0.05, embodiment)
+        assert bool(found) is turns
 
 
 def test_too_little_is_not_worth_a_turn():

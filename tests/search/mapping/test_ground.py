@@ -58,6 +58,8 @@ def test_between_two_heights_lies_what_is_reached_there():
     mask = ground().between(0.95, 1.25)
     rows, columns = np.nonzero(mask)
     assert (set(rows.tolist()), columns.max()) == ({10, 11, 12}, 37)
+    low_m, high_m = (float(np.float32(0.1 * row)) for row in (4, 6))
+    assert set(np.nonzero(ground().between(low_m, high_m))[0].tolist()) == {4, 5, 6}
 
 
 def test_reach_keeps_clear_of_what_is_not_free_by_round_distances():

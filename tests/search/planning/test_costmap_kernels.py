@@ -15,6 +15,7 @@ from hypernav.search.planning.costmap_kernels import (
     SLACK,
     cost_of_line,
     drop_first,
+    expand,
     plan_actions,
     priced,
     push,
@@ -42,6 +43,17 @@ def test_a_cell_is_priced_by_what_is_known_of_it():
     found = priced(unknown > 0, closed * 3, near * 2, np.float32(3.0), np.float32(1.5))
     expected = np.where(unknown, 3.0, 1.0) * np.where(near, 1.5, 1.0) * (closed == 0)
     assert np.array_equal(found, expected)
+
+
+@given(st.tuples(st.integers(0, 8), st.integers(0, 11)), st.sampled_from([1.0, 3.0]))
+def test_over_open_ground_a_path_has_as_many_straight_and_diagonal_steps_as_it_needs(start, cost):
+    costs = np.full((9, 12), cost, dtype=np.float32)
+    everywhere = np.array([0, 8, 0, 11])  # a search without guidance, and without an end
+    spent, _, found = expand(costs, *start, np.zeros((9, 12), np.uint8), everywhere, 0.0)
+    down, across = np.abs(np.indices(costs.shape) - np.array(start)[:, None, None])
+    steps = np.abs(down - across) + math.sqrt(2.0) * np.minimum(down, across)
+    np.testing.assert_allclose(spent.reshape(11, 14)[1:-1, 1:-1], cost * steps, rtol=1e-5)
+    assert found == -1
 
 
 def test_a_line_costs_what_its_points_do():

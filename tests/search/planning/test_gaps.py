@@ -21,8 +21,8 @@ def wall_with(gap_cells):
     return OccupancyGrid(cells, 0.05, (0.0, 0.0))
 
 
-def gap_of(gap_cells, closed=()):
-    navigator = Navigator(PlanningConfig(), Embodiment())
+def gap_of(gap_cells, closed=(), **planning):
+    navigator = Navigator(PlanningConfig(**planning), Embodiment())
     return navigator.gap_towards(wall_with(gap_cells), ROBOT, BEYOND, closed)
 
 
@@ -31,6 +31,11 @@ def gap_of(gap_cells, closed=()):
 )
 def test_only_a_gap_that_fails_by_little_is_in_doubt(gap_cells, is_doubtful):
     assert (gap_of(gap_cells) is not None) == is_doubtful
+
+
+@pytest.mark.parametrize(("gap_cells", "is_doubtful"), [(6, False), (8, True), (10, False)])
+def test_a_robot_that_never_squeezes_doubts_wider_gaps(gap_cells, is_doubtful):
+    assert (gap_of(gap_cells, squeeze_m=0.0) is not None) == is_doubtful
 
 
 def test_it_is_looked_at_from_before_it_once():

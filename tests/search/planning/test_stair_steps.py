@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hypernav.core.embodiment import Action, MotionConfig
@@ -17,12 +17,12 @@ MOTION = MotionConfig(forward_m=0.5, turn_angle_deg=30.0)
 LENGTH_M, HALF_M = 6.0, 0.55
 
 
-def flight() -> Ground:
-    """A strip of ground along the x axis, as wide as a flight of stairs."""
+def flight(half_m: float = HALF_M) -> Ground:
+    """A strip of ground along the x axis, as wide as a flight of stairs if not told else."""
     cells = np.full((40, 160), np.uint8(Cell.OCCUPIED))
     grid = OccupancyGrid(cells, 0.05, (-1.0, -1.0))
     x, y = np.moveaxis(grid.centres_of(np.argwhere(cells > 0)).reshape(40, 160, 2), 2, 0)
-    clearance = np.minimum.reduce([HALF_M - np.abs(y), x + 0.5, LENGTH_M - x]).clip(0.0)
+    clearance = np.minimum.reduce([half_m - np.abs(y), x + 0.5, LENGTH_M - x]).clip(0.0)
     cells[clearance > 0.0] = Cell.FREE
     known = clearance > 0.0
     return Ground(
@@ -68,6 +68,21 @@ def test_a_robot_that_touches_the_edge_turns_away_from_it_first(side: float):
     ground, pose = flight(), Pose2(3.0, side * 0.42, side * 0.3)
     action = step_over_ground(ground, pose, end_of(ground), MOTION, touching=True)
     assert action is (Action.TURN_RIGHT if side > 0 else Action.TURN_LEFT)
+
+
+@settings(max_examples=30)
+@given(side=st.sampled_from([-1.0, 1.0]), yaw=st.floats(-math.pi, math.pi))
+def test_on_a_wide_landing_the_first_step_off_a_wall_leads_to_more_room(side: float, yaw: float):
+    landing, pose = flight(half_m=0.95), Pose2(3.0, side * 0.5, yaw)
+    to = landing.reached & (landing.distances_m((pose.x, side * 0.8)) < 0.2)  # beside the wall
+    for _ in range(MOTION.turns_of_a_circle):
+        action = step_over_ground(landing, pose, to, MOTION, touching=True)
+        if action is Action.MOVE_FORWARD:
+            break
+        turn = MOTION.turn_angle_deg if action is Action.TURN_LEFT else -MOTION.turn_angle_deg
+        pose = Pose2(pose.x, pose.y, pose.yaw + math.radians(turn))
+    assert action is Action.MOVE_FORWARD
+    assert side * pose.ahead(MOTION.forward_m).y < 0.3
 
 
 def test_no_step_is_tried_in_a_heading_that_leads_nowhere():

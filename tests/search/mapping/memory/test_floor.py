@@ -5,7 +5,7 @@ import numpy as np
 from box_views import room, view_of
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.search.mapping.memory.floor import CoverageMask
+from hypernav.search.mapping.memory.floor import CoverageMask, SearchMemory
 
 KNOWN = OccupancyGrid(np.full((80, 120), Cell.FREE, np.uint8), 0.1, (-2.0, -1.0))
 
@@ -32,3 +32,13 @@ def test_it_keeps_its_place_when_the_map_grows():
     assert seen.state_at(6.0, 3.0) is Cell.FREE
     assert seen.state_at(2.0, 3.0) is Cell.UNKNOWN
     assert seen.explored.sum() == over.cells.sum()
+
+
+def test_the_latest_place_off_the_floor_counts_until_the_robot_was_led_to_one():
+    search = SearchMemory()
+    for z in (-2.5, 3.0):
+        search.note_off_floor((1.0, 2.0, z))
+        assert search.seen_off_floor == (1.0, 2.0, z)
+    search.seen_off_floor, search.went_off_floor = None, True
+    search.note_off_floor((1.0, 2.0, 3.0))
+    assert search.seen_off_floor is None

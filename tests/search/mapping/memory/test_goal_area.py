@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from certainty import certain
@@ -197,3 +197,23 @@ def test_an_area_is_entered_up_to_the_reach_from_what_was_seen(reach_m: float):
     assert max(away) > reach_m - 0.06
     before = area.entered_from(observation, 0.0)
     assert np.array_equal(before.entry_points, area.entry_points)
+
+
+@settings(max_examples=30)
+@given(st.builds(Pose2, coordinates, coordinates, st.floats(-3.2, 3.2)))
+def test_before_a_thing_is_what_hides_it_from_the_camera_and_nothing_beside_it(robot):
+    observation = thing_before_wall(robot=robot)
+    area = area_of(masked_points(observation)).entered_from(observation, 0.6)
+
+    def from_camera(points) -> tuple[np.ndarray, np.ndarray]:
+        """Bearings, radians, and distances, metres."""
+        at = np.column_stack([points, np.zeros(len(points))])
+        x, y, _ = robot.to_transform().inverse().apply(at).T
+        return np.arctan2(y, x), np.hypot(x, y)
+
+    (seen, seen_m), (to, away_m) = from_camera(area.seen_points), from_camera(area.entry_points)
+    inside = np.minimum(to - seen.min(), seen.max() - to)
+    nearer_m = seen_m.max() - away_m
+    assert area.entry_before[(inside > 1e-6) & (nearer_m > 1e-6)].all()
+    assert not area.entry_before[(inside < -1e-6) | (nearer_m < -1e-6)].any()
+    assert area.entry_before.any()

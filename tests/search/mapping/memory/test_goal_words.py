@@ -7,7 +7,7 @@ from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.goal_words import weights_of_place
+from hypernav.search.mapping.memory.goal_words import chances_by_name, weights_of_place
 from hypernav.search.mapping.memory.thing import Thing
 from hypernav.search.mapping.top_down_map import TopDownMap
 
@@ -65,6 +65,17 @@ def test_what_is_behind_a_wall_tells_no_room(floor_map):
         floor_map.integrate(view_of([FLOOR, WALL], Pose2(-1.0, 0.0, 0.0)))
     hidden, nothing = weights(floor_map, "mirror in the bathroom", *known)
     assert hidden < nothing < seen
+
+
+def test_what_is_only_of_the_goal_s_kind_is_less_likely_than_what_is_called_like_it():
+    def chance(label: str, goal: str) -> float:
+        ((_, found),) = chances_by_name([thing(0, label, 0.0, 0.0)], Goal(goal))
+        return found
+
+    full = thing(0, "sofa", 0.0, 0.0).chance
+    assert chance("sofa", "sofa") == full
+    assert chance("sofa", "red sofa") == full / 2.0
+    assert chance("sofa", "bed") == 0.0
 
 
 @pytest.mark.parametrize("goal", ["mirror", "round mirror", "mirror in the orangery"])

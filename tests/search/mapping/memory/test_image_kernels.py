@@ -82,3 +82,22 @@ def test_positions_are_visible_in_the_image_before_what_the_pixel_and_its_column
     assert np.array_equal(found, expected)
     assert (expected[:, 0] > expected[:, 1]).any()
     assert expected[:, 1].any()
+
+
+def test_what_the_pixel_or_its_column_shows_nearer_by_all_of_the_slack_is_hidden():
+    camera = PinholeCamera(8, 8, 4.0, 4.0, 4.0, 4.0)
+    ahead = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0])  # 2 m ahead
+    for shown_m, farthest_m, is_visible in ((1.75, 9.0, 0), (1.875, 9.0, 1), (9.0, 1.5, 0)):
+        depth = np.full((8, 8), shown_m, dtype=np.float32)
+        farthest = np.full(8, farthest_m, dtype=np.float32)
+        found = count_visible(
+            np.zeros((1, 1, 2)),
+            np.zeros(1),
+            depth,
+            farthest,
+            camera.lens,
+            ahead,
+            (0.5, 4.5),
+            (0.5, 0.25),
+        )
+        assert found.tolist() == [[1, is_visible]]

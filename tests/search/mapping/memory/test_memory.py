@@ -3,7 +3,9 @@
 import pickle
 
 import numpy as np
+import pytest
 
+from box_views import FLOOR, view_of
 from hypernav.app.build.agents import build_search
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.floors import SeenThing
@@ -16,6 +18,8 @@ from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.perception.local.ground_truth import GroundTruthDetector
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
+from stair_views import CAMERA as STAIR_CAMERA
+from stair_views import CLIMBER, memory_after
 
 
 def searched(goal: str = "bed", most: int = 12):
@@ -86,3 +90,20 @@ def test_exploring_anew_forgets_visits_and_notes_and_keeps_what_may_be_the_goal(
     search.forget_exploration()
     assert (search.visits, search.notes) == ([], {})
     assert search.evidence is evidence
+
+
+@pytest.mark.parametrize(("hole_m", "number"), [(0.0, 1), (0.6, 0)])
+def test_ground_beyond_a_hole_makes_no_floor_of_a_landing(hole_m: float, number: int):
+    """Over presumed steps down, which count on the way over stairs, it would be in reach."""
+    z, end_x = 2.0, 2.0
+    boxes = [
+        ((-30.0, -30.0, -3.1), (30.0, 30.0, 0.0)),
+        ((-0.5, -0.6, -3.0), (end_x, 0.6, z)),
+        ((end_x + hole_m, -6.0, -3.0), (12.0, 6.0, z)),
+    ]
+    memory = memory_after([FLOOR], Pose2(-1.0, 0.0, 0.0))
+    for x in np.arange(-0.2, 1.6, 0.25):
+        height_m = CLIMBER.camera.height_m + z
+        pose = Pose2(float(x), 0.0, 0.0)
+        memory.follow(view_of(boxes, pose, camera=STAIR_CAMERA, height_m=height_m))
+    assert memory.number == number

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.search.mapping.memory.thing import Thing, joined, stands_in_room
+from hypernav.search.mapping.memory.thing import MOST_CHANCE, Thing, joined, stands_in_room
 
 CUP = Thing(3, "cup", 0.6, (1.0, 1.0, 0.5), (2.0, 2.0, 1.0), ((0.0, 1.0, 0.6),), 100.0, 1, 1)
 counts = st.integers(0, 20)
@@ -33,6 +33,17 @@ def test_without_a_miss_the_share_of_images_that_showed_it_counts(seen, overlook
     assert longer.chance == pytest.approx(thing.chance)
     assert replace(thing, overlooked=overlooked + 1).chance < thing.chance
     assert replace(thing, refuted_in=1).chance == pytest.approx(thing.chance * 0.4)
+
+
+@given(st.floats(0.0, 1.0), st.integers(1, 20), counts, st.integers(0, 5))
+def test_no_thing_is_surer_than_one_of_full_score_that_each_image_shows(
+    score, seen, overlooked, missed
+):
+    sure = replace(CUP, views=((0.0, 1.0, 1.0),), score=1.0)
+    assert sure.chance == pytest.approx(MOST_CHANCE)
+    other = replace(sure, views=((0.0, 1.0, score),), score=score)
+    other = replace(other, seen=seen, overlooked=overlooked, missed=missed)
+    assert other.chance <= MOST_CHANCE + 1e-9
 
 
 def test_a_view_ends_the_misses_and_they_are_remembered():

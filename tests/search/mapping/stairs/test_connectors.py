@@ -10,7 +10,13 @@ from box_views import FLOOR, view_of
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.floors import Drop
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.search.mapping.stairs.connectors import Connector, Passage, relied_on, with_sightings
+from hypernav.search.mapping.stairs.connectors import (
+    MOST_CONNECTORS,
+    Connector,
+    Passage,
+    relied_on,
+    with_sightings,
+)
 from hypernav.search.mapping.stairs.floor_exits import (
     drops_to_look_at,
     known_floors,
@@ -90,6 +96,31 @@ def test_where_the_floor_ends_is_looked_at_from_near_unless_stairs_are_known_the
     for known in ((), doubtful):
         memory.connectors = known
         assert not drops_to_look_at(memory)
+
+
+@pytest.mark.parametrize("y", [MIDDLE_Y - 1.0, MIDDLE_Y, MIDDLE_Y + 1.0])
+def test_an_edge_is_looked_at_where_it_is_nearest_to_where_the_robot_has_been(y: float):
+    cliff = [
+        ((-10.0, -10.0, -3.0), (FIRST_X, 10.0, 0.0)),
+        ((FIRST_X, -10.0, -3.0), (12.0, 10.0, -1.8)),
+        ((5.2, -10.0, -3.0), (12.0, 10.0, 2.5)),
+    ]
+    memory = memory_after([FLOOR])
+    for x in (1.0, 1.5, 2.0):
+        memory.floor.integrate(view_of(cliff, Pose2(x, y, 0.0), camera=CAMERA))
+    (found,) = drops_to_look_at(memory)
+    assert found.xy == pytest.approx((FIRST_X, y), abs=0.35)
+
+
+@pytest.mark.parametrize(("passage", "same_m"), [(Passage.UNTRIED, 1.0), (Passage.REFUTED, 0.5)])
+def test_sightings_are_of_one_connector_up_to_a_distance_in_any_direction(passage, same_m: float):
+    known = replace(edge(0.3), passage=passage)
+    for bearing in (0.0, 0.5, 1.0, 1.5):
+        x, y = (round(one(bearing * math.pi)) for one in (math.cos, math.sin))
+        assert known.is_same(replace(edge(2.0), end=(same_m * x, same_m * y)))
+        assert not known.is_same(replace(edge(0.3), end=(1.01 * same_m * x, 1.01 * same_m * y)))
+    assert not known.is_same(replace(known, goes_up=True))
+    assert not known.is_same(replace(known, floor=1))
 
 
 def test_behind_a_railing_the_floor_ends_for_nobody():
@@ -210,6 +241,14 @@ def test_the_axis_is_the_mean_of_sightings_that_agree():
     assert known.axis == pytest.approx(0.1)
     (known,) = with_sightings([known], [edge(1.5)])
     assert known.axis == 1.5
+
+
+def test_half_of_all_connectors_that_fit_into_a_memory_are_left_for_what_the_robot_takes():
+    many = [edge(0.0, x=10.0 * k) for k in range(MOST_CONNECTORS)]
+    known = with_sightings((), many)
+    assert known == tuple(many[: MOST_CONNECTORS // 2])
+    again = with_sightings(known, many[-3:] + many[:3])
+    assert [one.sightings for one in again] == [2] * 3 + [1] * (len(known) - 3)
 
 
 def test_stairs_that_the_robot_is_on_count_however_seldom_they_were_seen():

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from box_views import FLOOR, SolidBox, view_of
+from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.search.mapping.elevation_map import Ground, UnseenGround
 from hypernav.search.mapping.stairs.connectors import Connector
 from hypernav.search.mapping.stairs.flights import (
     first_ahead,
@@ -252,6 +254,41 @@ def test_the_first_flight_leads_where_most_of_it_was_seen(quarters: int):
     assert first_flight(ground, askew, 0.0).axis == pytest.approx(0.0)
 
 
+def elsewhere(ground: Ground, z: float) -> Ground:
+    """The ground where x and y are exchanged, so many metres higher."""
+    grid = ground.grid
+    turned = OccupancyGrid(grid.cells.T.copy(), grid.resolution_m, grid.origin[::-1])
+    masks = (ground.seen, ground.reached, ground.presumed, ground.unseen.cells, ground.stood)
+    seen, reached, presumed, unseen, stood = (one.T.copy() for one in masks)
+    heights, around = ((one.T + np.float32(z)) for one in (ground.measured, ground.unseen.around))
+    return Ground(
+        turned,
+        heights,
+        seen,
+        reached,
+        presumed,
+        ground.least_m,
+        UnseenGround(unseen, around),
+        stood,
+    )
+
+
+@pytest.mark.parametrize("goes_up", [True, False])
+def test_the_first_flight_is_the_same_in_another_direction_on_another_floor(goes_up: bool):
+    boxes = [FLOOR, *stairs_up()] if goes_up else stairs_down()
+    ground = memory_after(boxes, *before_the_edge()[1:3]).ground_around(HEAD.xy, down=not goes_up)
+    for axis in (-math.pi / 2.0, 0.0, math.pi / 2.0):
+        one = Connector(0, goes_up, (FIRST_X, MIDDLE_Y + 0.3), axis)
+        along_x = first_flight(ground, one, 0.0)
+        assert along_x.axis == pytest.approx(0.0)
+        assert along_x.end[1] == pytest.approx(MIDDLE_Y, abs=0.11)
+        other = replace(one, end=one.end[::-1], axis=math.pi / 2.0 - axis)
+        for z in (-3.0, 0.0, 3.0):
+            along_y = first_flight(elsewhere(ground, z), other, z)
+            assert along_y.axis == pytest.approx(math.pi / 2.0)
+            assert along_y.end == pytest.approx(along_x.end[::-1])
+
+
 @pytest.mark.parametrize("off_m", [-0.45, 0.0, 0.45])
 @pytest.mark.parametrize("goes_up", [True, False])
 def test_the_first_flight_begins_in_the_middle_of_the_edge_before_it(off_m: float, goes_up: bool):
@@ -330,6 +367,15 @@ def test_steps_down_to_and_fro_tell_where_the_stairs_lead(askew_deg: float):
     assert flight_underfoot(known, known, way, robot).axis == pytest.approx(0.0, abs=0.01)
     straight = [(0.4 * k, 0.3 * k, -0.26 * k) for k in range(4)]  # tells nothing about its sides
     assert flight_underfoot(replace(known, axis=0.0), known, straight, robot).axis == 0.0
+
+
+@pytest.mark.parametrize(("fall_m", "is_on_stairs"), [(0.29, False), (0.3, True), (0.31, True)])
+def test_only_steps_as_steep_as_stairs_tell_where_these_lead(fall_m: float, is_on_stairs: bool):
+    """Of less steep ones, on a mesh that slopes, the latest alone tells which flight it is."""
+    across = replace(FLIGHT, axis=math.pi / 2.0)
+    way = [(0.0, 0.0, 2.0 * fall_m), (0.6, 0.8, fall_m), (1.2, 0.0, 0.0)]
+    found = flight_underfoot(across, across, way, Pose2(1.2, 0.0, -0.9)).axis
+    assert found == pytest.approx(0.0 if is_on_stairs else -across.axis, abs=0.01)
 
 
 @pytest.mark.parametrize("off_m", [-0.2, 0.0, 0.4])

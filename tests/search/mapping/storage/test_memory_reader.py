@@ -182,6 +182,15 @@ def test_other_files_are_not_taken_for_leftovers(tmp_path, name):
     assert (folder / name).read_bytes() == b"mine"
 
 
+def test_of_many_other_files_three_are_named(tmp_path):
+    for name in "ecadb":
+        (tmp_path / name).touch()
+    with pytest.raises(
+        MemoryFolderError, match=r"holds other files \(a, b, c\) and no memory\.json"
+    ):
+        opened(tmp_path)
+
+
 def test_a_memory_that_lost_its_index_is_told_from_other_files(home):
     (home / "floor-1" / "state-1.npz").rename(home / "floor-1" / "state-4.npz")
     for path in home.glob("floor-2/*"):

@@ -368,6 +368,6 @@ def _edges(patches: Float64[np.ndarray, "n 2"]) -> list[Int64[np.ndarray, "_"]]:
     at = (patches - patches.min(axis=0)).astype(np.int64)
     there = np.zeros(at.max(axis=0) + 1, dtype=np.uint8)
     there[tuple(at.T)] = 1
-    count, edge_of = cv2.connectedComponents(there, connectivity=8)
-    edges = [np.flatnonzero(edge_of[tuple(at.T)] == k) for k in range(1, count)]
+    edge_of = cv2.connectedComponents(there, connectivity=8)[1][tuple(at.T)]
+    edges = [np.flatnonzero(edge_of == k) for k in np.unique(edge_of)]
     return [edge for edge in edges if len(edge) >= _EDGE_PATCHES]

@@ -1,0 +1,79 @@
+"""A robot that sees no way on over stairs looks around once, and then gives them up."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from box_views import FLOOR, SolidBox, view_of
+from hypernav.app.build.agents import build_search
+from hypernav.app.build.presets import preset
+from hypernav.core.embodiment import Action
+from hypernav.core.geometry.transforms import Pose2
+from hypernav.core.goal import Goal
+from hypernav.core.observation import Observation
+from hypernav.core.trace import ExchangeLog, ModuleClock
+from hypernav.search.agents.climb import climb
+from hypernav.search.agents.plan import Climbing, Plan
+from hypernav.search.agents.step import Decision, Step
+from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.mapping.stairs.connectors import Connector
+from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+
+CONFIG = preset("default").with_(embodiment={"body": {"max_step_m": 0.2}})
+TURN_RAD = math.radians(CONFIG.embodiment.motion.turn_angle_deg)
+CIRCLE = CONFIG.embodiment.motion.turns_of_a_circle
+
+
+def turns_until_given_up(
+    boxes: list[SolidBox], heights_m: list[float], stairs: Connector
+) -> tuple[list[Action], list[str]]:
+    """The turns of a robot on its way over stairs, and what happened as it made no more of them.
+
+    Args:
+        boxes: What there is.
+        heights_m: Heights of the robot in its first steps; it stays at the last one.
+        stairs: The stairs that it means to take.
+    """
+    camera, height_m = CONFIG.embodiment.camera.intrinsics, CONFIG.embodiment.camera.height_m
+    agent = build_search(CONFIG, GroundTruthDetector(), ExchangeLog())
+    memory = Memory(CONFIG.mapping, CONFIG.embodiment)
+    memory.begin_search(sees_stairs=True)
+    memory.connectors = (stairs,)
+    plan = replace(Plan.at_start(CONFIG.search, turns=0), climbing=Climbing(0))
+    turns, yaw = list[Action](), 0.0
+
+    def look(z: float) -> Observation:
+        frame = view_of(boxes, Pose2(0.0, 0.0, yaw), camera=camera, height_m=height_m + z)
+        floor = memory.follow(frame)
+        if not memory.on_stairs:
+            floor.map.integrate(frame)
+        return frame
+
+    *_, frame = map(look, heights_m)
+    while True:
+        step = Step(0, Goal("bed"), frame, memory.obstacles, agent.components, ModuleClock(), [])
+        outcome, plan = climb(step, memory, plan)
+        if step.events or not isinstance(outcome, Decision):
+            return turns, step.events
+        turns.append(outcome.action)
+        assert len(turns) <= 2 * CIRCLE, "it turns on and on"
+        yaw += TURN_RAD if outcome.action is Action.TURN_LEFT else -TURN_RAD
+        frame = look(heights_m[-1])
+
+
+@pytest.mark.parametrize("bearing", [2, 0, -2])
+def test_a_robot_that_sees_no_stairs_where_they_should_be_turns_to_them_and_no_farther(bearing):
+    x, y = Pose2(0.0, 0.0, bearing * TURN_RAD).ahead(3.0).xy
+    stairs = Connector(0, True, (x, y), bearing * TURN_RAD)
+    turns, events = turns_until_given_up([FLOOR], [0.0], stairs)
+    assert turns == [Action.TURN_LEFT if bearing > 0 else Action.TURN_RIGHT] * abs(bearing)
+    assert events == ["stairs given up"]
+
+
+def test_on_a_landing_without_a_way_on_a_robot_looks_around_once():
+    landing: SolidBox = ((-0.4, -0.4, -3.0), (0.4, 0.4, 0.6))
+    stairs = Connector(0, True, (-1.0, 0.0), 0.0)
+    turns, events = turns_until_given_up([landing], [0.0, 0.3, 0.6], stairs)
+    assert turns == [Action.TURN_LEFT] * CIRCLE
+    assert events == ["turning back on the stairs"]
