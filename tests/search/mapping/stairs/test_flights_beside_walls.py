@@ -100,3 +100,9 @@ def test_stairs_keep_their_axis_where_no_walls_tell_it():
     scattered = np.random.default_rng(0).random((120, 120)) < 0.02
     cells = np.where(scattered, np.uint8(Cell.OCCUPIED), np.uint8(Cell.FREE))
     assert along_walls(askew, OccupancyGrid(cells, 0.05, (-3.0, -3.0))) == askew
+
+
+@pytest.mark.parametrize("end", [(-9.0, 0.0), (9.0, 0.0), (0.0, -9.0), (0.0, 9.0), (9.0, -9.0)])
+def test_stairs_off_the_map_keep_their_axis(end: tuple[float, float]):
+    seen = replace(edge(0.3), end=end)
+    assert along_walls(seen, map_of(railings())) == seen

@@ -116,6 +116,8 @@ def _beside(end: tuple[float, float], grid: OccupancyGrid) -> Float64[np.ndarray
     corner = np.maximum((row - reach, column - reach), 0)
     part = grid.cells[corner[0] : max(row + reach, 0), corner[1] : max(column + reach, 0)]
     walls = part == Cell.OCCUPIED
+    if not walls.any():  # the stairs may lie off the map
+        return _lines(b"", grid.resolution_m)
     is_inside = cv2.erode(walls.view(np.uint8), np.ones((3, 3), np.uint8)) > 0  # as in steps up
     away = grid.centres_of(np.argwhere(walls & ~is_inside) + corner) - end
     away = away[np.linalg.norm(away, axis=1) <= _WALLS_M]
