@@ -56,6 +56,7 @@ def turns_until_given_up(
         outcome, plan = climb(step, memory, plan)
         if step.events or not isinstance(outcome, Decision):
             return turns, step.events
+        assert outcome.action is not None
         turns.append(outcome.action)
         assert len(turns) <= 2 * CIRCLE, "it turns on and on"
         yaw += TURN_RAD if outcome.action is Action.TURN_LEFT else -TURN_RAD

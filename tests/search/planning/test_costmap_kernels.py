@@ -49,7 +49,8 @@ def test_a_cell_is_priced_by_what_is_known_of_it():
 def test_over_open_ground_a_path_has_as_many_straight_and_diagonal_steps_as_it_needs(start, cost):
     costs = np.full((9, 12), cost, dtype=np.float32)
     everywhere = np.array([0, 8, 0, 11])  # a search without guidance, and without an end
-    spent, _, found = expand(costs, *start, np.zeros((9, 12), np.uint8), everywhere, 0.0)
+    nowhere, (row, column) = np.zeros((9, 12), np.uint8), start
+    spent, _, found = expand(costs, row, column, nowhere, everywhere, 0.0)
     down, across = np.abs(np.indices(costs.shape) - np.array(start)[:, None, None])
     steps = np.abs(down - across) + math.sqrt(2.0) * np.minimum(down, across)
     np.testing.assert_allclose(spent.reshape(11, 14)[1:-1, 1:-1], cost * steps, rtol=1e-5)

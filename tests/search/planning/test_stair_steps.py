@@ -75,6 +75,7 @@ def test_a_robot_that_touches_the_edge_turns_away_from_it_first(side: float):
 def test_on_a_wide_landing_the_first_step_off_a_wall_leads_to_more_room(side: float, yaw: float):
     landing, pose = flight(half_m=0.95), Pose2(3.0, side * 0.5, yaw)
     to = landing.reached & (landing.distances_m((pose.x, side * 0.8)) < 0.2)  # beside the wall
+    action = None
     for _ in range(MOTION.turns_of_a_circle):
         action = step_over_ground(landing, pose, to, MOTION, touching=True)
         if action is Action.MOVE_FORWARD:

@@ -256,8 +256,8 @@ def test_the_first_flight_leads_where_most_of_it_was_seen(quarters: int):
 
 def elsewhere(ground: Ground, z: float) -> Ground:
     """The ground where x and y are exchanged, so many metres higher."""
-    grid = ground.grid
-    turned = OccupancyGrid(grid.cells.T.copy(), grid.resolution_m, grid.origin[::-1])
+    grid, (x, y) = ground.grid, ground.grid.origin
+    turned = OccupancyGrid(grid.cells.T.copy(), grid.resolution_m, (y, x))
     masks = (ground.seen, ground.reached, ground.presumed, ground.unseen.cells, ground.stood)
     seen, reached, presumed, unseen, stood = (one.T.copy() for one in masks)
     heights, around = ((one.T + np.float32(z)) for one in (ground.measured, ground.unseen.around))
