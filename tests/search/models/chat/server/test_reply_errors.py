@@ -307,6 +307,15 @@ def test_an_answer_that_holds_the_key_is_kept_without_it(slash: str):
         assert chat.ask(OPEN).text == "no *** here"
 
 
+@pytest.mark.parametrize("coding", ["utf-16", "utf-16-le", "utf-32"])
+def test_an_answer_in_another_coding_is_kept_without_the_key(coding: str):
+    choice = {"message": {"role": "assistant", "content": "no secret-9 here"}}
+    body = json.dumps({"choices": [choice]}).encode(coding)
+    with FaultyServer(lambda talk: talk.reply(body)) as server:
+        chat = OpenAiChat(server.url, "m", QUICK, environment={"HYPERNAV_API_KEY": "secret-9"})
+        assert chat.ask(OPEN).text == "no *** here"
+
+
 @pytest.mark.parametrize("key", ["null", "none", "10", "vllm"])
 def test_a_placeholder_for_a_key_changes_no_answer(key: str):
     said = "none of 10 is null, says vllm"

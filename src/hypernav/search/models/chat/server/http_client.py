@@ -157,7 +157,8 @@ class HttpClient:
                 f"{told}; is the server running? try: hypernav doctor --vlm openai:{self.url}"
             ) from error
         headers = {name: self._secret.blanked(value) for name, value in reply.headers.items()}
-        reply = replace(reply, headers=headers, body=self._secret.blanked_bytes(reply.body))
+        body = self._secret.blanked_bytes(_as_utf8(reply.body))
+        reply = replace(reply, headers=headers, body=body)
         if not 200 <= reply.status < 300:
             raise error_of_status(reply, f"{url}{asked}")
         return self._parsed(reply, f"{url}{asked}")
@@ -194,6 +195,12 @@ class HttpClient:
 
     def _without_key(self, text: str) -> str:
         return shortened(self._secret.blanked(text), LONGEST_MESSAGE)
+
+
+def _as_utf8(body: bytes) -> bytes:
+    # JSON may come in UTF-16 or UTF-32, in which a key looks different.
+    encoding = json.detect_encoding(body)
+    return body if encoding.startswith("utf-8") else body.decode(encoding, "replace").encode()
 
 
 def _check_containers(body: bytes) -> None:
