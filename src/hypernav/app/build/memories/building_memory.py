@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from hypernav.app.build.memories.memory_page import in_short, memory_page, thing_rows
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.components.registry import require
 from hypernav.core.config import check_option
@@ -29,6 +28,8 @@ class BuildingMemory(MemoryFolder):
         Raises:
             OutputError: It can't be written.
         """
+        from hypernav.app.build.memories.memory_page import memory_page  # searches draw no page
+
         try:
             write_whole(Path(file), memory_page(self))
         except OSError as error:
@@ -44,6 +45,8 @@ class BuildingMemory(MemoryFolder):
         Raises:
             MissingExtraError: pandas is not installed.
         """
+        from hypernav.app.build.memories.memory_page import thing_rows
+
         return require("pandas", extra="notebook").DataFrame(thing_rows(self.memory))
 
     def __repr__(self) -> str:
@@ -54,6 +57,8 @@ class BuildingMemory(MemoryFolder):
         return f"BuildingMemory({self.folder}: {searches}, {things}, floors: {len(floors)})"
 
     def _repr_html_(self) -> str:
+        from hypernav.app.build.memories.memory_page import in_short
+
         return in_short(self.memory)
 
 
