@@ -115,3 +115,15 @@ def test_gaps_in_even_ground_are_filled_with_its_height():
     for corner in np.ndindex(5, 5):  # one known cell in every square of 32 by 32
         ground[tuple(32 * np.array(corner) + random.integers(0, 32, 2))] = 2.5
     np.testing.assert_allclose(filled(ground), 2.5, atol=1e-5)
+
+
+def test_a_gap_is_filled_between_the_lowest_and_the_highest_around_it_on_every_storey():
+    random = np.random.default_rng(0)
+    low = np.full((160, 160), np.nan, dtype=np.float32)
+    low[:12, 40:60] = random.uniform(-0.2, 0.2, (12, 20))  # far from most of the map
+    for z in (0.0, 3.0, -6.0):
+        whole = filled(low + np.float32(z))
+        assert (
+            np.nanmin(low) - 1e-5 <= (whole - z).min() <= (whole - z).max() <= np.nanmax(low) + 1e-5
+        )
+        np.testing.assert_allclose(whole - z, filled(low), atol=1e-5)

@@ -218,7 +218,7 @@ def filled(heights: Float32[np.ndarray, "rows columns"]) -> Float32[np.ndarray, 
         mean = sums[1] / np.maximum(sums[0], 1e-9)
         weights.append(np.minimum(sums[0] * 4.0, 1.0))
         totals.append(mean * weights[-1])
-    level = totals[-1]
+    level = totals[-1] / np.maximum(weights[-1], 1e-9)
     for weight, total in zip(weights[-2::-1], totals[-2::-1], strict=True):
         wider = cv2.resize(level, total.shape[::-1], interpolation=cv2.INTER_LINEAR)
         level = total + (1.0 - weight) * wider
