@@ -53,7 +53,7 @@ results: $(VENV)/.installed-dev  ## measure a table of the docs anew: make resul
 	$(BIN)/python scripts/measure_results.py $(TABLE)
 	$(BIN)/python scripts/write_pages.py $(WRITTEN)
 
-results-check: $(VENV)/.installed-dev  ## a tenth of each table's searches (or of TABLE's): does it still hold?
+results-check: $(VENV)/.installed-dev  ## some of the searches of the tables that have a check (or of TABLE): do they still hold?
 	$(BIN)/python scripts/measure_results.py --check $(TABLE)
 
 pages: $(VENV)/.installed-dev  ## write help, configuration and tables into the pages that show them

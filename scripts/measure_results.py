@@ -1,4 +1,4 @@
-"""Measure a table of the docs anew, or check by a tenth of its searches that it still holds.
+"""Measure a table of the docs anew, or check by a part of its searches that it still holds.
 
     python scripts/measure_results.py exploring            # make results TABLE=exploring
     python scripts/measure_results.py --check              # make results-check
@@ -6,7 +6,7 @@
 Each row's command runs in a folder of its own below ``runs/results/COMMIT``, where an interrupted
 run goes on. Measuring writes values, commit, day and number of searches into the data file. A check
 runs the episodes of `Row.check` anew and changes nothing. A value holds if the interval of its
-difference includes 0 (`Check.holds`): a tenth is uncertain itself, and lies outside of the whole's
+difference includes 0 (`Check.holds`): a part is uncertain itself, and lies outside of the whole's
 interval in every second case though nothing has changed.
 """
 
@@ -56,7 +56,7 @@ def main(arguments: Sequence[str] | None = None, *, data: Path = DATA, runs: Pat
     parser.add_argument(
         "tables", nargs="*", help="names of data files; with --check all by default"
     )
-    parser.add_argument("--check", action="store_true", help="run a tenth, and change nothing")
+    parser.add_argument("--check", action="store_true", help="run a part, and change nothing")
     options = parser.parse_args(arguments)
     results = Results(data)
     names = options.tables or (results.names() if options.check else [])
