@@ -429,7 +429,7 @@ def test_no_memory_is_one_line(tmp_path, capsys):
 def test_another_building_and_an_impossible_size_are_one_line(home, tmp_path, capsys):
     command = ("find", "bed", "--out", tmp_path, "--memory", home, *SMALL)
     assert hypernav(*command, "--memory-mb", "0") == 2
-    assert "--memory-mb 0.0: maps alone take about 1 MB" in capsys.readouterr().err
+    assert "--memory-mb 0.0: megabytes; expected 1.0 to 500.0" in capsys.readouterr().err
     assert hypernav(*command) == 2
     assert "is the memory of searched0/room.glb, and this is builtin" in capsys.readouterr().err
 

@@ -186,8 +186,8 @@ def check_steps_and_seed(max_steps: int | None, seed: int) -> None:
     from hypernav.core.config import MOST_SEED, MOST_STEPS, check_option
 
     if max_steps is not None:
-        check_option("--max-steps", max_steps, (1, MOST_STEPS), "a search needs at least one step")
-    check_option("--seed", seed, (0, MOST_SEED), "a seed is 0 or more")
+        check_option("--max-steps", max_steps, (1, MOST_STEPS), "steps of a search")
+    check_option("--seed", seed, (0, MOST_SEED), "a whole number")
 
 
 _Flat = tyro.conf.OmitArgPrefixes
