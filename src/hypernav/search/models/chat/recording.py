@@ -238,7 +238,7 @@ def _read(path: Path) -> tuple[_Header, list[_Exchange]]:
         # Not `splitlines`: an answer may contain other line separators, which JSON does not escape.
         text = read_file(path, most=_MOST_BYTES)
         check_json_size(text, Allowance())
-        lines = text.decode("utf-8").removesuffix("\n").split("\n")
+        lines = text.decode("utf-8-sig").removesuffix("\n").split("\n")
     except OSError as error:
         raise RecordingError(f"cannot read the recording {path}: {error.strerror}") from error
     except UnicodeDecodeError as error:
