@@ -192,6 +192,16 @@ def test_report_compares_runs_and_writes_csv_and_tex(runs, tmp_path):
     assert r"\toprule" in (tmp_path / "report.tex").read_text()
 
 
+def test_report_writes_to_no_folder_that_a_stranger_linked(runs, tmp_path, capsys):
+    for name in ("hypernav", "frontier"):
+        shutil.copytree(runs / name, tmp_path / name)
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "hypernav" / "compared").symlink_to(tmp_path / "elsewhere")
+    assert hypernav("report", tmp_path / "hypernav", tmp_path / "frontier") == 2
+    assert "compared is a link" in capsys.readouterr().err
+    assert not list((tmp_path / "elsewhere").iterdir())
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
