@@ -230,16 +230,11 @@ def test_images_forgotten_for_want_of_room_are_told(searched, home, tmp_path, ca
     assert "more than 0.001 MB" in (home / "index.html").read_text()
 
 
-def test_relocalizing_needs_a_memory(searched, tmp_path, capsys):
-    scene = searched / "room.glb"
-    assert hypernav("find", "bed", "--scene", scene, "--out", tmp_path, "--relocalize") == 2
-    assert "add --memory FOLDER" in capsys.readouterr().err
-
-
-def test_comparing_images_needs_a_memory(searched, tmp_path, capsys):
-    scene = searched / "room.glb"
-    options = ("--scene", scene, "--out", tmp_path, "--similarity", "local:clip")
-    assert hypernav("find", "bed", *options) == 2
+@pytest.mark.parametrize(
+    "option", [("--relocalize",), ("--similarity", "local:clip"), ("--memory-mb", "5")]
+)
+def test_an_option_about_a_memory_needs_one(option, tmp_path, capsys):
+    assert hypernav("find", "bed", "--out", tmp_path, *option) == 2
     assert "add --memory FOLDER" in capsys.readouterr().err
 
 
