@@ -75,6 +75,7 @@ def test_arrays_that_are_not_those_that_were_kept_are_written_again(tmp_path: Pa
 
 def test_nobody_sees_a_folder_that_is_half_written(tmp_path: Path):
     def write(folder: Path) -> None:
+        folder.mkdir()
         (folder / "first").write_text("1")
         assert not (tmp_path / "x").exists()
         raise OSError("disk full")

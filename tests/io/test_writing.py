@@ -4,7 +4,8 @@ import os
 
 import pytest
 
-from hypernav.io.writing import csv_file, write_whole
+from hypernav.core.errors import OutputError
+from hypernav.io.writing import csv_file, own_folder, write_whole
 
 
 @pytest.mark.parametrize("content", ["grüße\n", b"\x00\xff"])
@@ -37,3 +38,17 @@ def test_a_table_replaces_a_hard_link(tmp_path):
     with csv_file(table) as file:
         file.write("a,b\r\n")
     assert (mine.read_text(), table.read_bytes()) == ("mine", b"a,b\r\n")
+
+
+def test_a_folder_below_is_made_and_is_no_link(tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    home = tmp_path / "home"
+    home.mkdir()
+    for _ in range(2):
+        assert own_folder(home, "a", "b").is_dir()
+    (home / "link").symlink_to(tmp_path / "elsewhere")
+    (home / "a" / "link").symlink_to(tmp_path / "elsewhere")
+    for names in (("link",), ("link", "b"), ("a", "link")):
+        with pytest.raises(OutputError, match="link is a link"):
+            own_folder(home, *names)
+    assert not list((tmp_path / "elsewhere").iterdir())

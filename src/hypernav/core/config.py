@@ -43,14 +43,14 @@ def meanings(model: type[BaseModel]) -> dict[str, str]:
     return {name: " ".join(words.split()) for name, words in entries if name in model.model_fields}
 
 
-def check_option(name: str, value: float, bounds: tuple[float, float], why: str) -> None:
+def check_option(name: str, value: float, bounds: tuple[float, float], what: str) -> None:
     """Refuse a value that is out of bounds or not a number.
 
     Args:
         name: Name of the option, or of the argument.
         value: Its value.
         bounds: The smallest and the largest value; whole numbers for a whole number.
-        why: Reason of the bounds.
+        what: What the number is, such as "metres", for the message.
 
     Raises:
         ConfigError: The value is out of bounds, or not a number.
@@ -58,7 +58,7 @@ def check_option(name: str, value: float, bounds: tuple[float, float], why: str)
     low, high = bounds
     kind = Integral if isinstance(low, int) else Real
     if not isinstance(value, kind) or isinstance(value, bool) or not low <= value <= high:
-        raise ConfigError(f"{name} {value!r:.20}: {why}; expected {low:,} to {high:,}")
+        raise ConfigError(f"{name} {value!r:.20}: {what}; expected {low:,} to {high:,}")
 
 
 def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:

@@ -14,6 +14,7 @@ from pathlib import Path
 CACHE_VARIABLE = "HYPERNAV_CACHE"
 """Environment variable that names another cache folder."""
 _LOGGER = logging.getLogger(__name__)
+_WARNED = set[Path]()
 
 _NUMBA = "NUMBA_CACHE_DIR"
 _FOR_ONE_RUN = "HYPERNAV_KERNELS_FOR_ONE_RUN"
@@ -52,11 +53,18 @@ def _warn_if_unusable(folder: Path) -> None:
     except FileNotFoundError:
         pass
     except OSError as error:
+        warn_unusable(folder, error)
+
+
+def warn_unusable(folder: Path, error: OSError) -> None:
+    """Say why nothing can be kept in a cache folder, unless that was said before."""
+    if folder not in _WARNED:
+        _WARNED.add(folder)
         _LOGGER.warning(
             "the cache %.80s cannot be used (%s), so buildings are made anew in every run; name a "
             "folder in %s",
             folder,
-            error.strerror,
+            error.strerror or error,
             CACHE_VARIABLE,
         )
 

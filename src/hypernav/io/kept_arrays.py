@@ -2,7 +2,8 @@
 
 They are in a folder of their own, which is written under another name and then renamed, so that
 it is never seen incomplete. A list beside them says which they are. Arrays that are broken, or not
-those of the list, are computed and written again; without a writable cache nothing is kept.
+those of the list, are computed and written again; without a writable cache nothing is kept, as one
+warning says.
 """
 
 import hashlib
@@ -14,6 +15,8 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 import numpy as np
+
+from hypernav.io.cache_folder import named_cache_folder, warn_unusable
 
 _LIST = "arrays.json"
 _LOGGER = logging.getLogger(__name__)
@@ -44,22 +47,21 @@ def kept_arrays(
 
 
 def keep(home: Path, write: Callable[[Path], object]) -> None:
-    """Write a folder completely or not at all; an error is logged.
+    """Write a file or folder of the cache completely or not at all; the first error is a warning.
 
     Args:
-        home: The folder; what it held before is replaced.
-        write: Function that writes the files into a folder of another name, which exists.
+        home: The file or folder; what was there before is replaced.
+        write: Function that makes it under another name.
     """
     try:
         home.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=home.parent, prefix=".new-") as parent:
             fresh = Path(parent) / home.name
-            fresh.mkdir()
             write(fresh)
             shutil.rmtree(home, ignore_errors=True)
-            fresh.rename(home)
+            fresh.replace(home)
     except OSError as error:
-        _LOGGER.info("%s could not be written (%s)", home, error)
+        warn_unusable(named_cache_folder(), error)
 
 
 def mapped_array(path: Path) -> np.ndarray:
@@ -101,6 +103,7 @@ def _read(folder: Path) -> dict[str, np.ndarray]:
 
 
 def _save(folder: Path, arrays: Mapping[str, np.ndarray]) -> None:
+    folder.mkdir()
     for name, array in arrays.items():
         np.save(folder / f"{name}.npy", array)
     (folder / _LIST).write_text(json.dumps(_listed(arrays)), encoding="utf-8")

@@ -61,6 +61,26 @@ def own_descriptor(path: Path, how: int = 0, mode: int = 0o666) -> int:
     return descriptor
 
 
+def own_folder(home: Path, *names: str) -> Path:
+    """A folder below another, which may be a stranger's; it is made if missing.
+
+    Args:
+        home: The other folder.
+        names: Names of the folders on the way, the wanted one last.
+
+    Raises:
+        OutputError: It can't be made, or one on the way is no folder but a link.
+    """
+    path = home.joinpath(*names)
+    try:
+        with ForeignFolder(home) as folder:
+            for count in range(1, len(names) + 1):
+                folder.make_folder("/".join(names[:count]))
+    except OSError as error:
+        raise _unwritten(path, error) from error
+    return path
+
+
 class AppendOnlyFile:
     """Appends bytes completely or not at all, and passes them to the operating system at once.
 
@@ -223,7 +243,7 @@ class OutputFile:
 
 
 def _unwritten(path: Path, error: OSError) -> OutputError:
-    if error.errno == errno.ELOOP:
+    if error.errno == errno.ELOOP and not isinstance(error, NotOwnError):
         return OutputError(
             f"{path} cannot be written (links on the way lead in a circle); remove them, or choose "
             "another file"

@@ -139,7 +139,7 @@ def test_the_list_names_every_variant_and_runs_nothing(capsys, tmp_path, monkeyp
         (["--of", "papre"], "papre"),
         (["--preset", "paper"], "--preset"),
         (["--study", "switch"], "switches"),
-        (["--workers", "0"], "at least one is needed"),
+        (["--workers", "0"], "processes; expected 1 to 256"),
         (["--record", "x.jsonl"], "--record is for single searches"),
     ],
 )

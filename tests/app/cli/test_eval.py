@@ -132,10 +132,10 @@ def test_the_same_command_again_runs_nothing_and_another_one_is_refused(runs, ro
     [
         (["houses-vall"], "did you mean 'houses-val'"),
         (["scene:nowhere.glb"], "nowhere.glb"),
-        (["houses-val", "--workers", "0"], "at least one is needed"),
-        (["houses-val", "--max-steps", "0"], "at least one step"),
-        (["houses-val", "--seed", "-1"], "a seed is 0 or more"),
-        (["houses-val", "--success-distance", "0"], "must be more than 0"),
+        (["houses-val", "--workers", "0"], "--workers 0: processes; expected 1 to 256"),
+        (["houses-val", "--max-steps", "0"], "steps of a search; expected 1 to 1,000,000"),
+        (["houses-val", "--seed", "-1"], "--seed -1: a whole number; expected 0 to"),
+        (["houses-val", "--success-distance", "0"], "metres; expected 0.001 to 100"),
         (["houses-val", "--save", "all"], "videos"),
         (["houses-val", "--record", "x.jsonl"], "--record is for single searches"),
         (["houses-val", "--set", "search.endurence_steps=3"], "did you mean 'endurance_steps'"),
@@ -190,6 +190,16 @@ def test_report_compares_runs_and_writes_csv_and_tex(runs, tmp_path):
         rows = list(csv.DictReader(file))
     assert [row["run"] for row in rows] == ["hypernav"] * 2 + ["frontier"] * 2
     assert r"\toprule" in (tmp_path / "report.tex").read_text()
+
+
+def test_report_writes_to_no_folder_that_a_stranger_linked(runs, tmp_path, capsys):
+    for name in ("hypernav", "frontier"):
+        shutil.copytree(runs / name, tmp_path / name)
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "hypernav" / "compared").symlink_to(tmp_path / "elsewhere")
+    assert hypernav("report", tmp_path / "hypernav", tmp_path / "frontier") == 2
+    assert "compared is a link" in capsys.readouterr().err
+    assert not list((tmp_path / "elsewhere").iterdir())
 
 
 @pytest.mark.parametrize(

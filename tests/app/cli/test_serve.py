@@ -42,6 +42,7 @@ from servers.robots import Answer, RobotLink, body_of
         (["--set", "search.speed=3"], "speed"),
         (["--memory", "home", "--memory-mb", "0"], "--memory-mb"),
         (["--relocalize"], "add --memory FOLDER"),
+        (["--memory-mb", "5"], "add --memory FOLDER"),
         (["--similarity", "local:nowhere"], "--similarity compares .* add --memory FOLDER"),
         (["--memory", "home", "--agent", "servers.robots:ScriptedAgent"], "keeps no memory"),
         (

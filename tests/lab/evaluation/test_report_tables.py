@@ -266,13 +266,28 @@ def test_runs_with_the_mistakes_of_released_code_are_called_so(tmp_path, good):
 def test_a_configuration_without_what_reports_read_is_refused(good):
     path = good / "run.json"
     whole = json.loads(path.read_text())
-    for key in ("hypernav", "dataset", "who", "config", "who.agent", "protocol.max_steps"):
+    values = {
+        "hypernav": 1,
+        "dataset": None,
+        "who": "x",
+        "who.agent": [],
+        "episodes.count": 10**400,
+        "protocol.success_distance_m": "far",
+        "protocol.stop_rule": "x",
+        "config": {},
+        "config.embodiment.camera.width": "640",
+        "config.world.noise": [],
+    }
+    for key, value in values.items():
         changed = json.loads(json.dumps(whole))
         *sections, name = key.split(".")
         within = changed["configuration"]
         for section in sections:
             within = within[section]
-        del within[name]
+        within[name] = value
         path.write_text(json.dumps(changed))
-        with pytest.raises(RunFolderError, match=f"lacks '{key}'"):
+        with pytest.raises(RunFolderError, match=f"'{key}.*' of its configuration"):
             load_runs([good])
+    del whole["configuration"]["config"]["embodiment"]["motion"]
+    path.write_text(json.dumps(whole))
+    write_report(good, load_runs([good]))  # by the values that are the default

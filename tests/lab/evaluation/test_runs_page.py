@@ -1,6 +1,8 @@
 """One page over all runs in a folder: what it holds, and the page in a browser."""
 
 import json
+import os
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,7 +18,7 @@ from hypernav.app.cli.runs import run
 from hypernav.core.errors import RunFolderError
 from hypernav.io import checkout
 from hypernav.lab.evaluation.failures import Failure
-from hypernav.lab.evaluation.report.runs_page import changed, overview
+from hypernav.lab.evaluation.report.runs_page import changed, overview, run_folders
 from hypernav.lab.evaluation.run_plan import RunPlan
 from hypernav.lab.evaluation.runner import RunSession
 from hypernav.lab.evaluation.store.run_store import RunStore
@@ -122,6 +124,23 @@ def test_another_projects_commit_is_not_ours(
     (tmp_path / ".git").mkdir()
     monkeypatch.setattr(checkout, "_PACKAGE", tmp_path / ".venv" / "site-packages" / "hypernav")
     assert checkout.commit.__wrapped__() == ""
+
+
+def test_a_folder_whose_name_is_no_text_is_shown(tmp_path: Path) -> None:
+    write_search(tmp_path / os.fsdecode(b"latin \xe9"))
+    run(RunsOptions(tmp_path, quiet=True))
+    assert "latin%20%E9/episode.mp4" in (tmp_path / "runs.html").read_text()
+
+
+def test_a_run_in_the_deepest_folder_is_found(tmp_path: Path) -> None:
+    folders = [tmp_path]
+    for _ in range(1000):
+        folders.append(folders[-1] / "d")
+        folders[-1].mkdir()
+    write_search(folders[-1] / "run")
+    assert list(run_folders(tmp_path)) == [folders[-1] / "run"]
+    for folder in reversed(folders[1:]):  # no cleaner of folders goes as deep
+        shutil.rmtree(folder)
 
 
 def test_the_command_refuses_a_folder_without_runs(tmp_path: Path) -> None:

@@ -78,8 +78,8 @@ def find(
     config = HyPerNavConfig() if config is None else config
     if not isinstance(config, HyPerNavConfig):
         raise ConfigError(f"config is {config!r:.60}, expected a HyPerNavConfig")
-    check_option("max_steps", max_steps, (1, MOST_STEPS), "a search needs at least one step")
-    check_option("seed", seed, (0, MOST_SEED), "a seed is 0 or more")
+    check_option("max_steps", max_steps, (1, MOST_STEPS), "steps of a search")
+    check_option("seed", seed, (0, MOST_SEED), "a whole number")
     agent = build_agent(config.for_steps(max_steps)) if agent is None else agent
     truth, words = None, dict[str, Any]()
     if isinstance(agent, BuiltAgent):

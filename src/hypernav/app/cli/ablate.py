@@ -16,6 +16,7 @@ from hypernav.app.cli.run_choice import check, config_of, plan_of, planned
 from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
 from hypernav.core.words import number_of
+from hypernav.io.writing import own_folder
 from hypernav.lab.evaluation.ablation.ablation_page import write_ablation
 from hypernav.lab.evaluation.ablation.model_quality import STUDIES
 from hypernav.lab.evaluation.ablation.study import Method, Study, Variant, slug
@@ -144,7 +145,8 @@ def _run(
     who = replace(
         options.who, set=(*options.who.set, *variant.assignments), **dict(variant.components)
     )
-    progress = evaluate(replace(options, who=who), folder / variant.slug, console, heading=heading)
+    own = own_folder(folder, variant.slug)
+    progress = evaluate(replace(options, who=who), own, console, heading=heading)
     if progress.crashes:
         raise crash_of(progress)
     check_scored(progress)

@@ -14,13 +14,13 @@ from rich.markup import escape
 from rich.status import Status
 
 from hypernav.app.build.built_agent import BuiltAgent
-from hypernav.app.build.memories.building_memory import check_memory_size, open_memory
+from hypernav.app.build.memories.building_memory import open_memory
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.build.worlds import open_world
 from hypernav.app.cli.guards.crashes import ExitStatus, crash_report
 from hypernav.app.cli.guards.interruptions import Terminated, interruptions_put_off
 from hypernav.app.cli.guards.outputs import check_apart, check_file, check_folder
-from hypernav.app.cli.options.agent import check_steps_and_seed
+from hypernav.app.cli.options.agent import check_memory_options, check_steps_and_seed
 from hypernav.app.cli.options.commands import FindOptions
 from hypernav.app.cli.screen.search_lines import (
     found_start_line,
@@ -82,11 +82,7 @@ def run(options: FindOptions) -> int:
     """
     check_steps_and_seed(options.max_steps, options.seed)
     check_start(options.start)
-    if options.relocalize and options.memory is None:
-        raise ConfigError("--relocalize finds the start in a memory; add --memory FOLDER")
-    if options.who.similarity and options.memory is None:
-        raise ConfigError("--similarity compares the images of a memory; add --memory FOLDER")
-    check_memory_size("--memory-mb", options.memory_mb)
+    check_memory_options(options)
     goal = Goal(options.goal)
     folder = options.out or _new_folder(goal)
     if options.memory is not None:

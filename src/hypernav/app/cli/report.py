@@ -10,6 +10,7 @@ from hypernav.app.cli.guards.outputs import check_folder
 from hypernav.app.cli.options.commands import ReportOptions
 from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError
+from hypernav.io.writing import own_folder
 from hypernav.lab.evaluation.report import tables
 from hypernav.lab.evaluation.report.published_results import BesidePaper, beside_paper
 from hypernav.lab.evaluation.report.report_page import REPORT_FILES, write_report
@@ -71,9 +72,10 @@ def run(options: ReportOptions) -> int:
     if options.compare and len(options.runs) < 2:
         raise ConfigError("--compare needs at least two folders")
     several = len(options.runs) > 1
-    out = options.out or (options.runs[0] / "compared" if several else options.runs[0])
-    check_folder(out, REPORT_FILES)
     runs = load_runs(options.runs)
+    first = options.runs[0]
+    out = options.out or (own_folder(first, "compared") if several else first)
+    check_folder(out, REPORT_FILES)
     pairs = tables.pairs(runs) if options.compare else []
     page = write_report(out, runs, pairs=pairs, published=options.published)
     console = Terminal(quiet=options.quiet)

@@ -37,11 +37,9 @@ def check(options: EvalOptions) -> None:
     """
     check_steps_and_seed(options.max_steps, options.seed)
     if options.success_distance is not None:
-        check_option(
-            "--success-distance", options.success_distance, (0.001, 100.0), "must be more than 0"
-        )
+        check_option("--success-distance", options.success_distance, (0.001, 100.0), "metres")
     if options.workers is not None:
-        check_option("--workers", options.workers, (1, MOST_THREADS), "at least one is needed")
+        check_option("--workers", options.workers, (1, MOST_THREADS), "processes")
     if options.world == "habitat":
         from hypernav.simulator.worlds.habitat import require_habitat
 

@@ -9,6 +9,7 @@ from rich.markup import escape
 
 from hypernav.app.cli.guards.crashes import ExitStatus
 from hypernav.app.cli.guards.outputs import check_folder
+from hypernav.app.cli.options.agent import check_memory_options
 from hypernav.app.cli.options.commands import ServeOptions
 from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.app.warmup.background import warm_up_in_background
@@ -35,7 +36,6 @@ def run(options: ServeOptions) -> int:
     """
     for module in _MODULES:
         require(module, extra="robot")
-    from hypernav.app.build.memories.building_memory import check_memory_size
     from hypernav.app.build.presets import HyPerNavConfig
     from hypernav.robot.server.guard import Access
     from hypernav.robot.server.limits import ServerLimits
@@ -50,14 +50,10 @@ def run(options: ServeOptions) -> int:
         raise ConfigError("--record: a server records the exchanges of every search in --state")
     if options.who.native:
         raise ConfigError("--native: a real robot has its own camera and step; leave it out")
-    if options.relocalize and options.memory is None:
-        raise ConfigError("--relocalize finds the starts in a memory; add --memory FOLDER")
-    if options.who.similarity and options.memory is None:
-        raise ConfigError("--similarity compares the images of a memory; add --memory FOLDER")
+    check_memory_options(options)
     token = None if options.token_file is None else read_token(options.token_file)
     access = Access(options.host, token)
     check_access(access)
-    check_memory_size("--memory-mb", options.memory_mb)
     check_folder(options.state)
     memory = None if options.memory is None else options.memory.absolute()
     damaged = () if memory is None else _check_memory(memory)

@@ -54,9 +54,9 @@ def evaluate(
     """
     if not callable(make_agent):
         raise ContractError(f"make_agent is {make_agent!r:.60}, expected a class or a function")
-    check_option("workers", workers, (1, MOST_THREADS), "at least one is needed")
-    check_option("max_steps", plan.max_steps, (1, MOST_STEPS), "a search needs at least one step")
-    check_option("seed", plan.seed, (0, MOST_SEED), "a seed is 0 or more")
+    check_option("workers", workers, (1, MOST_THREADS), "processes")
+    check_option("max_steps", plan.max_steps, (1, MOST_STEPS), "steps of a search")
+    check_option("seed", plan.seed, (0, MOST_SEED), "a whole number")
     own = dict.fromkeys(("preset", "detector", "reasoner"), ITS_OWN)
     plan = replace(plan, who={"agent": factory_name(make_agent), **own} | plan.who)
     folder = Path(folder)

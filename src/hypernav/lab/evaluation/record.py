@@ -31,6 +31,9 @@ Length = Annotated[
 ]
 """A length in metres; an infinite one is ``null`` in JSON, which has no infinity."""
 
+Count = Annotated[int, Field(ge=0, le=1_000_000_000_000)]
+"""How many of something."""
+
 EpisodeKey = tuple[str, str]
 """Scene and episode, which together identify a record of a run."""
 
@@ -107,15 +110,15 @@ class EpisodeRecord(EpisodeLine):
     shortest_from_sight_m: Length = math.inf
     distance_to_object_m: float | None = None
     stopped: bool
-    steps: int
-    model_calls: int
-    questions: dict[str, int] = Field(default_factory=dict)
-    unusable_answers: dict[str, int] = Field(default_factory=dict)
-    tokens_in: int = 0
-    tokens_out: int = 0
+    steps: Count
+    model_calls: Count
+    questions: dict[str, Count] = Field(default_factory=dict)
+    unusable_answers: dict[str, Count] = Field(default_factory=dict)
+    tokens_in: Count = 0
+    tokens_out: Count = 0
     saved: str = Field("", pattern=r"^(episodes/[a-z0-9-]{1,200})?$")
     life: str = ""
-    goal_number: int = 1
+    goal_number: Count = 1
     seconds: dict[str, float] = Field(default_factory=dict)
 
     @model_serializer(mode="wrap")

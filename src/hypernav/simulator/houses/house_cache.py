@@ -8,7 +8,6 @@ incomplete file. A broken file is replaced; without a writable folder nothing is
 import hashlib
 import json
 import logging
-import tempfile
 import zipfile
 from dataclasses import asdict
 from functools import lru_cache
@@ -20,6 +19,7 @@ from jaxtyping import Int32
 
 from hypernav.core.labels import ObjectLabel
 from hypernav.io.cache_folder import cache_folder
+from hypernav.io.kept_arrays import keep
 from hypernav.lab.datasets.shipped import check_geometry
 from hypernav.simulator.houses.assembly import CompactScene, to_scene
 from hypernav.simulator.houses.building import VERSION, Building
@@ -79,7 +79,7 @@ def cached_building(building: Building, folder: Path | None = None) -> Scene:
     fresh = build_compact(building)
     _load_textures(fresh, home / "textures")
     scene = checked_scene(building, fresh, building.scene)
-    _try_write(path, lambda file: _write(file, fresh))
+    keep(path, lambda file: _write(file, fresh))
     return scene
 
 
@@ -118,7 +118,7 @@ def in_thousandths(values: Any) -> Int32[np.ndarray, "..."]:
     return np.floor(np.asarray(values, dtype=np.float64) * 1000.0 + 0.55).astype("<i4")
 
 
-def _write(file: Any, house: CompactScene) -> None:
+def _write(file: Path, house: CompactScene) -> None:
     about = {
         "finishes": [asdict(finish) for finish in house.finishes],
         "names": house.names,
@@ -173,17 +173,4 @@ def _load_textures(house: CompactScene, folder: Path) -> None:
         except _BROKEN as error:
             _LOGGER.warning("%s is broken (%s) and is made again", path, error)
         image = texture(key)
-        _try_write(path, lambda file, image=image: np.save(file, image))
-
-
-def _try_write(path: Path, write: Any) -> None:
-    """Write a file completely or not at all; an error is logged."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=path.parent, prefix=".new-") as folder:
-            fresh = Path(folder) / path.name
-            with fresh.open("wb") as file:
-                write(file)
-            fresh.replace(path)
-    except OSError as error:
-        _LOGGER.info("%s could not be written (%s)", path, error)
+        keep(path, lambda file, image=image: np.save(file, image))

@@ -16,6 +16,20 @@ def test_the_traceback_is_in_the_folder(tmp_path):
     assert 'raise KeyError("seven")' in (folder / "crash.txt").read_text()
 
 
+@pytest.mark.parametrize(
+    "put", [Path.symlink_to, Path.hardlink_to, lambda path, _: os.mkfifo(path)]
+)
+def test_what_a_stranger_put_in_its_place_is_replaced(put, tmp_path):
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.write_text("kept")
+    (tmp_path / "folder").mkdir()
+    put(tmp_path / "folder" / "crash.txt", elsewhere)
+    with pytest.raises(ReportedCrashError, match=r"crash\.txt"), crash_report(tmp_path / "folder"):
+        raise KeyError("seven")
+    assert elsewhere.read_text() == "kept"
+    assert 'raise KeyError("seven")' in (tmp_path / "folder" / "crash.txt").read_text()
+
+
 @pytest.mark.parametrize("folder", [None, Path("/dev/null/below")])
 def test_without_a_folder_it_is_in_a_temporary_file(folder, tmp_path, monkeypatch):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))

@@ -122,6 +122,15 @@ def test_the_same_results_give_the_same_bytes(folder):
     assert [(folder / name).read_bytes() for name in files] == before
 
 
+def test_a_figure_replaces_a_link(folder, tmp_path_factory):
+    elsewhere = tmp_path_factory.mktemp("elsewhere") / "kept"
+    elsewhere.write_text("kept")
+    for name in ("figure.png", "figure.svg"):
+        (folder / name).symlink_to(elsewhere)
+    write_ablation(folder, STUDY)
+    assert elsewhere.read_text() == "kept"
+
+
 def test_a_study_of_quality_is_drawn_as_curves(folder):
     points = (
         Variant(WORSE.name, "", quality=0.0, curve="reasoner"),

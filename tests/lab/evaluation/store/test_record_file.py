@@ -1,9 +1,12 @@
 """Any kind of record keeps the promises of the file: what a refinement study writes, too."""
 
 import pytest
+from pydantic import ValidationError
 
+from eval_runs import record
 from hypernav.core.errors import RunFolderError
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.lab.evaluation.record import EpisodeRecord
 from hypernav.lab.evaluation.refinement.area_record import (
     AreaRecord,
     BoxSource,
@@ -43,6 +46,13 @@ def test_an_episode_is_there_only_once(tmp_path):
     file = RecordFile(written(tmp_path), EpisodeAreas)
     with pytest.raises(RunFolderError, match="tests/0 is done already"):
         file.add(FIRST)
+
+
+@pytest.mark.parametrize("steps", [-1, 10**400])
+def test_an_impossible_count_is_refused(steps):
+    values = record("0").model_dump() | {"steps": steps}
+    with pytest.raises(ValidationError, match="steps"):
+        EpisodeRecord.model_validate(values)
 
 
 def test_a_damaged_line_is_refused(tmp_path):

@@ -12,6 +12,7 @@ from hypernav.core.errors import (
     CameraError,
     ComponentError,
     ModelError,
+    OutputError,
     SceneError,
     StartError,
     WorldError,
@@ -71,6 +72,18 @@ def test_a_worker_closes_world_and_agent_also_after_an_error(tmp_path, error):
         assert threads() > before
     assert threads() == before
     assert agent.closed
+
+
+def test_a_film_is_kept_in_the_folder_of_the_run_alone(tmp_path):
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "episodes").symlink_to(tmp_path / "elsewhere")
+    job = Job(tmp_path / "run", small_config(), make_agent=Stands, save="videos")
+    episode = replace(episode_from(START), scene_id=str(write_room(tmp_path / "room.glb")))
+    said = pytest.raises(OutputError, match="episodes is a link")
+    with closing(EpisodeWorker(job)) as worker, said:
+        worker.run(episode)
+    assert not list((tmp_path / "elsewhere").iterdir())
 
 
 @pytest.mark.parametrize("error", [SceneError, StartError, WorldError, CameraError])

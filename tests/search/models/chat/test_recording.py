@@ -1,4 +1,5 @@
 import dataclasses
+from codecs import BOM_UTF8
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,13 @@ def test_a_replay_gives_the_same_answers_in_full(tmp_path: Path):
     assert replay.identify() == parrot.identify()
     for question, answer in zip(asked, answers, strict=True):
         assert dataclasses.asdict(replay.ask(question)) == dataclasses.asdict(answer)
+
+
+def test_an_editor_may_put_a_byte_order_mark_before_it(tmp_path: Path):
+    path = tmp_path / "r.jsonl"
+    record(path, Parrot("7"), WHICH)
+    path.write_bytes(BOM_UTF8 + path.read_bytes())
+    assert ReplayChat(path).ask(WHICH).value == "7"
 
 
 def test_recording_twice_gives_the_same_bytes(tmp_path: Path):

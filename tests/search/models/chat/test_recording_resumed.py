@@ -59,6 +59,17 @@ def test_the_recording_knows_the_name_of_its_model(tmp_path):
     again.close()
 
 
+def test_nothing_is_cut_or_written_outside_of_its_folder(tmp_path):
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.write_text("a line\nhalf a line")
+    (tmp_path / "symbolic").symlink_to(elsewhere)
+    (tmp_path / "hard").hardlink_to(elsewhere)
+    for name in ("symbolic", "hard"):
+        with pytest.raises(RecordingError, match="link"):
+            ResumingChat(Parrot("3"), tmp_path / name)
+    assert elsewhere.read_text() == "a line\nhalf a line"
+
+
 def test_damage_is_an_error(tmp_path):
     path = tmp_path / "model.jsonl"
     path.write_text("no recording\n")

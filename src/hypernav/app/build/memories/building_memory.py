@@ -106,4 +106,4 @@ def check_memory_size(name: str, size_mb: float | None) -> None:
     """
     if size_mb is not None:
         most = LARGEST_BYTES / 1e6
-        check_option(name, size_mb, (1.0, most), "maps alone take about 1 MB, and all is read")
+        check_option(name, size_mb, (1.0, most), "megabytes")

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from hypernav.core.errors import ComponentError, CrashError, HyPerNavError, OutputError
 from hypernav.core.interruptions import interruptions_of_kernels
-from hypernav.io.writing import lacks_room
+from hypernav.io.writing import lacks_room, write_whole
 
 
 class ExitStatus(IntEnum):
@@ -136,7 +136,7 @@ def _write(page: str, folder: Path | None) -> str:
     if folder is not None:
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            (folder / CRASH_FILE).write_bytes(data)
+            write_whole(folder / CRASH_FILE, data)
         except OSError:
             pass
         else:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from hypernav.app.build.built_agent import BuiltAgent
     from hypernav.app.build.exam_file import ExamFile
     from hypernav.app.build.presets import HyPerNavConfig
+    from hypernav.app.cli.options.commands import FindOptions, ServeOptions
     from hypernav.core.embodiment import Embodiment
 
 
@@ -186,8 +187,27 @@ def check_steps_and_seed(max_steps: int | None, seed: int) -> None:
     from hypernav.core.config import MOST_SEED, MOST_STEPS, check_option
 
     if max_steps is not None:
-        check_option("--max-steps", max_steps, (1, MOST_STEPS), "a search needs at least one step")
-    check_option("--seed", seed, (0, MOST_SEED), "a seed is 0 or more")
+        check_option("--max-steps", max_steps, (1, MOST_STEPS), "steps of a search")
+    check_option("--seed", seed, (0, MOST_SEED), "a whole number")
+
+
+def check_memory_options(options: "FindOptions | ServeOptions") -> None:
+    """Refuse an impossible size of a memory, and options about a memory where none is named.
+
+    Raises:
+        ConfigError: An option is impossible.
+    """
+    from hypernav.app.build.memories.building_memory import check_memory_size
+
+    about_memory = {
+        "--relocalize finds the start in": options.relocalize,
+        "--similarity compares the images of": options.who.similarity,
+        "--memory-mb is the size of": options.memory_mb is not None,
+    }
+    for words, is_given in about_memory.items():
+        if is_given and options.memory is None:
+            raise ConfigError(f"{words} a memory; add --memory FOLDER")
+    check_memory_size("--memory-mb", options.memory_mb)
 
 
 _Flat = tyro.conf.OmitArgPrefixes

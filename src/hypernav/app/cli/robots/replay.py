@@ -50,7 +50,7 @@ def run(options: Replay) -> int:
     """
     if options.who.native:
         raise ConfigError("--native: a recording has its own camera; leave the option out")
-    check_option("--every", options.every, (1, 100_000), "every frame, or fewer")
+    check_option("--every", options.every, (1, 100_000), "takes every n-th frame")
     if options.depth_per_metre is not None:
         check_option("--depth-per-metre", options.depth_per_metre, (1e-3, 1e6), "1000: millimetres")
     sees = options.who.detector is not None or options.who.vlm is not None

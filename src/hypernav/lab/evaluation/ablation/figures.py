@@ -1,10 +1,12 @@
 """The figures of studies: differences, or curves over a quality; matplotlib is imported to draw."""
 
+import io
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hypernav.app.show.templating import data_uri
+from hypernav.io.writing import write_whole
 from hypernav.lab.evaluation.ablation.study import Axis, StudyResults, VariantResult
 from hypernav.lab.evaluation.report import report_text
 from hypernav.lab.evaluation.report.report_text import SIGNIFICANT, drawn
@@ -135,9 +137,12 @@ def write_figure(folder: Path, draw: Callable[[], "Figure"]) -> str:
 
     with matplotlib.rc_context(_STYLE):
         figure = draw()
-        figure.savefig(folder / PNG, dpi=160)
-        figure.savefig(folder / SVG, metadata={"Date": None})
-    return data_uri((folder / SVG).read_bytes(), "image/svg+xml")
+        pixels, drawing = io.BytesIO(), io.BytesIO()
+        figure.savefig(pixels, format="png", dpi=160)
+        figure.savefig(drawing, format="svg", metadata={"Date": None})
+    write_whole(folder / PNG, pixels.getvalue())
+    write_whole(folder / SVG, drawing.getvalue())
+    return data_uri(drawing.getvalue(), "image/svg+xml")
 
 
 def results_figure(results: StudyResults) -> "Figure":

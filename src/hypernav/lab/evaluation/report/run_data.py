@@ -1,17 +1,22 @@
 """The results of a run, read back from its folder, and the cost of its episodes."""
 
+import json
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
 from hypernav.app.show.captions import ITS_OWN
 from hypernav.app.show.templating import html_table
 from hypernav.core.components.registry import require
+from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import RunFolderError
 from hypernav.lab.datasets.benchmarks import Benchmark, benchmark_of
-from hypernav.lab.evaluation.record import EpisodeKey, EpisodeRecord
+from hypernav.lab.evaluation.protocol import StopRule
+from hypernav.lab.evaluation.record import Count, EpisodeKey, EpisodeRecord
 from hypernav.lab.evaluation.statistics import counted
 from hypernav.lab.evaluation.store.run_store import (
     Session,
@@ -19,6 +24,7 @@ from hypernav.lab.evaluation.store.run_store import (
     read_records,
     read_sessions,
 )
+from hypernav.simulator.worlds.config import NoiseConfig
 
 if TYPE_CHECKING:
     import pandas
@@ -91,16 +97,64 @@ class RunData:
         return str(self.who["preset"]).endswith("-as-released")
 
 
-_NEEDED: dict[str, tuple[str, ...] | None] = {
-    "hypernav": None,
-    "dataset": None,
-    "selection": (),
-    "episodes": ("count", "scenes", "fingerprint"),
-    "who": ("agent", "preset", "detector", "reasoner"),
-    "protocol": ("max_steps", "success_distance_m"),
-    "config": (),
-}
-"""Sections of a run's configuration that reports read, with their keys; None for a text."""
+class _Part(BaseModel):
+    """What reports read of a part of a run's configuration; the rest may be anything."""
+
+    model_config = ConfigDict(frozen=True, allow_inf_nan=False, extra="allow")
+
+
+class _Episodes(_Part):
+    count: Count
+    scenes: Count
+    fingerprint: str
+
+
+class _Who(_Part):
+    agent: str
+    preset: str
+    detector: str
+    reasoner: str
+    parts: dict[str, Any] = Field(default_factory=dict)
+
+
+class _Protocol(_Part):
+    max_steps: Count
+    success_distance_m: float
+    stop_rule: StopRule
+    seed: int
+
+
+class _Lives(_Part):
+    count: Count
+    memory: str
+    max_steps: Count | None
+
+
+class _GoalTypes(_Part):
+    left_out: dict[str, Count] = Field(default_factory=dict)
+
+
+class _World(_Part):
+    sliding: bool
+    noise: NoiseConfig
+
+
+class _Config(_Part):
+    embodiment: Embodiment
+    world: _World
+
+
+class _Configuration(_Part):
+    hypernav: str
+    dataset: str
+    selection: dict[str, Any]
+    episodes: _Episodes
+    who: _Who
+    protocol: _Protocol
+    config: _Config
+    benchmark: str | None = None
+    lives: _Lives | None = None
+    goal_types: _GoalTypes = _GoalTypes()
 
 
 def is_native(configuration: dict[str, Any]) -> bool:
@@ -163,10 +217,7 @@ def load_runs(folders: str | Path | Iterable[str | Path]) -> Runs:
     """
     single = isinstance(folders, str | Path)
     folders = [Path(folder) for folder in ([folders] if single else folders)]
-    configurations = [read_configuration(folder) for folder in folders]
-    for folder, configuration in zip(folders, configurations, strict=True):
-        _check_sections(folder, configuration)
-        _check_version(folder, configuration)
+    configurations = [_configuration(folder) for folder in folders]
     _check_modes(folders, configurations)
     runs = Runs()
     for folder, name, configuration in zip(
@@ -191,26 +242,19 @@ def _check_modes(folders: Sequence[Path], configurations: Sequence[dict[str, Any
         )
 
 
-def _check_sections(folder: Path, configuration: dict[str, Any]) -> None:
-    """Refuse a configuration that somebody has edited."""
-    for section, keys in _NEEDED.items():
-        part = configuration.get(section)
-        if not isinstance(part, str if keys is None else dict):
-            raise RunFolderError(f"{folder}: its configuration lacks '{section}'; was it edited?")
-        for key in keys or ():
-            if key not in part:
-                raise RunFolderError(
-                    f"{folder}: its configuration lacks '{section}.{key}'; was it edited?"
-                )
-
-
-def _check_version(folder: Path, configuration: dict[str, Any]) -> None:
-    """Refuse a run of an older version, whose configuration describes the robot elsewhere."""
-    if "embodiment" not in configuration.get("config", {}):
+def _configuration(folder: Path) -> dict[str, Any]:
+    """The configuration of a run; one of an older version, or that somebody edited, is refused."""
+    text = json.dumps(read_configuration(folder))
+    try:
+        return _Configuration.model_validate_json(text, strict=True).model_dump(mode="json")
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = ".".join(map(str, first["loc"]))
         raise RunFolderError(
-            f"{folder} is of an older version of hypernav: its configuration has no section "
-            "'embodiment'; make its report with that version, or run it again"
-        )
+            f"{folder} is of an older version of hypernav, or was edited: '{where}' of its "
+            f"configuration cannot be read ({first['msg']}); make its report with that version, or "
+            "run it again"
+        ) from error
 
 
 def _names(folders: Sequence[Path], configurations: Sequence[dict[str, Any]]) -> list[str]:

@@ -89,10 +89,22 @@ def _say_what_differs(runs: Sequence[dict[str, Any]]) -> None:
 
 def run_folders(root: Path) -> Iterator[Path]:
     """The folders of runs below a folder, each without those of its single episodes."""
-    for path, names, files in os.walk(root):
-        if RUN_FILE in files or RESULT_FILE in files:
-            names[:] = [] if RESULT_FILE in files else [n for n in names if n != SAVED_FOLDER]
-            yield Path(path)
+    left = [root]
+    while left:  # not `os.walk`, which fails in deep folders before Python 3.12
+        folder = left.pop()
+        try:
+            with os.scandir(folder) as found:
+                entries = {one.name: one.is_dir(follow_symlinks=False) for one in found}
+        except OSError:
+            continue
+        if is_run := RUN_FILE in entries or RESULT_FILE in entries:
+            yield folder
+        if RESULT_FILE not in entries:
+            left += [
+                folder / name
+                for name, is_folder in entries.items()
+                if is_folder and not (is_run and name == SAVED_FOLDER)
+            ]
 
 
 def changed(root: Path) -> float:
@@ -212,7 +224,7 @@ def _pages(folder: Path | None, root: Path) -> dict[str, str]:
         return {}
     files = {"page": folder / "index.html", "film": folder / "episode.mp4"}
     return {
-        name: quote(path.relative_to(root).as_posix())
+        name: quote(os.fsencode(path.relative_to(root).as_posix()))
         for name, path in files.items()
         if path.is_file()
     }

@@ -24,7 +24,7 @@ from hypernav.core.errors import RunFolderError
 from hypernav.io.folder_lock import folder_lock
 from hypernav.io.foreign_folder import read_own
 from hypernav.io.parsing import parse_json
-from hypernav.lab.evaluation.record import EpisodeKey, EpisodeRecord
+from hypernav.lab.evaluation.record import Count, EpisodeKey, EpisodeRecord
 from hypernav.lab.evaluation.store.record_file import (
     RecordFile,
     append_line,
@@ -61,11 +61,11 @@ class Session(BaseModel):
     ended: str = UNENDED
     seconds: float = 0.0
     cpu_seconds: float = 0.0
-    workers: int = 0
-    cores: int = 0
-    episodes: int = 0
+    workers: Count = 0
+    cores: Count = 0
+    episodes: Count = 0
     peak_memory_mb: dict[str, float] = Field(default_factory=dict)
-    workers_lost: int = 0
+    workers_lost: Count = 0
     crashes: dict[str, str] = Field(default_factory=dict)
 
 

@@ -18,6 +18,7 @@ from hypernav.core.episode import Episode, Life, Outcome
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.trace import Ending, StepTrace
 from hypernav.core.world import Simulator
+from hypernav.io.writing import own_folder
 from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeRun, EpisodeStep
 from hypernav.lab.episodes.object_distance import object_distance
 from hypernav.lab.episodes.recorder import EpisodeRecorder
@@ -201,7 +202,7 @@ class EpisodeWorker:
 
     def _recorder(self, episode: Episode) -> EpisodeRecorder:
         return EpisodeRecorder(
-            self._job.folder / SAVED_FOLDER / folder_name(episode),
+            own_folder(self._job.folder, SAVED_FOLDER, folder_name(episode)),
             goal=episode.goal.text,
             agent=self._searcher.words["agent"],
             detector=self._searcher.words["detector"],

@@ -9,6 +9,7 @@ import hashlib
 import json
 import threading
 from collections import defaultdict, deque
+from contextlib import closing
 from difflib import SequenceMatcher
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -18,8 +19,10 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from hypernav.core.chat import Answer, Fault, Question, Usage
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.errors import ModelUnavailableError, OutputError, RecordingError
+from hypernav.io.foreign_folder import read_own
 from hypernav.io.parsing import check_json_size
 from hypernav.io.reading import Allowance, read_file
+from hypernav.io.writing import AppendOnlyFile
 from hypernav.search.models.chat.answer_parsing import parse_answer, shortened
 from hypernav.search.models.chat.message_parts import content_hash
 
@@ -105,7 +108,7 @@ class RecordingChat:
                     f"{self.path} exists already; delete it or record to another file"
                 )
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = self.path.open("a" if append else "x", encoding="utf-8")
+            self._file = AppendOnlyFile(self.path)
         except OSError as error:
             raise RecordingError(f"cannot record to {self.path}: {error.strerror}") from error
 
@@ -138,17 +141,15 @@ class RecordingChat:
     def close(self) -> None:
         """Close the file; the recorded exchanges are on disk already."""
         with self._lock:
-            if not self._file.closed:
-                self._file.close()
+            self._file.close()
 
     def _write(self, question: Question, answer: _RecordedAnswer) -> None:
         line = _Exchange(question=_RecordedQuestion.of(question), answer=answer).model_dump_json()
         with self._lock:
             try:
-                if self._file.tell() == 0:
-                    self._file.write(_Header(model=answer.model).model_dump_json() + "\n")
-                self._file.write(line + "\n")
-                self._file.flush()
+                if self._file.size == 0:
+                    line = _Header(model=answer.model).model_dump_json() + "\n" + line
+                self._file.append(line.encode() + b"\n")
             except OSError as error:
                 raise OutputError(f"{self.path} cannot be written ({error.strerror})") from error
 
@@ -237,7 +238,7 @@ def _read(path: Path) -> tuple[_Header, list[_Exchange]]:
         # Not `splitlines`: an answer may contain other line separators, which JSON does not escape.
         text = read_file(path, most=_MOST_BYTES)
         check_json_size(text, Allowance())
-        lines = text.decode("utf-8").removesuffix("\n").split("\n")
+        lines = text.decode("utf-8-sig").removesuffix("\n").split("\n")
     except OSError as error:
         raise RecordingError(f"cannot read the recording {path}: {error.strerror}") from error
     except UnicodeDecodeError as error:
@@ -309,9 +310,9 @@ def _without_half_a_line(path: Path) -> int:
     if not path.exists():
         return 0
     try:
-        size = path.read_bytes().rfind(b"\n") + 1
-        with path.open("r+b") as file:
-            file.truncate(size)
+        size = read_own(path, most=_MOST_BYTES).rfind(b"\n") + 1
+        with closing(AppendOnlyFile(path)) as file:
+            file.cut(size)
     except OSError as error:
         raise RecordingError(f"cannot continue {path}: {error.strerror}") from error
     return size

@@ -194,6 +194,7 @@ def _instance(stored: dict[str, Any]) -> Instance:
 
 
 def _write(home: Path, scene: Scene) -> None:
+    home.mkdir()
     images: dict[int, int] = {}
     materials = []
     for material in scene.materials:
