@@ -137,7 +137,7 @@ def test_the_same_command_again_runs_nothing_and_another_one_is_refused(runs, ro
         (["houses-val", "--seed", "-1"], "a seed is 0 or more"),
         (["houses-val", "--success-distance", "0"], "must be more than 0"),
         (["houses-val", "--save", "all"], "videos"),
-        (["houses-val", "--record", "x.jsonl"], "--record is for single searches"),
+        (["houses-val", "--record", "x.jsonl"], "Unrecognized options: --record"),
         (["houses-val", "--set", "search.endurence_steps=3"], "did you mean 'endurance_steps'"),
         ([], "missing from hypernav eval: DATASET houses-val, houses-ovon"),
     ],

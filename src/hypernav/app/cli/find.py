@@ -93,9 +93,9 @@ def run(options: FindOptions) -> int:
         check_apart(folder, options.memory)
     check_folder(folder, OUTPUT_FILES)
     check_views(options.views, folder)
-    if options.who.record is not None:
-        check_file(options.who.record)
-        check_not_written_by_search(options.who.record, folder)
+    if options.record is not None:
+        check_file(options.record)
+        check_not_written_by_search(options.record, folder)
     with crash_report(folder):
         return _find(options, goal, folder)
 
@@ -104,7 +104,7 @@ def _find(options: FindOptions, goal: Goal, folder: Path) -> ExitStatus:
     """Load the building, search, and write the page, even if the search fails."""
     steps = options.max_steps or options.who.step_limit(MAX_STEPS)
     config = options.who.resolve(robot_in(options.scene)).for_steps(steps)
-    parts = options.who.build(config)
+    parts = options.who.build(config, record=options.record)
     parts.check_goal(goal)
     console = Terminal(quiet=options.quiet)
     for warning in parts.warnings:
