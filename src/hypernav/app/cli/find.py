@@ -107,8 +107,6 @@ def _find(options: FindOptions, goal: Goal, folder: Path) -> ExitStatus:
     parts = options.who.build(config, record=options.record)
     parts.check_goal(goal)
     console = Terminal(quiet=options.quiet)
-    for warning in parts.warnings:
-        console.print(f"[yellow]{escape(warning)}[/]", soft_wrap=True)
     with (
         closing(parts),
         warnings_on(console),
@@ -140,6 +138,8 @@ def _find(options: FindOptions, goal: Goal, folder: Path) -> ExitStatus:
         if not search.trial.holds_goal:
             labels = [one.label for one in world.truth.instances if one.label is not None]
             console.print(no_such_object_line(goal, labels), soft_wrap=True)
+        for warning in parts.warnings:
+            console.print(f"[yellow]{escape(warning)}[/]", soft_wrap=True)
         info = EpisodeInfo(
             goal=goal.text,
             agent=options.who.name,
