@@ -160,7 +160,7 @@ def _find(options: FindOptions, goal: Goal, folder: Path) -> ExitStatus:
                 outcome = search.result(interrupted=is_stopped and not search.trial.is_over)
                 result = {
                     "goal": goal.text,
-                    "scene": world.truth.name,
+                    "scene": options.scene,
                     "commit": commit(),
                     **options.who.describe(parts),
                     "seed": options.seed,
