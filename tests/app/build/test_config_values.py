@@ -70,6 +70,10 @@ def test_a_mistyped_section_is_named_with_the_one_that_was_meant():
         config_values("serach")
     with pytest.raises(ConfigError, match=r"did you mean 'search.endurance_steps'"):
         config_values("search.endurance_step")
+    with pytest.raises(ConfigError, match=r"did you mean 'embodiment.camera'"):
+        config_values("camera")
+    with pytest.raises(ConfigError, match=r"did you mean 'embodiment.camera.hfov_deg'"):
+        config_values("hfov")
 
 
 def test_the_schema_describes_every_value_and_refuses_unknown_keys():

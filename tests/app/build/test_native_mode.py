@@ -64,9 +64,10 @@ def test_native_agents_are_refused_on_the_robot_of_common_mode():
     assert built.chosen.as_dict()["mode"] == "native"
 
 
-def test_a_recording_has_no_native_mode(tmp_path):
-    with pytest.raises(ConfigError, match="a recording has its own camera"):
-        run_command(["robot", "replay", str(tmp_path), "--agent", "vlmnav", "--native"])
+@pytest.mark.parametrize("command", [["serve"], ["robot", "replay", "bag"]])
+def test_a_robot_and_a_recording_have_no_native_mode(command):
+    with pytest.raises(ConfigError, match="Unrecognized options: --native"):
+        run_command([*command, "--agent", "vlmnav", "--native"])
 
 
 def test_native_agents_are_called_so_wherever_they_are_named():

@@ -6,7 +6,12 @@ from hypernav.app.build.agents import build_search
 from hypernav.app.build.choosing import choose_components
 from hypernav.app.build.component_specs import ComponentSpecs
 from hypernav.app.build.presets import preset
-from hypernav.app.build.stand_ins import beside_published, segmenter_words, unmeasured
+from hypernav.app.build.stand_ins import (
+    beside_published,
+    labels_warning,
+    segmenter_words,
+    unmeasured,
+)
 from hypernav.core.errors import ConfigError
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.perception.local.config import LocalConfig
@@ -33,6 +38,20 @@ def test_masks_of_the_ground_truth_stand_in_as_well_and_nothing_else_could():
     told = words_of()
     assert told.words == "masks of ground truth, in place of MobileSAM"
     assert "--segmenter" not in told.warning
+
+
+@pytest.mark.parametrize(
+    ("specs", "is_said"),
+    [
+        ({}, True),
+        ({"agent": "frontier"}, True),
+        ({"detector": YOLOX}, False),
+        ({"vlm": "openai:http://localhost:8000/v1"}, False),
+    ],
+)
+def test_true_labels_are_named_before_a_search(specs, is_said):
+    said = labels_warning(choose_components(ComponentSpecs(**specs)))
+    assert ("true labels" in said) == is_said
 
 
 @pytest.mark.parametrize(

@@ -140,7 +140,7 @@ def test_the_list_names_every_variant_and_runs_nothing(capsys, tmp_path, monkeyp
         (["--preset", "paper"], "--preset"),
         (["--study", "switch"], "switches"),
         (["--workers", "0"], "processes; expected 1 to 256"),
-        (["--record", "x.jsonl"], "--record is for single searches"),
+        (["--record", "x.jsonl"], "Unrecognized options: --record"),
     ],
 )
 def test_bad_input_is_one_line_with_the_remedy(arguments, words, capsys):

@@ -38,8 +38,12 @@ def test_the_interval_is_that_of_the_report_whatever_the_order():
 
 
 def test_the_interval_is_said_to_be_over_scenes_where_there_are_some():
-    said = "".join(lines(record("0", "one"), record("0", "another")))
-    assert said.count("over scenes)") == 2
+    goals = [record(str(k), f"scene {k % 2}") for k in range(5)]
+    assert "".join(lines(*goals)).count("over scenes)") == 2
+
+
+def test_so_few_episodes_have_no_interval_on_the_screen_either():
+    assert "confidence" not in "".join(lines(*[record(str(k)) for k in range(4)]))
 
 
 def test_where_none_counts_there_is_no_rate():

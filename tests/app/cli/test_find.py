@@ -35,6 +35,7 @@ def test_found_is_exit_status_0_and_leaves_the_numbers(glb, tmp_path, capsys):
     result = json.loads((tmp_path / "result.json").read_text())
     assert status == 0
     assert (result["outcome"], result["success"]) == ("found", True)
+    assert result["scene"] == str(glb)
     assert {
         "goal", "scene", "agent", "preset", "detector", "reasoner", "spl", "soft_spl", "steps",
         "path_length_m", "shortest_path_m", "distance_to_goal_m", "model_calls", "seconds",

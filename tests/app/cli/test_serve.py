@@ -37,7 +37,6 @@ from servers.robots import Answer, RobotLink, body_of
         (["--port", "70000"], "--port"),
         (["--max-searches", "0"], "--max-searches"),
         (["--token-file", "nowhere"], "--token-file nowhere"),
-        (["--record", "r.jsonl"], "--record"),
         (["--detector", "no-such"], "no-such"),
         (["--set", "search.speed=3"], "speed"),
         (["--memory", "home", "--memory-mb", "0"], "--memory-mb"),

@@ -14,6 +14,7 @@ from selenium.webdriver.common.by import By
 from browsers import chromium
 from hypernav.app.show.episode_page import write_page
 from hypernav.app.show.templating import page_environment
+from hypernav.app.show.video_frame import _CAMERA, _MARGIN, _TOP, WIDTH
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.trace import DetectionRecord, Exchange, Mode, StepTrace
 
@@ -272,6 +273,28 @@ def test_as_long_as_one_floor_is_known_no_floor_is_named(
 def browser() -> Iterator[webdriver.Chrome]:
     with chromium("--disable-gpu") as browser:
         yield browser
+
+
+def test_on_a_phone_the_film_shows_its_camera_image_alone(
+    steps: list[StepTrace],
+    result: dict[str, Any],
+    room: OccupancyGrid,
+    tmp_path: Path,
+    browser: webdriver.Chrome,
+) -> None:
+    (tmp_path / "episode.mp4").write_bytes(b"a film")
+    browser.set_window_size(500, 900)
+    browser.get(write_page(tmp_path, result, steps, {1: room}).as_uri())
+    film = browser.find_element(By.CSS_SELECTOR, ".film").rect
+    video = browser.find_element(By.ID, "video").rect
+    scale = video["width"] / WIDTH
+    shown = {
+        "x": video["x"] + scale * _MARGIN,
+        "y": video["y"] + scale * _TOP,
+        "width": scale * _CAMERA[0],
+        "height": scale * _CAMERA[1],
+    }
+    assert film == pytest.approx(shown, abs=1.0)
 
 
 def test_a_click_shows_another_floor_until_the_robot_changes_floors(

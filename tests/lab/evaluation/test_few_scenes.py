@@ -1,10 +1,14 @@
-"""A comparison over few scenes says that it could not show a difference."""
+"""What is said where there are few scenes or episodes."""
+
+from pathlib import Path
 
 import pytest
 
-from hypernav.lab.evaluation.report.report_text import verdict
+from eval_runs import record
+from hypernav.lab.evaluation.report.report_text import lead, verdict
+from hypernav.lab.evaluation.report.run_data import RunData
 from hypernav.lab.evaluation.report.tables import Pair
-from hypernav.lab.evaluation.statistics import compare, discordance
+from hypernav.lab.evaluation.statistics import compare, discordance, summarise
 
 
 def said_of(scenes: int) -> str:
@@ -37,3 +41,10 @@ def test_six_are_enough() -> None:
     said = said_of(6)
     assert "its SPL is 0.800 higher" in said
     assert "few scenes" not in said
+
+
+@pytest.mark.parametrize(("count", "is_said"), [(4, False), (5, True)])
+def test_so_few_episodes_have_no_interval(count: int, is_said: bool) -> None:
+    records = [record(str(number)) for number in range(count)]
+    run = RunData(Path("runs/ours"), "ours", {}, records, [])
+    assert ("interval" in lead([run], [summarise(records)])) == is_said

@@ -76,11 +76,18 @@ def test_every_run_and_search_below_the_folder_is_shown(root: Path) -> None:
 
 
 def test_a_run_says_which_of_its_values_are_not_the_usual_ones(tmp_path: Path) -> None:
-    for name, steps in (("a", 40), ("b", 40), ("c", 10)):
+    for name, agent, steps in (("a", "hypernav", 40), ("b", "frontier", 40), ("c", "vlfm", 10)):
         search = {"endurance_steps": steps, "max_steps": 500}
-        write_search(tmp_path / name, config={"search": search})
+        write_search(tmp_path / name, agent=agent, config={"search": search})
     runs = {one["name"]: one["differs"] for one in overview(tmp_path).runs}
     assert runs == {"a": "", "b": "", "c": "search.endurance_steps 10"}
+
+
+def test_searches_from_other_starts_are_not_the_same(tmp_path: Path) -> None:
+    for name, x in (("a", 1.0), ("b", 1.0), ("c", 2.0)):
+        write_search(tmp_path / name, start=[x, 0.0, 0.0], seed=0)
+    keys = [one["key"] for one in overview(tmp_path).searches]
+    assert len(set(keys)) == 2
 
 
 def test_an_outage_counts_in_no_rate(root: Path) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 from hypernav.app.build.choosing import ChosenComponents
 from hypernav.app.build.presets import PriceConfig
-from hypernav.app.build.stand_ins import SegmenterWords, reasoner_warning
+from hypernav.app.build.stand_ins import SegmenterWords, labels_warning, reasoner_warning
 from hypernav.core.components.abilities import (
     ChecksGoal,
     Closes,
@@ -76,6 +76,7 @@ class BuiltAgent:
     def warnings(self) -> list[str]:
         """Sentences to show before a search: which components are stand-ins, and the remedy."""
         told = (
+            labels_warning(self.chosen),
             self.segmenter.warning,
             reasoner_warning(self.chosen),
             self.detector_warning,

@@ -7,8 +7,9 @@ entries of their docstrings, units are in the names of fields or in these meanin
 import difflib
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
@@ -96,16 +97,20 @@ def config_values(name: str | None = None) -> list[ConfigValue]:
     fields = list(_fields(HyPerNavConfig))
     chosen = [one for one in fields if name is None or f"{one.key}.".startswith(f"{name}.")]
     if not chosen:
-        close = [one.key for one in fields if one.key.endswith(f".{name}")]
-        close += difflib.get_close_matches(
-            str(name), [*HyPerNavConfig.model_fields, *(one.key for one in fields)], n=1
-        )
-        hint = f"did you mean '{close[0]}'? " if close else ""
         raise ConfigError(
-            f"the configuration has no '{name!s:.60}'; {hint}"
+            f"the configuration has no '{name!s:.60}'; {_hint(str(name), fields)}"
             f"sections: {', '.join(HyPerNavConfig.model_fields)}"
         )
     return [_value(one) for one in chosen]
+
+
+def _hint(name: str, fields: Sequence[_Field]) -> str:
+    """The section or value whose own name holds a name, or else the most similar one."""
+    known = [each for one in fields for each in accumulate(one.key.split("."), "{}.{}".format)]
+    holding = [one for one in known if name in one.rpartition(".")[2]]
+    close = holding or difflib.get_close_matches(name, known, n=1)
+    closest = min(close, key=lambda one: len(one.rpartition(".")[2]), default="")
+    return f"did you mean '{closest}'? " if closest else ""
 
 
 def section_meanings() -> dict[str, str]:

@@ -69,6 +69,12 @@ def _is_named(published: str, model: str) -> bool:
     return has_size and family in re.sub(r"[^a-z]", "", said)
 
 
+def labels_warning(chosen: ChosenComponents) -> str:
+    """Sentence to show before a search that is told what its images show; else empty."""
+    is_told = chosen.detector is not None and chosen.detector.spec == "ground-truth"
+    return "no detector runs: the simulator gives true labels" if is_told else ""
+
+
 def unmeasured(chosen: ChosenComponents, detector: object, local: LocalConfig) -> str:
     """Sentence to show before a search with a detector whose scores were never measured."""
     is_weighed = local.target == "candidates" and not chosen.is_whole_agent

@@ -160,7 +160,7 @@ def duration(seconds: float) -> str:
 
 
 def _interval(estimate: Estimate, over: str, factor: float = 1.0, unit: str = "") -> str:
-    if not over:
+    if not over or not estimate.has_interval:
         return ""
     return f"({interval(estimate, factor)}{unit} with 95 % confidence, over {over})"
 

@@ -89,9 +89,9 @@ def run(options: FindOptions) -> int:
         check_apart(folder, options.memory)
     check_folder(folder, OUTPUT_FILES)
     check_views(options.views, folder)
-    if options.who.record is not None:
-        check_file(options.who.record)
-        check_not_written_by_search(options.who.record, folder)
+    if options.record is not None:
+        check_file(options.record)
+        check_not_written_by_search(options.record, folder)
     with crash_report(folder):
         return _find(options, goal, folder)
 
@@ -100,11 +100,9 @@ def _find(options: FindOptions, goal: Goal, folder: Path) -> ExitStatus:
     """Load the building, search, and write the page, even if the search fails."""
     steps = options.max_steps or options.who.step_limit(MAX_STEPS)
     config = options.who.resolve(robot_in(options.scene)).for_steps(steps)
-    parts = options.who.build(config)
+    parts = options.who.build(config, record=options.record)
     parts.check_goal(goal)
     console = Terminal(quiet=options.quiet)
-    for warning in parts.warnings:
-        console.print(f"[yellow]{escape(warning)}[/]", soft_wrap=True)
     with (
         closing(parts),
         warnings_on(console),
@@ -136,6 +134,8 @@ def _find(options: FindOptions, goal: Goal, folder: Path) -> ExitStatus:
         if not search.trial.holds_goal:
             labels = [one.label for one in world.truth.instances if one.label is not None]
             console.print(no_such_object_line(goal, labels), soft_wrap=True)
+        for warning in parts.warnings:
+            console.print(f"[yellow]{escape(warning)}[/]", soft_wrap=True)
         info = EpisodeInfo(
             goal=goal.text,
             agent=options.who.name,
@@ -156,7 +156,7 @@ def _find(options: FindOptions, goal: Goal, folder: Path) -> ExitStatus:
                 outcome = search.result(interrupted=is_stopped and not search.trial.is_over)
                 result = {
                     "goal": goal.text,
-                    "scene": world.truth.name,
+                    "scene": options.scene,
                     "commit": commit(),
                     **options.who.describe(parts),
                     "seed": options.seed,

@@ -12,7 +12,7 @@ from hypernav.app.cli.options.commands import Episodes, Export, Show, Splits
 from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.core.interruptions import interruptions_of_kernels
-from hypernav.core.words import is_whole_number
+from hypernav.core.words import is_whole_number, number_of
 from hypernav.lab.datasets.building_splits import SPLITS, numbers_of, split_named
 from hypernav.simulator.houses.building import NOUNS, Building
 from hypernav.simulator.houses.episodes.splits import Difficulty, difficulty, load_split
@@ -201,7 +201,8 @@ def _progress(console: Console) -> Progress:
 
 def _say(console: Console, found: Difficulty) -> None:
     table = Table(
-        title=f"{found.episodes} episodes in {found.buildings} buildings", title_justify="left"
+        title=f"{number_of(found.episodes, 'episode')} in {number_of(found.buildings, 'building')}",
+        title_justify="left",
     )
     table.add_column("")
     for head in ("least", "10%", "median", "90%", "most", "mean"):

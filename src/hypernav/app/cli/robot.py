@@ -12,8 +12,8 @@ import tyro
 
 from hypernav.app.build.component_specs import RobotPresetName
 from hypernav.app.cli.options.agent import (
-    AgentOptions,
-    FlatAgentOptions,
+    EmbodiedAgentOptions,
+    FlatEmbodiedAgentOptions,
     FlatRobotViewOptions,
     RobotViewOptions,
 )
@@ -171,7 +171,7 @@ class Replay:
     """A bag of ROS 1 or ROS 2, or a folder of 3DMatch, 7-Scenes, TUM RGB-D or ScanNet."""
     goal: str | None = None
     """The object to look for; needs --detector or --vlm."""
-    who: FlatAgentOptions = field(default_factory=AgentOptions)
+    who: FlatEmbodiedAgentOptions = field(default_factory=EmbodiedAgentOptions)
     """The options that configure the agent."""
     every: int = 1
     """Take every n-th frame only."""
@@ -185,6 +185,8 @@ class Replay:
     """Depth value of one metre: by default 5000 in TUM RGB-D, 1000 in others, 1 in 32FC1."""
     out: Path | None = None
     """Folder of the results; runs/<time>-<recording> by default."""
+    record: Path | None = None
+    """File that records every exchange with the model of --vlm, for --vlm replay:FILE."""
     views: FlatRobotViewOptions = field(default_factory=RobotViewOptions)
     """The options that choose views."""
     quiet: bool = False

@@ -45,11 +45,6 @@ def check(options: EvalOptions) -> None:
 
         require_habitat()
     _check_published_networks(options)
-    if options.who.record is not None:
-        raise ConfigError(
-            "--record is for single searches: use it with hypernav find; an evaluation keeps "
-            "questions and answers in the traces of --save videos"
-        )
 
 
 def _check_published_networks(options: EvalOptions) -> None:

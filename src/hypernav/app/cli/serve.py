@@ -46,10 +46,6 @@ def run(options: ServeOptions) -> int:
     check_option("--port", options.port, (0, 65_535), "ports are whole numbers")
     check_option("--max-searches", options.max_searches, (1, 1000), "each takes a thread")
     check_option("--idle-minutes", options.idle_minutes, (0.0, 1e6), "minutes, at most two years")
-    if options.who.record is not None:
-        raise ConfigError("--record: a server records the exchanges of every search in --state")
-    if options.who.native:
-        raise ConfigError("--native: a real robot has its own camera and step; leave it out")
     check_memory_options(options)
     token = None if options.token_file is None else read_token(options.token_file)
     access = Access(options.host, token)

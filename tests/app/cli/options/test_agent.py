@@ -61,7 +61,7 @@ def test_the_paper_asks_in_its_own_way():
 
 
 def test_options_travel_to_other_processes():
-    options = read("--vlm", VLM, "--record", "r.jsonl", "--set", "chat.patience_s=5")
+    options = read("--vlm", VLM, "--set", "chat.patience_s=5")
     assert pickle.loads(pickle.dumps(options)) == options
     assert options.resolve().chat.patience_s == 5.0
 
@@ -92,8 +92,6 @@ def test_the_description_repeats_the_agent():
         (["--vlm", VLM, "--segmenter", "onnx-sam:a.onnx"], "expected onnx-sam:ENCODER.onnx,DEC"),
         (["--segmenter", "sam:x"], "would never be asked: ground-truth detections"),
         (["--agent", "frontier", "--reasoner", "geometric"], "--agent frontier asks no reasoner"),
-        (["--record", "r.jsonl"], "has nothing to record; name a model with --vlm"),
-        (["--vlm", "replay:a.jsonl", "--record", "r.jsonl"], "would only copy the recording"),
         (["--vlm", "http://localhost/v1"], "write openai:http://localhost/v1"),
         (["--vlm", "replay:nowhere.jsonl"], "nowhere.jsonl"),
         (
@@ -110,6 +108,18 @@ def test_what_contradicts_itself_names_the_remedy(arguments: list[str], words: s
         read(*arguments).build()
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ([], "has nothing to record; name a model with --vlm"),
+        (["--vlm", "replay:a.jsonl"], "would only copy the recording"),
+    ],
+)
+def test_only_what_a_model_answers_is_recorded(arguments: list[str], words: str):
+    with pytest.raises(HyPerNavError, match=words):
+        read(*arguments).build(record=Path("r.jsonl"))
 
 
 def test_a_missing_onnx_file_is_named(tmp_path: Path):

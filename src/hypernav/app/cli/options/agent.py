@@ -45,8 +45,6 @@ class AgentOptions:
     none without it."""
     exam: Path | None = None
     """exam.json of hypernav exam about the model: answers count for what they are worth."""
-    record: Path | None = None
-    """File that records every exchange with the model of --vlm, for --vlm replay:FILE."""
     config: Path | None = None
     """YAML file with sections like those of result.json's config; only values that differ."""
     set: Annotated[tuple[str, ...], tyro.conf.arg(metavar="SECTION.KEY=VALUE")] = field(
@@ -136,11 +134,14 @@ class AgentOptions:
                 "use --preset default"
             )
 
-    def build(self, config: "HyPerNavConfig | None" = None) -> "BuiltAgent":
+    def build(
+        self, config: "HyPerNavConfig | None" = None, *, record: Path | None = None
+    ) -> "BuiltAgent":
         """Build the agent.
 
         Args:
             config: Result of `resolve`; None calls it.
+            record: File that records every exchange with the model; None for none.
 
         Raises:
             ConfigError: Options that do not exist or contradict each other.
@@ -150,7 +151,7 @@ class AgentOptions:
         """
         from hypernav.app.build.agents import build_agent
 
-        return build_agent(config or self.resolve(), self.specs, record=self.record)
+        return build_agent(config or self.resolve(), self.specs, record=record)
 
     def describe(self, parts: "BuiltAgent") -> dict[str, Any]:
         """Description for ``result.json``: texts for people, specifications for repeating a run.
@@ -215,6 +216,16 @@ _Flat = tyro.conf.OmitArgPrefixes
 
 FlatAgentOptions = Annotated[AgentOptions, tyro.conf.arg(name="agent"), _Flat]
 """Agent options as a field of a command's options: without a prefix on the command line."""
+
+
+@options
+class EmbodiedAgentOptions(AgentOptions):
+    """The agent of a robot or a recording, which has its own camera and step."""
+
+    native: tyro.conf.Suppress[tyro.conf.Fixed[bool]] = False
+
+
+FlatEmbodiedAgentOptions = Annotated[EmbodiedAgentOptions, tyro.conf.arg(name="agent"), _Flat]
 
 
 @options

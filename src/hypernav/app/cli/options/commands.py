@@ -12,7 +12,9 @@ import tyro
 from hypernav.app.build.component_specs import BenchmarkName, PresetName
 from hypernav.app.cli.options.agent import (
     AgentOptions,
+    EmbodiedAgentOptions,
     FlatAgentOptions,
+    FlatEmbodiedAgentOptions,
     FlatViewOptions,
     ViewOptions,
 )
@@ -51,6 +53,8 @@ class FindOptions:
     fails, search without the memory."""
     out: Path | None = None
     """Folder of the results; runs/<time>-<goal> by default."""
+    record: Path | None = None
+    """File that records every exchange with the model of --vlm, for --vlm replay:FILE."""
     views: FlatViewOptions = field(default_factory=ViewOptions)
     """The options that choose views."""
     quiet: bool = False
@@ -302,7 +306,7 @@ class ServeOptions:
     relocalize: bool = False
     """Let robots turn once around at the start of a search to find out where they are in it: poses
     may be in any frame."""
-    who: FlatAgentOptions = field(default_factory=AgentOptions)
+    who: FlatEmbodiedAgentOptions = field(default_factory=EmbodiedAgentOptions)
     """The options that configure the agents."""
 
 

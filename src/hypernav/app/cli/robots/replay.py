@@ -45,11 +45,8 @@ def run(options: Replay) -> int:
     Raises:
         RecordingError: The recording cannot be read.
         TopicChoiceError: No topic of a bag fits, or several do.
-        ConfigError: There is a goal but no detector, or a detector but no goal; or native mode
-            is asked for.
+        ConfigError: There is a goal but no detector, or a detector but no goal.
     """
-    if options.who.native:
-        raise ConfigError("--native: a recording has its own camera; leave the option out")
     check_option("--every", options.every, (1, 100_000), "takes every n-th frame")
     if options.depth_per_metre is not None:
         check_option("--depth-per-metre", options.depth_per_metre, (1e-3, 1e6), "1000: millimetres")
@@ -82,7 +79,10 @@ def _mapped(options: Replay, folder: Path, upright: UprightRecording) -> ExitSta
     goal = None if options.goal is None else Goal(options.goal)
     console, began = Terminal(quiet=options.quiet), time.perf_counter()
     detector, recording = "nothing: only the map is drawn", upright.recording
-    with closing(options.who.build(config)) as parts, console.status("reading …") as status:
+    with (
+        closing(options.who.build(config, record=options.record)) as parts,
+        console.status("reading …") as status,
+    ):
         if not isinstance(parts.agent, _SeesByItself):
             raise ConfigError(f"--agent {options.who.agent} has no local perception of its own")
         if goal is not None:

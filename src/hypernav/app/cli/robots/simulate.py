@@ -132,7 +132,7 @@ def run(options: Simulate) -> int:
                     found = None if told is None else told.start
                     result = {
                         "goal": goal.text,
-                        "scene": base.world.truth.name,
+                        "scene": options.scene,
                         "agent": options.agent or "hypernav",
                         "preset": options.preset or "default",
                         "detector": opened.detector_and_reasoner[0],

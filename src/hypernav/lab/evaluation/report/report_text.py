@@ -65,10 +65,14 @@ def lead(runs: Sequence[RunData], summaries: Sequence[Summary]) -> str:
     """Main result, in a sentence or two."""
     parts = []
     for run, summary in zip(runs, summaries, strict=True):
+        rate, spl = "", ""
+        if summary.success.has_interval:
+            rate = f" (95 % interval {interval(summary.success, 100.0)} %)"
+            spl = f" ({interval(summary.spl)})"
         parts.append(
             f"{run.name} found its goal in {percent(summary.success)} of "
-            f"{summary.success.count:,} episodes (95 % interval {interval(summary.success, 100.0)}"
-            f" %) with an SPL of {summary.spl.mean:.3f} ({interval(summary.spl)})"
+            f"{number_of(summary.success.count, 'episode')}{rate} with an SPL of "
+            f"{summary.spl.mean:.3f}{spl}"
         )
     return "; ".join(parts) + "."
 

@@ -4,10 +4,11 @@ The page filters, sorts and compares by itself; nothing is averaged here.
 """
 
 import os
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from itertools import chain
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -75,16 +76,15 @@ def overview(root: Path) -> Overview:
 
 
 def _say_what_differs(runs: Sequence[dict[str, Any]]) -> None:
-    """Put the values that are not the commonest for an agent in place of whole configurations."""
-    for agent in {run["agent"] for run in runs}:
-        alike = [run for run in runs if run["agent"] == agent]
-        configurations = [flat(run.pop("config")) for run in alike]
-        keys = dict.fromkeys(key for one in configurations for key in one)
-        counts = {key: Counter(str(one.get(key)) for one in configurations) for key in keys}
-        usual = {key: count.most_common(1)[0][0] for key, count in counts.items()}
-        for run, one in zip(alike, configurations, strict=True):
-            differing = [key for key in usual if str(one.get(key)) != usual[key]]
-            run["differs"] = ", ".join(f"{key} {one.get(key)}" for key in differing)
+    """Put the values that are not the commonest of all runs in place of whole configurations."""
+    configurations = [flat(run.pop("config")) for run in runs]
+    counts = defaultdict[str, Counter[str]](Counter)
+    for key, value in chain.from_iterable(one.items() for one in configurations):
+        counts[key][str(value)] += 1
+    usual = {key: count.most_common(1)[0][0] for key, count in counts.items()}
+    for run, one in zip(runs, configurations, strict=True):
+        differing = [f"{key} {value}" for key, value in one.items() if str(value) != usual[key]]
+        run["differs"] = ", ".join(differing)
 
 
 def run_folders(root: Path) -> Iterator[Path]:
@@ -172,7 +172,7 @@ def _search(folder: Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
         result = parse_json(read_own(path))
         outcome = Outcome(result["outcome"])
         search = {
-            "key": f"{result['scene']}/{result['goal']}/{result.get('seed', '')}",
+            "key": "/".join(str(result.get(name)) for name in ("scene", "goal", "start", "seed")),
             "goal": str(result["goal"]),
             "building": str(result["scene"]),
             "outcome": _outcome(outcome, None),

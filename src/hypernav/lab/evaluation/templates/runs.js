@@ -131,12 +131,12 @@
     const pairs = [...a.keys()].filter((key) => b.has(key)).map((key) => [a.get(key), b.get(key)]);
     const shown = made("div", {}, made("h3", {}, `${first.name} and ${second.name}`));
     if (!pairs.length) {
-      shown.append(made("p", {}, "No search was made by both: their buildings, goals or episodes differ."));
+      shown.append(made("p", {}, "No search was made by both: their buildings, goals, starts or episodes differ."));
       return shown;
     }
     const [left, right] = [0, 1].map((side) => summary(pairs.map((pair) => pair[side])));
     const line = (words, x, y, said) => made("tr", {}, made("th", { scope: "row" }, words), made("td", { "data-name": first.name }, said(x)), made("td", { "data-name": second.name }, said(y)), made("td", { "data-name": "difference" }, `${y - x >= 0 ? "+" : "−"}${said(Math.abs(y - x))}`));
-    shown.append(made("p", { class: "small" }, `${pairs.length} searches that both have made:`), made("table", {},
+    shown.append(made("p", { class: "small" }, `${pairs.length} search${pairs.length === 1 ? "" : "es"} that both have made:`), made("table", {},
       made("thead", {}, made("tr", {}, ...["", first.name, second.name, "difference"].map((words) => made("th", { scope: "col" }, words)))),
       made("tbody", {}, line("Success", left.success, right.success, percent), line("SPL", left.spl, right.spl, (x) => decimal(x, 3)), line("Steps", left.steps, right.steps, (x) => decimal(x, 0)))));
     for (const [words, is] of [[`Only ${first.name} found`, ([x, y]) => x.success && !y.success], [`Only ${second.name} found`, ([x, y]) => !x.success && y.success]]) {

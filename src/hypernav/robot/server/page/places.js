@@ -126,7 +126,9 @@ export class Places {
     if (!this.spot) return;
     const { x, y } = this.spot;
     const inside = this.areas.find((one) => one.floor === this.floor && Math.hypot(one.x - x, one.y - y) <= one.radius_m);
-    const words = element("p", { role: "status" }, `Chosen place: ${metres(x)}, ${metres(y)}`);
+    const isOnFloor = this.floor === this.floorOfRobot;
+    const elsewhere = isOnFloor ? "" : ". The robot is on another floor, and can be sent to places on its own only.";
+    const words = element("p", { role: "status" }, `Chosen place: ${metres(x)}, ${metres(y)}${elsewhere}`);
     const button = (name, request) => {
       const made = element("button", { type: "button" }, name);
       made.addEventListener("click", () => (request ? this.send(made, words, request) : this.close()));
@@ -136,7 +138,7 @@ export class Places {
     const parts = inside
       ? [button("Allow again", () => request(`${this.path}/no-entry/${inside.number}`, { method: "DELETE" }))]
       : [
-        ...(this.floor === this.floorOfRobot ? [button("Go there", () => request(`${this.path}/go-to`, { method: "PUT", body }))] : []),
+        ...(isOnFloor ? [button("Go there", () => request(`${this.path}/go-to`, { method: "PUT", body }))] : []),
         this.radius(),
         button("Do not enter", () => post(`${this.path}/no-entry`, { ...body, radius_m: this.spot.radius_m })),
       ];

@@ -151,8 +151,8 @@ class _FilesBeside(FilePathResolver):
             content = read_file(path_below(Path(self.parent), name.strip()), most=_MOST_BYTES)
         except OSError as error:
             _LOGGER.warning(
-                "%s: the file %.80s, which a mesh names, cannot be read (%s); surfaces are plain",
-                self.parent,
+                "%s: the file %.80s, which it names, cannot be read (%s); surfaces are plain",
+                self.file_name,
                 name,
                 error.strerror or error,
             )
