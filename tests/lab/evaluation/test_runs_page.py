@@ -14,7 +14,6 @@ from eval_runs import apart, record, spec
 from hypernav.app.cli.options.commands import RunsOptions
 from hypernav.app.cli.runs import run
 from hypernav.core.errors import RunFolderError
-from hypernav.io import checkout
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.report.runs_page import changed, overview
 from hypernav.lab.evaluation.run_plan import RunPlan
@@ -114,14 +113,6 @@ def test_a_run_says_of_which_commit_it_is(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr("hypernav.lab.evaluation.runner.commit", lambda: "1234abc+")
     write_run(tmp_path / "run", "hypernav", record())
     assert overview(tmp_path).runs[0]["commit"] == "1234abc+"
-
-
-def test_another_projects_commit_is_not_ours(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / ".git").mkdir()
-    monkeypatch.setattr(checkout, "_PACKAGE", tmp_path / ".venv" / "site-packages" / "hypernav")
-    assert checkout.commit.__wrapped__() == ""
 
 
 def test_the_command_refuses_a_folder_without_runs(tmp_path: Path) -> None:
