@@ -134,6 +134,7 @@ CASES = [
     *((Agent, "act", (SEEN,), value) for value in (7, -1, 1.0, True, "STOP", math.nan)),
     *((Explorer, "next_destination", (None,), value) for value in (
         (1.0, 2.0), broken(THERE, x=math.nan), broken(THERE, y=1e300), broken(THERE, face=math.nan),
+        broken(THERE, face=math.inf),
         broken(THERE, most_steps=0.5), broken(THERE, reason=None), broken(THERE, blocks=[BLOCK]),
         broken(THERE, blocks=(1,)), broken(THERE, blocks=(replace(BLOCK, size_m=math.inf),)),
         broken(THERE, insight={}), broken(THERE, then=(1.0, 2.0)), broken(THERE, holds="no"),

@@ -16,7 +16,6 @@ from eval_runs import apart, record, spec
 from hypernav.app.cli.options.commands import RunsOptions
 from hypernav.app.cli.runs import run
 from hypernav.core.errors import RunFolderError
-from hypernav.io import checkout
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.report.runs_page import changed, overview, run_folders
 from hypernav.lab.evaluation.run_plan import RunPlan
@@ -123,14 +122,6 @@ def test_a_run_says_of_which_commit_it_is(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr("hypernav.lab.evaluation.runner.commit", lambda: "1234abc+")
     write_run(tmp_path / "run", "hypernav", record())
     assert overview(tmp_path).runs[0]["commit"] == "1234abc+"
-
-
-def test_another_projects_commit_is_not_ours(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / ".git").mkdir()
-    monkeypatch.setattr(checkout, "_PACKAGE", tmp_path / ".venv" / "site-packages" / "hypernav")
-    assert checkout.commit.__wrapped__() == ""
 
 
 def test_a_folder_whose_name_is_no_text_is_shown(tmp_path: Path) -> None:

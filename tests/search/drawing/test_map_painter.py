@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
+from hypernav.core.trace import BlockRecord
 from hypernav.search.drawing import palette
 from hypernav.search.drawing.map_painter import MapPainter, StairsMark
 from hypernav.search.drawing.map_view import MapView
@@ -12,9 +13,9 @@ VIEW = MapView(left_m=-4.0, top_m=4.0, pixels_per_m=96.0, size=768)
 """The origin is in the middle."""
 
 
-def painter() -> MapPainter:
+def painter(view: MapView = VIEW) -> MapPainter:
     floor = OccupancyGrid(np.full((200, 200), Cell.FREE, np.uint8), 0.05, (-5.0, -5.0))
-    return MapPainter(floor, view=VIEW)
+    return MapPainter(floor, view=view)
 
 
 def color_at(drawn: MapPainter, x: float, y: float) -> tuple[int, ...]:
@@ -71,3 +72,34 @@ def test_stairs_at_the_right_edge_have_their_words_on_the_left():
     is_stairs = (drawn.image == palette.STAIRS).all(axis=2)
     u, _ = VIEW.pixel_of(3.8, 0.0)
     assert is_stairs[:, : int(u) - 14].any()
+
+
+def test_only_the_chosen_block_is_tinted_and_less_so_where_blocks_are_paler():
+    left, right = (
+        BlockRecord(number=k, x_min=x, y_min=0.0, size_m=1.0) for k, x in ((1, -2.0), (2, 1.0))
+    )
+    tints = list[int]()
+    for opacity in (1.0, 0.5):
+        drawn = painter()
+        drawn.blocks([left, right], chosen=2, opacity=opacity)
+        assert color_at(drawn, -1.5, 0.5) == palette.FREE
+        found = np.subtract(palette.FREE, color_at(drawn, 1.5, 0.5))
+        assert (found >= 0).all()
+        assert (found <= np.subtract(palette.FREE, palette.CHOSEN)).all()
+        tints.append(int(found.sum()))
+    assert tints[0] > tints[1] > 0
+
+
+@pytest.mark.parametrize("size", [576, 768, 1536])
+def test_the_scale_bar_is_as_long_as_it_says_between_two_equal_ends(size: int):
+    drawn = painter(MapView(left_m=-4.0, top_m=4.0, pixels_per_m=size / 8.0, size=size))
+    drawn.scale_bar()
+    ink = (drawn.image == palette.INK).all(axis=2)
+    left = int(np.nonzero(ink.any(axis=0))[0][0])
+    right = left + size // 8  # 1 m
+    heights = ink[:, left : right + 2].sum(axis=0)
+    assert (
+        heights.tolist()
+        == [heights[0]] * 2 + [heights[2]] * (size // 8 - 4) + [heights[0]] * 2 + [0] * 2
+    )
+    assert (heights[0], heights[2]) == pytest.approx((8.0 * size / 768, 3.0 * size / 768), abs=1.0)

@@ -12,6 +12,7 @@ from hypernav.search.mapping.elevation_kernels import (
     is_level,
     open_ground,
     sort_ground,
+    survey,
 )
 
 STEP_M, TALL_M, BLIND_M = 0.24, 1.0, 1.0
@@ -122,3 +123,66 @@ def test_a_surface_is_level_by_its_slope_in_any_direction(slope: float, towards:
             if is_seen and np.hypot(other[0] - x, other[1] - y) < 0.35:
                 found.add(bool(is_level(depth, u, v - 2, across, down, start, (0.1, 4.0), x, y, z)))
     assert found == {abs(slope) < 0.3}
+
+
+SLOPES, FALLS = (np.arange(33) - 16) / 16.0, 0.25 - np.arange(41) / 32.0
+"""Pixels whose points lie on sixteenths of a metre, as edges of cells do: nothing is rounded."""
+SIDE_M = 1.0 / 16.0
+
+
+def surveyed(depth: np.ndarray, quarters: int, rows: slice, columns: slice) -> list[np.ndarray]:
+    """What a frame adds to a part of a map of 8 m x 8 m around the robot."""
+    c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarters]
+    across = np.column_stack([-s * SLOPES, c * SLOPES, 0.0 * SLOPES])
+    down = np.column_stack([c + 0.0 * FALLS, s + 0.0 * FALLS, FALLS])
+    shape = rows.stop - rows.start, columns.stop - columns.start
+    kinds = ((np.nan, "f4"), (0, "u1"), (0, "f4"), (0, "f4"), (np.inf, "f4"))
+    maps = tuple(np.full(shape, value, kind) for value, kind in kinds)
+    survey(
+        depth.astype(np.float32),
+        across.astype(np.float32),
+        down.astype(np.float32),
+        (0.0, 0.0, 1.0),
+        (0.1, 4.0),
+        (0.0, 1.0, 0.2),
+        (SIDE_M * columns.start - 4.0, SIDE_M * rows.start - 4.0, SIDE_M),
+        maps,
+        (np.full(shape, -np.inf, "f4"), np.zeros(shape, "u1"), np.zeros(shape[0] * shape[1], "i4")),
+    )
+    return list(maps)
+
+
+WHOLE = slice(0, 128), slice(0, 128)
+
+
+def assert_part_of_whole(depth: np.ndarray, quarters: int, part: tuple[slice, slice]) -> None:
+    for whole, found in zip(
+        surveyed(depth, quarters, *WHOLE), surveyed(depth, quarters, *part), strict=True
+    ):
+        np.testing.assert_array_equal(found, whole[part])
+
+
+@pytest.mark.parametrize("quarters", range(4))
+def test_a_part_of_the_map_holds_what_the_whole_map_holds_there(quarters: int):
+    with np.errstate(divide="ignore"):
+        floor_m = np.round(np.where(FALLS < 0.0, -16.0 / FALLS, np.inf)) / 16.0
+    seen_m = np.minimum(floor_m, 2.25)[:, None] * RANDOM.choice([0.5, 1.0, 1.0, 1.0], (41, 33))
+    seen_m[-1] = RANDOM.choice([1.0, 2.0], 33)  # past an edge half as far away
+    heights, hits, _, _, below = surveyed(seen_m, quarters, *WHOLE)
+    assert min((heights == heights).sum(), (hits > 0).sum(), (below < np.inf).sum()) > 5
+    for low, high in RANDOM.integers((0, 64), (64, 128), (40, 2, 2)).transpose(0, 2, 1):
+        part = slice(low[0], high[0]), slice(low[1], high[1])
+        assert_part_of_whole(seen_m, quarters, part)
+
+
+@pytest.mark.parametrize("quarters", range(4))
+def test_a_drop_is_noted_as_far_as_the_map_reaches(quarters: int):
+    """From 2 m on nothing comes back, where a floor would return depth up to 2.8 m."""
+    with np.errstate(divide="ignore"):
+        floor_m = np.where(FALLS < 0.0, -1.0 / FALLS, np.inf)
+    seen_m = np.tile(np.where(floor_m < 2.0, np.round(16.0 * floor_m) / 16.0, 0.0)[:, None], 33)
+    assert (surveyed(seen_m, quarters, *WHOLE)[4] < np.inf).sum() > 20
+    for ahead in range(34, 46):
+        part = list(WHOLE)
+        part[1 - quarters % 2] = slice(0, 64 + ahead) if quarters < 2 else slice(64 - ahead, 128)
+        assert_part_of_whole(seen_m, quarters, (part[0], part[1]))

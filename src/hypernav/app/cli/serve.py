@@ -15,7 +15,6 @@ from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.app.warmup.background import warm_up_in_background
 from hypernav.core.components.registry import require
 from hypernav.core.config import check_option
-from hypernav.core.errors import ConfigError
 
 _MODULES = ("fastapi", "uvicorn", "websockets")
 _PATIENCE_S = 2.0

@@ -4,6 +4,8 @@ The kernel takes plain arrays and plain tuples; see `hypernav.search.mapping.top
 All heights are in the ``map`` frame, metres.
 """
 
+import math
+
 import numpy as np
 from numba import njit
 from numba.extending import register_jitable
@@ -95,8 +97,8 @@ def survey(depth, across, down, start, lens, here, sizes, arrays, scratch):
                 if on_floor[u] and not 0.0 < d <= lens[0]:  # nothing within range comes back
                     d = (floor_z - start[2]) / fall
                     if d < _EXPECTED * lens[1]:
-                        i = int((start[1] + d * (across[u, 1] + down[v, 1]) - y0) / side)
-                        j = int((start[0] + d * (across[u, 0] + down[v, 0]) - x0) / side)
+                        i = math.floor((start[1] + d * (across[u, 1] + down[v, 1]) - y0) / side)
+                        j = math.floor((start[0] + d * (across[u, 0] + down[v, 0]) - x0) / side)
                         if 0 <= i < rows and 0 <= j < columns:
                             off_level += below[i, j] != floor_z
                             below[i, j] = floor_z
@@ -106,15 +108,15 @@ def survey(depth, across, down, start, lens, here, sizes, arrays, scratch):
                 continue
             x = start[0] + d * (across[u, 0] + down[v, 0])
             y = start[1] + d * (across[u, 1] + down[v, 1])
-            row, column = int((y - y0) / side), int((x - x0) / side)
+            row, column = math.floor((y - y0) / side), math.floor((x - x0) / side)
             if z < floor_z - _DROP_M and z < start[2]:
                 share = (start[2] - floor_z) / (start[2] - z)
-                i = int((start[1] + share * (y - start[1]) - y0) / side)
-                j = int((start[0] + share * (x - start[0]) - x0) / side)
+                i = math.floor((start[1] + share * (y - start[1]) - y0) / side)
+                j = math.floor((start[0] + share * (x - start[0]) - x0) / side)
                 if 0 <= i < rows and 0 <= j < columns:
                     off_level += below[i, j] != floor_z
                     below[i, j] = floor_z
-            if not (0 <= row < rows and 0 <= column < columns and x >= x0 and y >= y0):
+            if not (0 <= row < rows and 0 <= column < columns):
                 continue
             level = is_level(depth, u, v - apart, across, down, start, lens, x, y, z)
             is_edge = on_floor[u] and not is_measured(depth[v - apart, u], lens[0], lens[1])
@@ -142,8 +144,8 @@ def survey(depth, across, down, start, lens, here, sizes, arrays, scratch):
                 continue
             x = start[0] + d * (across[u, 0] + down[v, 0])
             y = start[1] + d * (across[u, 1] + down[v, 1])
-            row, column = int((y - y0) / side), int((x - x0) / side)
-            if not (0 <= row < rows and 0 <= column < columns and x >= x0 and y >= y0):
+            row, column = math.floor((y - y0) / side), math.floor((x - x0) / side)
+            if not (0 <= row < rows and 0 <= column < columns):
                 continue
             ground = heights[row, column]
             if np.isnan(ground):

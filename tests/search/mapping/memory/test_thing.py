@@ -7,7 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hypernav.search.mapping.memory.thing import MOST_CHANCE, Thing, joined, stands_in_room
+from hypernav.search.mapping.memory.thing import (
+    MOST_CHANCE,
+    Thing,
+    is_in_room,
+    joined,
+    stands_in_room,
+)
 
 CUP = Thing(3, "cup", 0.6, (1.0, 1.0, 0.5), (2.0, 2.0, 1.0), ((0.0, 1.0, 0.6),), 100.0, 1, 1)
 counts = st.integers(0, 20)
@@ -80,6 +86,15 @@ def test_a_thing_is_of_the_floor_that_it_stands_on_however_high_it_is():
     assert not stands_in_room(between(5.0, 9.0), 0.0)
     assert not stands_in_room(between(-9.0, -5.0), 0.0)
     assert stands_in_room(between(-9.0, 9.5), 0.0)
+
+
+@given(st.integers(-50, 389).map(lambda cm: cm / 100.0 + 0.005), st.floats(-1.5, 1.5))
+def test_each_height_is_of_one_of_two_floors_and_of_all_levels_of_its_own(height_m, level_m):
+    is_here = is_in_room(height_m)
+    assert is_here != is_in_room(height_m - 3.4)
+    if is_here:
+        assert is_in_room(height_m, level_m)
+        assert is_in_room(height_m - level_m, level_m)
 
 
 def test_its_middle_is_its_position():

@@ -160,6 +160,8 @@ def test_a_bad_box_is_rejected_alone_and_counted(numbers: str, reason: Rejection
 
 def test_a_small_overshoot_is_clipped():
     assert boxes('{"bbox_2d": [-5, 20, 650, 485]}') == [(0.0, 20.0, 640.0, 480.0)]
+    points = read('{"points": [[-5, 485], [650, -5]]}', replace(PIXELS, points=True)).points
+    assert [(one.x, one.y) for one in points] == [(0.0, 479.0), (639.0, 0.0)]  # the last pixels
 
 
 def test_a_repeating_model_gives_one_box():

@@ -36,6 +36,14 @@ def test_what_is_narrow_from_two_sides_is_no_sofa():
     assert not evidence.is_doubtful
 
 
+@pytest.mark.parametrize("first_deg", range(-180, 180, 45))
+@pytest.mark.parametrize(("turn_deg", "is_doubtful"), [(20, True), (70, False), (180, False)])
+def test_two_sides_are_told_by_the_angle_between_them(first_deg, turn_deg, is_doubtful):
+    for other_deg in (first_deg + turn_deg, first_deg - turn_deg):
+        sides = [measure(one, width_m=0.9) for one in (first_deg, other_deg)]
+        assert form_evidence(sides, SOFA).is_doubtful is is_doubtful
+
+
 def test_one_image_of_its_long_side_makes_a_sofa_of_it():
     sides = [measure(0.0, width_m=0.9), measure(70.0, width_m=1.7)]
     assert form_evidence(sides, SOFA).log_odds == 0.0

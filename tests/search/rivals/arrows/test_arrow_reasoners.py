@@ -157,10 +157,10 @@ def test_an_answer_without_a_number_is_a_step_ahead():
 
 
 def test_pivot_asks_three_times_a_round_and_goes_to_the_last_best():
-    reasoner = Says(1)
+    reasoner = Says(1, 2, 3)
     move = move_of(PivotExplorer(reasoner, ROBOT))
     assert len(reasoner.views) == 9
-    assert [len(one.arrows) <= n for one, n in zip(reasoner.views[::3], (8, 6, 4), strict=True)]
+    assert [len(one.arrows) for one in reasoner.views[::3]] == [8, 6, 4]
     assert [one.wanted for one in reasoner.views[::3]] == [4, 3, 2]
     assert move.xy == reasoner.views[-1].arrow(1).end
     assert (move.x**2 + move.y**2) ** 0.5 == pytest.approx(1.7)

@@ -71,6 +71,23 @@ def test_what_the_image_shows_in_a_direction_is_gone_to(direction, side):
     assert (area.arrival_m, area.most_steps) == (0.8, 10)
 
 
+@pytest.mark.parametrize("scale", [0.25, 0.5, 1.0])
+def test_the_labelled_squares_are_those_of_the_original_in_an_image_of_any_size(scale):
+    camera = CameraConfig(width=round(640 * scale), height=round(480 * scale))
+    guide = Points(Direction.LEFT)
+    view = exploration_view(hall(), room_with_wall(3.0, camera=camera))
+    area = certain(explorer_of(guide).next_destination(view))
+    columns = {
+        Direction.LEFT: (60, 260),
+        Direction.STRAIGHT: (220, 420),
+        Direction.RIGHT: (380, 580),
+    }
+    windows = {name: (one.start, one.stop) for name, one in guide.views[0].windows.items()}
+    assert windows == {name: (a * scale, b * scale) for name, (a, b) in columns.items()}
+    box = certain(certain(area.insight).window).box
+    assert box == pytest.approx(np.array([60, 140, 260, 340]) * scale)
+
+
 def test_where_nothing_leads_there_it_turns_right_and_then_goes_to_a_frontier(monkeypatch):
     monkeypatch.setattr("hypernav.search.rivals.navvlm.area_explorer._TURNS", 3)
     guide = Points(Direction.EXPLORE)

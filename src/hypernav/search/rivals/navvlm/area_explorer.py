@@ -29,15 +29,13 @@ from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.reachable_area import ReachableArea
 from hypernav.search.rivals.nearest_frontier import NearestFrontierExplorer
 
-_WIDTH = 640.0
-"""Width of the image that sizes in pixels are given for."""
 _CENTRES = {Direction.LEFT: 0.25, Direction.RIGHT: 0.75, Direction.STRAIGHT: 0.5}
 """Middles of the labelled squares, as shares of the width (NavVLM's code); at half the height."""
 _JOINED_CELLS = 3  # side of the kernel that joins cells to pieces
 _KEY = "navvlm"
 """Key of this explorer's notes."""
-_SQUARE_PX = 200
-"""Side of the labelled square in an image of 640 columns (NavVLM's code)."""
+_SQUARE = 0.3125
+"""Side of the labelled square, as a share of the width: 200 of 640 columns (NavVLM's code)."""
 _ARRIVAL_M = 0.8
 """Distance within which an area counts as reached, metres (NavVLM's code)."""
 _KEEP_STEPS = 10
@@ -194,7 +192,7 @@ class AreaExplorer:
 def _square(seen: Observation, direction: Direction) -> tuple[slice, slice]:
     """Rows and columns of the labelled square."""
     height, width = seen.depth.shape
-    half = max(round(_SQUARE_PX * width / _WIDTH / 2.0), 1)
+    half = max(round(_SQUARE * width / 2.0), 1)
     middle, centre = height // 2, round(_CENTRES[direction] * width)
     return (
         slice(max(middle - half, 0), min(middle + half, height)),
