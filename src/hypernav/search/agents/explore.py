@@ -19,6 +19,7 @@ from hypernav.search.agents.go_to import go_to
 from hypernav.search.agents.plan import Climbing, Plan, patience_of
 from hypernav.search.agents.recall import errand, may_be_hidden, recalled, refutation, remembered
 from hypernav.search.agents.step import Decision, Phase, Step, turn_towards
+from hypernav.search.mapping.memory.floor import ThingStatus
 from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.stairs.floor_exits import (
     forget_seen_from_elsewhere,
@@ -305,9 +306,9 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
         thing = memory.floor.things.find(destination.thing)
         if thing is not None and may_be_hidden(thing, step, memory):
             step.events.append("remembered thing not in sight from here")
-            search.hidden.add(thing.number)
+            search.statuses[thing.number] = ThingStatus.HIDDEN
         else:
-            search.gone_to.add(destination.thing)
+            search.statuses[destination.thing] = ThingStatus.DONE
             if thing is None or thing.fits(step.goal) == 1.0:
                 search.revisits = True  # it may have been moved, and not far
     elif destination.image is not None:

@@ -15,7 +15,7 @@ from hypernav.search.agents.config import SearchConfig
 from hypernav.search.agents.plan import Plan
 from hypernav.search.agents.step import Step
 from hypernav.search.mapping.memory.candidate import Candidate
-from hypernav.search.mapping.memory.floor import Floor
+from hypernav.search.mapping.memory.floor import Floor, ThingStatus
 from hypernav.search.mapping.memory.goal_words import LIKELY, weights_of_place
 from hypernav.search.mapping.memory.key_images import KeyImages
 from hypernav.search.mapping.memory.memory import Memory
@@ -172,7 +172,7 @@ class _Recalled(NamedTuple):
 def _best(step: Step, memory: Memory, least: float) -> _Recalled | None:
     """The remembered thing that `recalled` goes to."""
     search, floor = memory.search, memory.floor
-    if not step.config.recall or not search.remembered:
+    if not step.config.recall:
         return None
     meant = search.errand(floor.things, step.goal)
     likely = [(meant, 1.0)] if meant is not None else _left(floor, step.goal, least)
@@ -183,7 +183,7 @@ def _best(step: Step, memory: Memory, least: float) -> _Recalled | None:
         reach = ReachableArea.of(step.grid, step.robot, step.components.mapping, clearance_m)
 
         def way_to(thing: Thing) -> tuple[tuple[float, float], float]:
-            if thing.number in search.hidden:
+            if search.statuses.get(thing.number) is ThingStatus.HIDDEN:
                 return path_to_view(thing, reach, step.robot)
             return path_to_thing(thing, floor.map, reach, step.robot)
 
@@ -269,8 +269,8 @@ def _left(floor: Floor, goal: Goal, least: float) -> list[tuple[Thing, float]]:
     search, things = floor.search, floor.things
     left = [
         (thing, chance)
-        for thing, chance in things.fitting(goal, besides=search.gone_to)
-        if chance >= least and thing.number in search.remembered
+        for thing, chance in things.fitting(goal, besides=search.done)
+        if chance >= least and thing.first_search < search.number
     ]
     weights = weights_of_place([thing for thing, _ in left], things.known, goal, floor.map)
     weighed = [
@@ -347,7 +347,7 @@ def refutation(memory: Memory, plan: Plan) -> str | None:
     thing = memory.floor.things.find(plan.destination.thing)
     if thing is None or thing.is_gone:
         return "remembered thing is gone"
-    return "remembered thing is another" if thing.number in memory.search.gone_to else None
+    return "remembered thing is another" if thing.number in memory.search.done else None
 
 
 def may_be_hidden(thing: Thing, step: Step, memory: Memory) -> bool:
@@ -359,11 +359,8 @@ def may_be_hidden(thing: Thing, step: Step, memory: Memory) -> bool:
     is_elsewhere = step.robot.distance_to(*thing.seen_from) >= APART_M
     is_asked_for = thing.fits(step.goal) == 1.0
     was_seen = thing.last_search == search.number
-    return (
-        is_asked_for
-        and is_elsewhere
-        and not (was_seen or thing.is_gone or thing.number in search.hidden)
-    )
+    is_left = thing.number not in search.statuses and not thing.is_gone
+    return is_asked_for and is_elsewhere and is_left and not was_seen
 
 
 def is_nearer(step: Step, memory: Memory, plan: Plan, target: Candidate) -> bool:
