@@ -12,6 +12,7 @@ from jaxtyping import Float64
 
 from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.embodiment import Action
+from hypernav.core.events import Event
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Mode
@@ -29,7 +30,6 @@ from hypernav.search.mapping.stairs.floor_exits import (
     ways_out,
 )
 
-_NO_PATH = "no path to destination"
 _CHOICES_PER_STEP = 4
 _AROUND_M = 0.75
 """Radius, metres, within which all must be explored for a destination to count as explored."""
@@ -46,15 +46,20 @@ def pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
     far, below_or_above = memory.search.evidence.far_position, seen_from_elsewhere(memory)
     if far is not None:
         reason = f"{step.goal.in_sentence} is in sight, too far away to be measured"
-        return _towards(far, "goal seen far away", reason, step, memory, plan)
+        return _towards(far, Event.GOAL_SEEN_FAR_AWAY, reason, step, memory, plan)
     if below_or_above is not None:
         reason = f"{step.goal.in_sentence} was seen there from another floor"
-        return _towards(below_or_above, "floor of the goal reached", reason, step, memory, plan)
+        return _towards(below_or_above, Event.FLOOR_OF_GOAL_REACHED, reason, step, memory, plan)
     return _over_stairs(step, memory, plan) if step.config.use_stairs else plan
 
 
 def _towards(
-    position: tuple[float, float], event: str, reason: str, step: Step, memory: Memory, plan: Plan
+    position: tuple[float, float],
+    event: Event,
+    reason: str,
+    step: Step,
+    memory: Memory,
+    plan: Plan,
 ) -> Plan:
     """The plan that heads for a position of a sighting, unless it was pursued in vain before."""
     config = step.config
@@ -77,7 +82,7 @@ def _over_stairs(step: Step, memory: Memory, plan: Plan) -> Plan:
     if destination is not None and destination.connector in [one.connector for one in ways]:
         return plan
     nearest = min(ways, key=lambda one: step.robot.distance_to(*one.xy))
-    step.events.append("goal seen on another floor")
+    step.events.append(Event.GOAL_SEEN_ON_OTHER_FLOOR)
     reason = f"{step.goal.in_sentence} was seen on another floor: {nearest.words}"
     there = Destination(*nearest.xy, reason=reason, connector=nearest.connector, holds=True)
     return replace(plan, exploring=plan.exploring.towards(there, step.config))
@@ -137,7 +142,7 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
         if action is None and route.arrived and destination.connector is not None:
             return _onto_stairs(destination, plan)
         if action is None:
-            event = "destination reached" if route.arrived else _NO_PATH
+            event = Event.DESTINATION_REACHED if route.arrived else Event.NO_PATH
             plan = _ended(event, step, memory, plan)
             if destination.holds:
                 break  # The next move is chosen from another image.
@@ -183,7 +188,7 @@ def _explored(step: Step, memory: Memory) -> Destination | None:
         leads_on = step.config.use_stairs and bool(stairs_to_unseen(memory))
         if destination is None and _may_look_again(step, memory) and not leads_on:
             search.revisits = True
-            step.events.append("all is known, looking again")
+            step.events.append(Event.LOOKING_AGAIN)
             destination = explorer.next_destination(step.view(memory))
     return destination
 
@@ -226,14 +231,14 @@ def _without_finished(step: Step, memory: Memory, plan: Plan) -> Plan:
         return _ended(refuted, step, memory, plan)
     if step.robot.distance_to(*destination.xy) < _arrival_m(destination, step):
         if _facing_turn(destination, step) is None:
-            return _ended("destination reached", step, memory, plan)
+            return _ended(Event.DESTINATION_REACHED, step, memory, plan)
     elif (
         config.drop_explored
         and not destination.is_sighting
         and not destination.holds
         and len(unexplored_boundary(step.exploration_grid(memory), destination.xy, _AROUND_M)) == 0
     ):
-        return _ended("destination explored", step, memory, plan)
+        return _ended(Event.DESTINATION_EXPLORED, step, memory, plan)
     return plan
 
 
@@ -284,18 +289,18 @@ def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
         return plan.explore(destination=same)
     if any(math.dist(other.xy, one) <= near_m for one in known):
         return plan
-    step.events.append("destination changed")
+    step.events.append(Event.DESTINATION_CHANGED)
     left = (*plan.exploring.left, destination.xy)
     return replace(plan, exploring=plan.exploring.towards(other, config, left=left))
 
 
-def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
+def _ended(event: Event, step: Step, memory: Memory, plan: Plan) -> Plan:
     """The plan without its destination, kept as a visit unless it is a sighting or a move."""
     destination, search = plan.destination, memory.search
     if destination is None:
         return plan
     step.events.append(event)
-    if destination.connector is not None and event == _NO_PATH:
+    if destination.connector is not None and event is Event.NO_PATH:
         search.unreached.add(destination.connector)
     elif destination.connector is not None:
         memory.give_up(destination.connector)
@@ -305,7 +310,7 @@ def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
     elif destination.thing is not None:
         thing = memory.floor.things.find(destination.thing)
         if thing is not None and may_be_hidden(thing, step, memory):
-            step.events.append("remembered thing not in sight from here")
+            step.events.append(Event.THING_NOT_IN_SIGHT)
             search.statuses[thing.number] = ThingStatus.HIDDEN
         else:
             search.statuses[destination.thing] = ThingStatus.DONE

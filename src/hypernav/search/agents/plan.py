@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass, field, replace
 
 from hypernav.core.embodiment import Action
+from hypernav.core.events import Event
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.exploring.insight import Insight
 from hypernav.core.exploring.operator_place import OperatorPlace
@@ -45,7 +46,7 @@ class Endurance:
     limit: int
     steps: int = 0
 
-    worn_out = "endurance exceeded"
+    worn_out = Event.ENDURANCE_EXCEEDED
 
     def after(self, left_m: float, planned: int) -> "Endurance":
         """The patience after one more step; see `Progress.after`."""
@@ -80,7 +81,7 @@ class Progress:
     steps: int = 0
     planned: int = 0
 
-    worn_out = "no progress to destination"
+    worn_out = Event.NO_PROGRESS
 
     def after(self, left_m: float, planned: int) -> "Progress":
         """The patience after one more step.

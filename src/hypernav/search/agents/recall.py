@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float64
 
+from hypernav.core.events import Event
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.exploring.floors import WayOut
 from hypernav.core.geometry.grid import OccupancyGrid
@@ -340,14 +341,14 @@ def _most_to_ask(step: Step) -> int:
     return 0 if recall is None else recall.config.max_questions * IMAGES_PER_QUESTION
 
 
-def refutation(memory: Memory, plan: Plan) -> str | None:
+def refutation(memory: Memory, plan: Plan) -> Event | None:
     """What images from the way have shown of the remembered thing; None if it may be the goal."""
     if plan.destination is None or plan.destination.thing is None:
         return None
     thing = memory.floor.things.find(plan.destination.thing)
     if thing is None or thing.is_gone:
-        return "remembered thing is gone"
-    return "remembered thing is another" if thing.number in memory.search.done else None
+        return Event.THING_GONE
+    return Event.THING_IS_ANOTHER if thing.number in memory.search.done else None
 
 
 def may_be_hidden(thing: Thing, step: Step, memory: Memory) -> bool:
