@@ -7,12 +7,17 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from hypernav.core.events import Event
-from hypernav.core.exploring.exploration import Destination
 from hypernav.core.exploring.floors import WayOut
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.search.agents.config import SearchConfig
+from hypernav.search.agents.destinations import (
+    Remembered,
+    RememberedImage,
+    RememberedStairs,
+    RememberedThing,
+)
 from hypernav.search.agents.plan import Plan
 from hypernav.search.agents.step import Step
 from hypernav.search.mapping.memory.candidate import Candidate
@@ -123,7 +128,7 @@ def _filled(thing: Thing, grid: OccupancyGrid) -> Float64[np.ndarray, "n 2"]:
     return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
 
 
-def remembered(step: Step, memory: Memory) -> Destination | None:
+def remembered(step: Step, memory: Memory) -> Remembered | None:
     """Where the memory sends the robot before anything is explored; None if nowhere."""
     return (
         stairs_to_errand(step, memory)
@@ -133,7 +138,7 @@ def remembered(step: Step, memory: Memory) -> Destination | None:
     )
 
 
-def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
+def recalled(step: Step, memory: Memory, least: float) -> RememberedThing | None:
     """The remembered thing with the least path per chance to be the goal; None if none is left.
 
     Those with a chance below `least` are left out.
@@ -145,10 +150,9 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
     if best is None:
         return None
     x, y, _ = best.thing.position
-    return Destination(
+    return RememberedThing(
         *best.position,
         reason=f"on the way to a {best.thing.label} seen before",
-        holds=True,
         face=math.atan2(y - best.position[1], x - best.position[0]),
         thing=best.thing.number,
     )
@@ -210,7 +214,7 @@ def errand(step: Step, memory: Memory) -> tuple[int, Thing] | None:
     return None
 
 
-def stairs_to_errand(step: Step, memory: Memory) -> Destination | None:
+def stairs_to_errand(step: Step, memory: Memory) -> RememberedStairs | None:
     """The stairs to the one thing that is meant, where it is on another floor.
 
     Returns:
@@ -222,10 +226,10 @@ def stairs_to_errand(step: Step, memory: Memory) -> Destination | None:
     number, thing = meant
     way = next(one.way[0] for one in known_floors(memory) if one.number == number)
     reason = f"the {thing.label} that is meant is on another floor: {way.words}"
-    return Destination(*way.xy, reason=reason, connector=way.connector, holds=True)
+    return RememberedStairs(*way.xy, reason, way.connector)
 
 
-def stairs_to_recalled(step: Step, memory: Memory) -> Destination | None:
+def stairs_to_recalled(step: Step, memory: Memory) -> RememberedStairs | None:
     """The stairs to the nearest floor where a remembered thing may be the goal.
 
     Returns:
@@ -236,7 +240,7 @@ def stairs_to_recalled(step: Step, memory: Memory) -> Destination | None:
         return None
     way, label = found
     reason = f"a {label} was seen on another floor: {way.words}"
-    return Destination(*way.xy, reason=reason, connector=way.connector, holds=True)
+    return RememberedStairs(*way.xy, reason, way.connector)
 
 
 def leaves_for_recalled(goal: Goal, memory: Memory, config: SearchConfig) -> bool:
@@ -281,7 +285,7 @@ def _left(floor: Floor, goal: Goal, least: float) -> list[tuple[Thing, float]]:
     return [pair for pair in weighed if pair[1] >= least]
 
 
-def seen_in_image(step: Step, memory: Memory) -> Destination | None:
+def seen_in_image(step: Step, memory: Memory) -> RememberedImage | None:
     """The nearest position where a key image was taken in which a chat model sees the goal.
 
     The model is asked about the images of earlier searches, a few at a time, until it sees it in
@@ -312,10 +316,9 @@ def seen_in_image(step: Step, memory: Memory) -> Destination | None:
         return None
     nearest = min(known, key=lambda one: step.robot.distance_to(*one.robot.xy))
     shows = "is in" if _most_to_ask(step) else "may be in"
-    return Destination(
+    return RememberedImage(
         *nearest.robot.xy,
         reason=f"{step.goal.in_sentence} {shows} an image that was taken there before",
-        holds=True,
         face=nearest.robot.yaw,
         image=nearest.number,
     )
@@ -343,7 +346,7 @@ def _most_to_ask(step: Step) -> int:
 
 def refutation(memory: Memory, plan: Plan) -> Event | None:
     """What images from the way have shown of the remembered thing; None if it may be the goal."""
-    if plan.destination is None or plan.destination.thing is None:
+    if not isinstance(plan.destination, RememberedThing):
         return None
     thing = memory.floor.things.find(plan.destination.thing)
     if thing is None or thing.is_gone:
@@ -376,7 +379,7 @@ def is_nearer(step: Step, memory: Memory, plan: Plan, target: Candidate) -> bool
     if destination is None and step.number == 0:
         best = _best(step, memory, LIKELY)
         number, left_m = (None, 0.0) if best is None else (best.thing.number, best.path_m)
-    elif destination is not None and destination.thing is not None:
+    elif isinstance(destination, RememberedThing):
         number, left_m = destination.thing, plan.exploring.route.left_m(step.robot)
     else:
         return False

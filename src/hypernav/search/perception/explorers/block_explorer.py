@@ -17,7 +17,12 @@ from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.components.protocols import BlockReasoner
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.exploration import (
+    Chosen,
+    Destination,
+    ExplorationView,
+    StairsDestination,
+)
 from hypernav.core.exploring.floors import KnownFloor, WayOut
 from hypernav.core.exploring.overview import Block, FloorBlocks, Overview
 from hypernav.core.geometry.transforms import Pose2
@@ -78,16 +83,16 @@ def other_floors(
     return found
 
 
-def by_way_of(way: Sequence[WayOut], there: Destination, blocks: tuple[Block, ...]) -> Destination:
+def by_way_of(way: Sequence[WayOut], there: Chosen, blocks: tuple[Block, ...]) -> Chosen:
     """The destination on the robot's floor from which stairs lead to one on another floor.
 
     Args:
-        way: The stairs, in the order in which they are taken.
-        there: The destination on the other floor.
+        way: The stairs, in the order in which they are taken; none on the robot's floor.
+        there: The destination.
         blocks: Blocks of the robot's floor that were offered, for the trace.
     """
     for stairs in reversed(way):
-        there = Destination(*stairs.xy, reason=there.reason, connector=stairs.connector, then=there)
+        there = StairsDestination(*stairs.xy, there.reason, stairs.connector, then=there)
     return replace(there, blocks=blocks)
 
 
@@ -220,7 +225,7 @@ class BlockExplorer:
         """See `hypernav.core.components.abilities.answers_at_once`."""
         return answers_at_once(self.reasoner)
 
-    def next_destination(self, view: ExplorationView) -> Destination | None:
+    def next_destination(self, view: ExplorationView) -> Chosen | None:
         """A block not visited yet; if none is left, a frontier; None if there is none."""
         destination = self._unvisited(view)
         if destination is None and self.config.forget_visits:
@@ -229,7 +234,7 @@ class BlockExplorer:
             destination = self._unvisited(view)
         return self._last_frontier(view) if destination is None else destination
 
-    def _unvisited(self, view: ExplorationView) -> Destination | None:
+    def _unvisited(self, view: ExplorationView) -> Chosen | None:
         """Ask about the blocks that can be entered at each clearance, the largest first."""
         offered: tuple[Block, ...] = ()
         for clearance_m in self.clearances_m:
@@ -300,7 +305,7 @@ class BlockExplorer:
         size = f"{best.size_m:.1f} m long, {best.travel_m:.1f} m away"
         return Destination(*best.destination, reason=f"no block is left; frontier: {size}")
 
-    def _ask(self, overview: Overview, view: ExplorationView) -> Destination | None:
+    def _ask(self, overview: Overview, view: ExplorationView) -> Chosen | None:
         blocks = overview.blocks
         excluded: frozenset[int] = frozenset()
         for _ in range(self.config.max_questions or len(blocks)):
@@ -310,14 +315,8 @@ class BlockExplorer:
             block = overview.block(choice.number)
             floor = overview.floor_of(block.number)
             if not self._was_visited(block, view if floor is None else floor.known):
-                there = Destination(
-                    *block.destination,
-                    reason=choice.reason,
-                    blocks=blocks if floor is None else (),
-                    connector=block.connector,
-                    face=block.face,
-                )
-                return there if floor is None else by_way_of(floor.known.way, there, blocks)
+                there = _there(block, choice.reason)
+                return by_way_of(() if floor is None else floor.known.way, there, blocks)
             excluded |= {choice.number}
         return None
 
@@ -347,6 +346,12 @@ class BlockExplorer:
                 return ended
             case "none":
                 return []
+
+
+def _there(block: Block, reason: str) -> Chosen:
+    if block.connector is None:
+        return Destination(*block.destination, reason, face=block.face)
+    return StairsDestination(*block.destination, reason, block.connector)
 
 
 def _drawn(

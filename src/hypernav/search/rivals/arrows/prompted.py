@@ -172,7 +172,7 @@ class PromptedAgent:
             may_be_here=here,
         )
         destination = self._explorer.next_destination(view)
-        if destination is None:
+        if not isinstance(destination, Destination):  # it is shown no stairs
             return None, "no move is left", None
         self._destination = destination
         spent = paper_actions(destination, robot)
