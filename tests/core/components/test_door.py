@@ -382,7 +382,7 @@ def test_what_it_draws_on_a_view_nobody_else_sees():
         return GuideChoice(Direction.LEFT, "x")
 
     view = ExplorationView(GOAL, seen, grid, (), elsewhere=[floor])
-    overview = replace(OVERVIEW, camera_image=seen.rgb, find_elsewhere=lambda: elsewhere)
+    overview = replace(OVERVIEW, camera_image=seen.rgb, elsewhere=elsewhere)
     through_door(own(next_destination=next_destination), Explorer).next_destination(view)
     through_door(own(choose=choose), BlockReasoner).choose(overview, GOAL, frozenset())
     through_door(own(direct=direct), Guide).direct(GuideView(seen, {}), GOAL)

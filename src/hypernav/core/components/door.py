@@ -487,7 +487,7 @@ def _copied(given: Any) -> Any:
             return replace(
                 given,
                 camera_image=None if image is None else image.copy(),
-                find_elsewhere=lambda: [_copied(one) for one in given.elsewhere],
+                elsewhere=[_copied(one) for one in given.elsewhere],
             )
     return given
 

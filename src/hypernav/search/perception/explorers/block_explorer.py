@@ -4,7 +4,7 @@ Other floors that the robot knows a path to are parts of the question.
 """
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Literal
@@ -245,19 +245,16 @@ class BlockExplorer:
             if _squares(blocks) == _squares(offered):
                 break
             offered = blocks
-            range_m = self.embodiment.camera.max_depth_m
-            elsewhere = partial(
-                self._other_floors, view, reach, clearance_m, range_m, len(blocks) + 1
-            )
+            elsewhere = self._other_floors(view, reach, clearance_m, len(blocks) + 1)
             draw = partial(_drawn, view, blocks, self.config, reach, elsewhere)
             legend = self.config.style.legend
             overview = Overview(
                 draw,
                 blocks,
                 view.robot,
-                prospects=partial(block_prospects, reach, range_m),
+                prospects=partial(block_prospects, reach, self.embodiment.camera.max_depth_m),
                 legs_m=partial(_legs_m, reach),
-                find_elsewhere=elsewhere,
+                elsewhere=elsewhere,
                 seen_m2=view.grid.free_m2,
                 legend=legend + LEGEND if view.ways_out or view.elsewhere else legend,
                 trajectory=view.trajectory,
@@ -270,21 +267,14 @@ class BlockExplorer:
         return None
 
     def _other_floors(
-        self,
-        view: ExplorationView,
-        here: ReachableArea,
-        clearance_m: float,
-        range_m: float,
-        first: int,
+        self, view: ExplorationView, here: ReachableArea, clearance_m: float, first: int
     ) -> list[OtherFloor]:
         """The other floors, each with what counts as visited on it."""
-        found = other_floors(view, here, self.mapping, clearance_m, range_m, first)
-        return [replace(floor, visited=self._visited_on(floor)) for floor in found]
-
-    def _visited_on(self, floor: OtherFloor) -> frozenset[int]:
-        """Numbers of the blocks of another floor that count as visited."""
-        visited = (one.number for one in floor.blocks if self._was_visited(one, floor.known))
-        return frozenset(visited)
+        found, range_m = list[OtherFloor](), self.embodiment.camera.max_depth_m
+        for floor in other_floors(view, here, self.mapping, clearance_m, range_m, first):
+            visited = (one.number for one in floor.blocks if self._was_visited(one, floor.known))
+            found.append(replace(floor, visited=frozenset(visited)))
+        return found
 
     def _last_frontier(self, view: ExplorationView) -> Destination | None:
         """The unvisited frontier that is longest for the path there, whatever blocks it lies in."""
@@ -359,7 +349,7 @@ def _drawn(
     blocks: tuple[Block, ...],
     config: OverviewConfig,
     reach: ReachableArea,
-    elsewhere: Callable[[], list[OtherFloor]],
+    elsewhere: Sequence[OtherFloor],
     shown: Collection[int],
     excluded: Collection[int],
 ) -> UInt8[np.ndarray, "_ _ 3"]:
@@ -378,7 +368,7 @@ def _drawn(
             frontier=boundary_of(reach),
             things=view.things,
         )
-    panels = floor_panels(view, here, reach, elsewhere(), drawn)
+    panels = floor_panels(view, here, reach, elsewhere, drawn)
     return draw_floors(panels, config.style, size=config.image_px, excluded=excluded)
 
 
