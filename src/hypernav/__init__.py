@@ -45,7 +45,11 @@ if TYPE_CHECKING:
         SensorError,
         StartError,
     )
-    from hypernav.core.exploring.exploration import Destination, ExplorationView
+    from hypernav.core.exploring.exploration import (
+        Destination,
+        ExplorationView,
+        StairsDestination,
+    )
     from hypernav.core.exploring.overview import BlockChoice, Overview
     from hypernav.core.geometry.boxes import Box, Detection
     from hypernav.core.geometry.camera import PinholeCamera
@@ -149,6 +153,7 @@ __all__ = [
     "SensorError",
     "ServerAddress",
     "SimulatedWorld",
+    "StairsDestination",
     "StartError",
     "StepTrace",
     "StopListener",
@@ -192,6 +197,7 @@ _MODULES = {
     "RoomConfig": "hypernav.core.config",
     "Destination": "hypernav.core.exploring.exploration",
     "ExplorationView": "hypernav.core.exploring.exploration",
+    "StairsDestination": "hypernav.core.exploring.exploration",
     "BlockChoice": "hypernav.core.exploring.overview",
     "Overview": "hypernav.core.exploring.overview",
     "Embodiment": "hypernav.core.embodiment",

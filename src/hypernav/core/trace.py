@@ -147,7 +147,7 @@ class StepTrace(_Record):
         detections: Detections of this step.
         blocks: Blocks as drawn in this step's map question; empty if none was asked.
         exchanges: Questions and answers of this step.
-        events: Events worth finding again ("destination reached", "goal area rejected", …).
+        events: Events worth finding again: those of `hypernav.core.events.Event`, and others.
         insight: What the explorer looked at when it chose in this step; left out of the JSON if
             there is none.
         ending: End of the search, in its last step; None as long as it goes on.

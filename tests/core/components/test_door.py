@@ -33,8 +33,13 @@ from hypernav.core.errors import (
     ModelUnavailableError,
     WorldError,
 )
-from hypernav.core.exploring.exploration import Destination, ExplorationView
-from hypernav.core.exploring.floors import KnownFloor, SeenThing
+from hypernav.core.exploring.exploration import (
+    Aim,
+    Destination,
+    ExplorationView,
+    StairsDestination,
+)
+from hypernav.core.exploring.floors import KnownFloor, SeenThing, WayOut
 from hypernav.core.exploring.guidance import (
     Arrow,
     ArrowChoice,
@@ -65,6 +70,9 @@ GOOD = Detection(Box(1.0, 2.0, 30.0, 40.0), 0.5, "door")
 BLOCK = Block(1, 0.0, 0.0, 1.0, 9, 3, (0.5, 0.5), 1.0)
 OVERVIEW = Overview(lambda *_: SEEN.rgb, (BLOCK, replace(BLOCK, number=2)), Pose2(0.0, 0.0, 0.0))
 THERE = Destination(1.0, 2.0, "x")
+STAIRS = StairsDestination(1.0, 2.0, "x", 3, then=THERE)
+GRID = OccupancyGrid(np.ones((4, 4), np.uint8), 0.05, (0.0, 0.0))
+VIEW = ExplorationView(GOAL, SEEN, GRID, (), ways_out=[WayOut(3, 1.0, 2.0, "stairs up")])
 THING = SeenThing("bed", (1.0, 2.0))
 ARROW = Arrow(1, 0.0, 1.0, (1.0, 0.0), (5.0, 5.0), 1.0, False)
 ARROWS = ArrowView(lambda: SEEN.rgb, (ARROW,), may_turn=True)
@@ -137,9 +145,11 @@ CASES = [
         broken(THERE, face=math.inf),
         broken(THERE, most_steps=0.5), broken(THERE, reason=None), broken(THERE, blocks=[BLOCK]),
         broken(THERE, blocks=(1,)), broken(THERE, blocks=(replace(BLOCK, size_m=math.inf),)),
-        broken(THERE, insight={}), broken(THERE, then=(1.0, 2.0)), broken(THERE, holds="no"),
-        replace(THERE, then=replace(THERE, x=1e300)), replace(THERE, connector=1),
-        replace(THERE, is_sighting=True), replace(THERE, thing=1), replace(THERE, image=0),
+        broken(THERE, insight={}), broken(THERE, holds="no"), STAIRS, Aim(1.0, 2.0, "x"),
+    )),
+    *((Explorer, "next_destination", (VIEW,), value) for value in (
+        broken(STAIRS, then=(1.0, 2.0)), replace(STAIRS, then=replace(THERE, x=1e300)),
+        replace(STAIRS, connector=1), replace(STAIRS, then=replace(STAIRS, connector=1)),
     )),
     *((BlockReasoner, "choose", (OVERVIEW, GOAL, frozenset({2})), value) for value in (
         None, 1, BlockChoice(2, "excluded"), BlockChoice(9, "not there"),
@@ -258,9 +268,10 @@ def test_good_values_pass():
     assert model.text_vectors(["a bed", "a sofa"]).dtype == np.float32
     explorer = through_door(returning("next_destination", None), Explorer)
     assert explorer.next_destination(None) is None  # pyright: ignore[reportArgumentType]
-    there = replace(THERE, blocks=(replace(BLOCK, travel_m=math.inf),), then=THERE, face=0.5)
-    explorer = through_door(returning("next_destination", there), Explorer)
-    assert explorer.next_destination(None) is there  # pyright: ignore[reportArgumentType]
+    there = replace(THERE, blocks=(replace(BLOCK, travel_m=math.inf),), face=0.5)
+    for one in (there, STAIRS, replace(STAIRS, then=replace(STAIRS, then=there))):
+        explorer = through_door(returning("next_destination", one), Explorer)
+        assert explorer.next_destination(VIEW) is one
 
 
 def test_numbers_of_numpy_become_those_that_files_can_hold():
@@ -273,10 +284,15 @@ def test_numbers_of_numpy_become_those_that_files_can_hold():
 
 
 @pytest.mark.parametrize(
-    "kind", [ArrowChoice, Block, BlockChoice, Box, Destination, Detection, GuideChoice, SeenThing]
+    "kind",
+    [
+        *(ArrowChoice, Block, BlockChoice, Box, Destination, Detection, GuideChoice, SeenThing),
+        StairsDestination,
+    ],
 )
 def test_every_field_of_what_components_return_is_checked(kind):
-    good = {Block: BLOCK, Box: GOOD.box, Destination: THERE, Detection: GOOD, SeenThing: THING}
+    mine = (BLOCK, GOOD.box, THERE, GOOD, THING, STAIRS)
+    good = {type(one): one for one in mine}
     made = good.get(kind) or {
         ArrowChoice: ArrowChoice((1,), "x"),
         BlockChoice: BlockChoice(1, "x"),
@@ -367,7 +383,7 @@ def test_what_it_draws_on_a_view_nobody_else_sees():
         return GuideChoice(Direction.LEFT, "x")
 
     view = ExplorationView(GOAL, seen, grid, (), elsewhere=[floor])
-    overview = replace(OVERVIEW, camera_image=seen.rgb, find_elsewhere=lambda: elsewhere)
+    overview = replace(OVERVIEW, camera_image=seen.rgb, elsewhere=elsewhere)
     through_door(own(next_destination=next_destination), Explorer).next_destination(view)
     through_door(own(choose=choose), BlockReasoner).choose(overview, GOAL, frozenset())
     through_door(own(direct=direct), Guide).direct(GuideView(seen, {}), GOAL)

@@ -108,7 +108,7 @@ def test_what_is_hardly_likely_where_it_is_waits_as_well(memory, goal, is_gone_t
 
 def test_the_present_search_recalls_nothing_of_its_own():
     steps, _, memory = searched(two_rooms(coloured=False), "piano", START, None)
-    assert memory.search.remembered == frozenset()
+    assert not memory.floor.things.known_before(memory.search.number).known
     assert not any(step.mode is Mode.RECALL for step in steps)
     assert not any(" seen before" in step.reason for step in steps)
 

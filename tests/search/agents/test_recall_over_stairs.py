@@ -45,7 +45,8 @@ def remembering(*boxes, floors: int = 1) -> tuple[Step, Memory]:
         memory.add_floor(3.0 * k)
         up = Connector(k - 1, True, (4.0 + k, 2.0), 0.0, Passage.USED, k, 2)
         memory.connectors = (*memory.connectors, up)
-    memory.begin_search(lasts=True, sees_stairs=True)
+    for _ in range(2):
+        memory.begin_search(lasts=True, sees_stairs=True)
     grid = memory.obstacles
     return Step(0, Goal("sofa"), frames[0], grid, agent.components, ModuleClock(), []), memory
 
@@ -54,7 +55,6 @@ def keep(memory: Memory, floor: int, thing: Thing) -> None:
     """Let a floor hold one thing from an earlier search."""
     one = memory.floors[floor]
     one.things = replace(one.things, known=(thing,), count=thing.number + 1)
-    one.search.remembered = frozenset([thing.number])
 
 
 def sofa(x: float, y: float, *, label: str = "sofa", score: float = 0.95) -> Thing:

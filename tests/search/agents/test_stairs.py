@@ -381,7 +381,6 @@ def search_above_for_the_sofa(*, is_sent: bool, two_sofas: bool, steps: int = 15
                 memory.go_first_to(0, sofa.number)
             floor, couch = memory.floors[0], replace(sofa, number=999, label="couch", score=0.8)
             floor.things = replace(floor.things, known=(couch, *floor.things.known))
-            floor.search.remembered |= {999}
         trace.clear()
         while len(trace) < most:
             action = agent.act(observation)

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 
+from hypernav.core.events import Event
 from hypernav.core.trace import Mode, StepTrace, floor_of
 from hypernav.search.drawing.map_painter import StairsMark
 
@@ -12,9 +13,6 @@ _SAME_STAIRS_M = 1.0
 """Distance between two ends of stairs on a floor, metres, that count as the same."""
 _SAME_HEIGHT_M = 0.5
 """Difference between the heights of two floors, metres, below which none is the upper one."""
-_GIVEN_UP = "stairs given up"
-"""Event of a step at which the robot gave up stairs."""
-_LEADS_TO = "to floor"
 
 
 @dataclass(frozen=True)
@@ -53,7 +51,7 @@ def _climbs_by_step(steps: Iterable[StepTrace]) -> Iterator[list[Climb]]:
     made, climbed = list[Climb](), False
     for number, step in enumerate(steps):
         floor, climbs_now = floor_of(step), step.mode is Mode.CLIMB
-        gives_up, goes_on = _GIVEN_UP in step.events, False
+        gives_up, goes_on = Event.STAIRS_GIVEN_UP in step.events, False
         if climbed:
             last = made[-1]
             other = None if floor == last.floor else floor
@@ -79,7 +77,7 @@ def stairs_on(floor: int, made: Iterable[Climb]) -> list[StairsMark]:
     Stairs that were taken once lead there, whatever became of later attempts. Two flights may begin
     at one landing.
     """
-    marks = list[StairsMark]()
+    marks = list[tuple[StairsMark, bool]]()
     for one in sorted(made, key=lambda climb: climb.other_floor is not None):
         if one.floor == floor:
             words = "no way" if one.given_up else "stairs"
@@ -90,12 +88,13 @@ def stairs_on(floor: int, made: Iterable[Climb]) -> list[StairsMark]:
             mark = StairsMark(one.ends[1], _leads_to(one.floor, *reversed(one.heights_m)))
         else:
             continue
-        marks = [*(other for other in marks if not _is_replaced(other, mark)), mark]
-    return marks
+        marks = [pair for pair in marks if not _is_replaced(*pair, by=mark)]
+        marks.append((mark, one.other_floor is not None))
+    return [mark for mark, _ in marks]
 
 
 def _leads_to(floor: int, from_m: float, to_m: float) -> str:
-    return f"{_direction(to_m - from_m, 'up ', 'down ', '')}{_LEADS_TO} {floor}"
+    return f"{_direction(to_m - from_m, 'up ', 'down ', '')}to floor {floor}"
 
 
 def _direction(rise_m: float, up: str, down: str, level: str) -> str:
@@ -103,10 +102,10 @@ def _direction(rise_m: float, up: str, down: str, level: str) -> str:
     return level if abs(rise_m) < _SAME_HEIGHT_M else up if rise_m > 0.0 else down
 
 
-def _is_replaced(mark: StairsMark, by: StairsMark) -> bool:
+def _is_replaced(mark: StairsMark, tells_floor: bool, *, by: StairsMark) -> bool:
     """Whether a later mark tells of the same stairs; one that tells of another floor doesn't."""
     is_near = math.dist(mark.position, by.position) <= _SAME_STAIRS_M
-    return is_near and (mark.words == by.words or _LEADS_TO not in mark.words)
+    return is_near and (mark.words == by.words or not tells_floor)
 
 
 def stairs_by_step(steps: Iterable[StepTrace]) -> dict[int, dict[int, list[StairsMark]]]:

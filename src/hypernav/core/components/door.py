@@ -34,7 +34,12 @@ from hypernav.core.errors import (
     StartError,
     WorldError,
 )
-from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.exploration import (
+    Chosen,
+    Destination,
+    ExplorationView,
+    StairsDestination,
+)
 from hypernav.core.exploring.floors import KnownFloor, SeenThing, WayOut
 from hypernav.core.exploring.guidance import (
     TURN_AROUND,
@@ -140,8 +145,9 @@ def checked(value: Any, kind: type, where: str = "") -> Any:
 def _in_form(value: Any, hint: Any, where: str, *, endless: bool = False) -> Any:
     """A value in the form of a type as dataclasses of this package are annotated."""
     if get_origin(hint) in (Union, UnionType):
-        (hint,) = (one for one in get_args(hint) if one is not NoneType)
-        return None if value is None else _in_form(value, hint, where)
+        first, *others = (one for one in get_args(hint) if one is not NoneType)
+        kind = next((one for one in others if type(value) is one), first)
+        return None if value is None else _in_form(value, kind, where)
     if get_origin(hint) is tuple:
         return _tuple_in_form(value, get_args(hint), where)
     if hint is str:
@@ -227,22 +233,18 @@ def _is_near(position: tuple[float, float]) -> bool:
     return all(abs(one) <= _FARTHEST_M for one in position)
 
 
-def _destination(value: Any, view: ExplorationView | None = None, *_: Any) -> Destination | None:
+def _destination(value: Any, view: ExplorationView | None = None, *_: Any) -> Chosen | None:
     if value is None:
         return None
-    value = one = checked(value, Destination)
-    stairs = {way.connector for way in _stairs_of(view)} if view is not None else set[int]()
+    takes_stairs = isinstance(value, StairsDestination)
+    value = one = checked(value, StairsDestination if takes_stairs else Destination)
+    stairs = sorted({way.connector for way in _stairs_of(view)}) if view is not None else []
     while one is not None:
         _expect(_is_near(one.xy), one, f"x and y within {_FARTHEST_M:,.0f} m")
-        offered = one.connector is None or one.connector in stairs
-        expected = f"None or one of the view's stairs, {sorted(stairs)}"
-        _expect(offered, one.connector, expected, "a Destination with the connector ")
-        for field in ("is_sighting", "thing", "image"):
-            expected = "its default, because only the search sets it"
-            found = getattr(one, field)
-            _expect(
-                found is None or found is False, found, expected, f"a Destination with the {field} "
-            )
+        if isinstance(one, Destination):
+            break
+        where = "a StairsDestination with the connector "
+        _expect(one.connector in stairs, one.connector, f"one of the view's, {stairs}", where)
         one = one.then
     return value
 
@@ -485,7 +487,7 @@ def _copied(given: Any) -> Any:
             return replace(
                 given,
                 camera_image=None if image is None else image.copy(),
-                find_elsewhere=lambda: [_copied(one) for one in given.elsewhere],
+                elsewhere=[_copied(one) for one in given.elsewhere],
             )
     return given
 

@@ -8,7 +8,11 @@ from jaxtyping import Bool, Float32
 
 from hypernav.core.chat import Answer, Image, Question
 from hypernav.core.embodiment import Action
-from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.exploration import (
+    Destination,
+    ExplorationView,
+    StairsDestination,
+)
 from hypernav.core.exploring.guidance import ArrowChoice, ArrowView, GuideChoice, GuideView
 from hypernav.core.exploring.overview import BlockChoice, Overview
 from hypernav.core.geometry.boxes import Box, Detection
@@ -131,7 +135,7 @@ class Explorer(Protocol):
     `ExplorationView.notes`.
     """
 
-    def next_destination(self, view: ExplorationView) -> Destination | None:
+    def next_destination(self, view: ExplorationView) -> Destination | StairsDestination | None:
         """The next position to visit, or None if nothing is left to explore."""
         ...
 

@@ -59,8 +59,28 @@ class ExplorationView:
 
 
 @dataclass(frozen=True)
-class Destination:
-    """A position that the robot is going to, by global perception.
+class Aim:
+    """What the robot goes to.
+
+    Attributes:
+        x: Position along the x axis, ``map`` frame, metres.
+        y: Position along the y axis, ``map`` frame, metres.
+        reason: Reason for the choice, in one short sentence for people.
+    """
+
+    x: float
+    y: float
+    reason: str
+
+    @property
+    def xy(self) -> tuple[float, float]:
+        """The position, metres."""
+        return (self.x, self.y)
+
+
+@dataclass(frozen=True)
+class Destination(Aim):
+    """A position on the robot's floor, chosen by global perception.
 
     Attributes:
         x: Position along the x axis, ``map`` frame, metres.
@@ -68,41 +88,41 @@ class Destination:
         reason: Reason for the choice, in one short sentence for people.
         blocks: Blocks that were offered, for the trace; empty for explorers without blocks.
         insight: What the explorer looked at when it chose, for videos and pages.
-        connector: Number of the connector that the robot takes there; None if it takes none.
-        then: Destination on the floor that the connector leads to; None if there is none yet.
-        is_sighting: Whether the goal is in sight in this direction; then no explorer chose it.
         holds: Whether it stays valid whatever the map shows on the way: a move chosen from an
             image is made to its end.
         arrival_m: Distance within which it counts as reached, metres; None leaves it to the search.
         face: Heading to turn to on arrival, ``map`` frame, radians; None keeps the heading.
         most_steps: Number of steps after which the explorer is asked again; None sets no limit.
             The same answer again is the same destination.
-        thing: Number of the remembered thing that it leads to; None for all others.
-        image: Number of the key image that was taken there; None if none is why it is chosen.
     """
 
-    x: float
-    y: float
-    reason: str
     blocks: tuple[Block, ...] = ()
     insight: Insight | None = None
-    connector: int | None = None
-    then: "Destination | None" = None
-    is_sighting: bool = False
     holds: bool = False
     arrival_m: float | None = None
     face: float | None = None
     most_steps: int | None = None
-    thing: int | None = None
-    image: int | None = None
 
-    @property
-    def is_remembered(self) -> bool:
-        """Whether it leads to what was seen before, over stairs too; then no explorer chose it."""
-        over_stairs = self.holds and self.connector is not None
-        return self.thing is not None or self.image is not None or over_stairs
 
-    @property
-    def xy(self) -> tuple[float, float]:
-        """The position, metres."""
-        return (self.x, self.y)
+@dataclass(frozen=True)
+class StairsDestination(Aim):
+    """Stairs that the robot takes to another floor, chosen by global perception.
+
+    Attributes:
+        x: Position before them along the x axis, ``map`` frame, metres.
+        y: Position before them along the y axis, ``map`` frame, metres.
+        reason: Reason for the choice, in one short sentence for people.
+        connector: Number of the connector, as in `ExplorationView.ways_out`.
+        then: Destination on the floor that it leads to; None if there is none yet.
+        blocks: Blocks that were offered, as in `Destination`.
+        insight: What the explorer looked at, as in `Destination`.
+    """
+
+    connector: int
+    then: "Destination | StairsDestination | None" = None
+    blocks: tuple[Block, ...] = ()
+    insight: Insight | None = None
+
+
+Chosen = Destination | StairsDestination
+"""What an explorer chooses."""

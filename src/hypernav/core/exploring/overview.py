@@ -119,8 +119,7 @@ class Overview:
         camera_image: Camera image of the robot, RGB; None if it is not kept.
         prospects: Function that computes what given blocks would show; not every reasoner calls it.
         legs_m: Function that computes the lengths of the paths between given blocks, metres.
-        find_elsewhere: Function that finds the blocks of other floors, whose numbers follow those
-            of `blocks`; not every reasoner calls it.
+        elsewhere: Blocks of other floors, whose numbers follow those of `blocks`.
         seen_m2: Floor that the map shows, square metres.
     """
 
@@ -133,13 +132,8 @@ class Overview:
     camera_image: UInt8[np.ndarray, "height width 3"] | None = None
     prospects: Callable[[Sequence[Block]], Prospects] = prospects_of_boundaries
     legs_m: Callable[[Sequence[Block]], Float64[np.ndarray, "blocks blocks"]] = straight_legs_m
-    find_elsewhere: Callable[[], Sequence[FloorBlocks]] = tuple
+    elsewhere: Sequence[FloorBlocks] = ()
     seen_m2: float = math.inf
-
-    @cached_property
-    def elsewhere(self) -> Sequence[FloorBlocks]:
-        """The blocks of other floors."""
-        return self.find_elsewhere()
 
     @property
     def everywhere(self) -> tuple[Block, ...]:

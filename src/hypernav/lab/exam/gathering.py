@@ -17,7 +17,7 @@ from hypernav.app.build.presets import HyPerNavConfig, preset
 from hypernav.app.build.worlds import open_world
 from hypernav.core.components.protocols import Explorer
 from hypernav.core.episode import Episode, PathLeft
-from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.exploration import Chosen, ExplorationView
 from hypernav.core.exploring.guidance import (
     TURN_AROUND,
     ArrowChoice,
@@ -141,7 +141,7 @@ class _Listener:
     ears: _Ears
     views: list[tuple[ExplorationView, list[Overview | ArrowView | GuideView]]]
 
-    def next_destination(self, view: ExplorationView) -> Destination | None:
+    def next_destination(self, view: ExplorationView) -> Chosen | None:
         self.ears.heard.clear()
         for explorer in self.asking:
             explorer.next_destination(replace(view, notes={}))

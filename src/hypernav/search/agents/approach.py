@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float64
 
 from hypernav.core.embodiment import Action
+from hypernav.core.events import Event
 from hypernav.core.trace import Mode
 from hypernav.search.agents.plan import Opening, Plan
 from hypernav.search.agents.step import Decision, Phase, Step, turn_towards
@@ -57,11 +58,11 @@ def approach(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, 
         reason = f"waiting beside {step.goal.in_sentence} for what stands before it"
         return Decision(turn, Mode.APPROACH, reason), _without_exploration(step, plan)
     if config.local_first and (action is not None or not leads_there):
-        step.events.append("goal area given up for now")
+        step.events.append(Event.AREA_GIVEN_UP)
         memory.search.evidence = rejected(memory.search.evidence, step.components.local.config)
         return Phase.EXPLORE, plan.with_new_patience(config)
     if left_m > _CLOSE_BY_M and not must_do:
-        step.events.append("goal out of reach for now")
+        step.events.append(Event.GOAL_OUT_OF_REACH)
         plan = plan.approach(rest_steps=config.endurance_steps)
         return Phase.EXPLORE, plan.with_new_patience(config)
     return Phase.VERIFY, _without_exploration(step, plan)
@@ -114,7 +115,7 @@ def _open_way(
                 plan = plan.approach(opening=replace(opening, route=route, steps=steps))
                 reason = f"looking from near for a way to {step.goal.in_sentence}"
                 return Decision(action, Mode.APPROACH, reason, route.remaining(robot)), plan
-        step.events.append("gap closed")
+        step.events.append(Event.GAP_CLOSED)
         closed = (*plan.approaching.closed, gap.position)
         plan = plan.approach(opening=None, closed=closed)
     return None, plan
@@ -149,7 +150,7 @@ def _goals(
 
 def _without_exploration(step: Step, plan: Plan) -> Plan:
     if plan.destination is not None:
-        step.events.append("goal seen")
+        step.events.append(Event.GOAL_SEEN)
     return plan.without_exploration()
 
 

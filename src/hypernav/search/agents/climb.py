@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool
 
 from hypernav.core.embodiment import Action
+from hypernav.core.events import Event
 from hypernav.core.trace import Mode
 from hypernav.search.agents.get_free import closed_turns
 from hypernav.search.agents.plan import Climbing, Plan
@@ -265,16 +266,16 @@ def _given_up(
     """
     if memory.footing.is_off_floor and not (memory.on_stairs or climbing.is_back):
         memory.reached_level(climbing.connector)
-        step.events.append("another level reached")
+        step.events.append(Event.LEVEL_REACHED)
         return Phase.EXPLORE, replace(plan, climbing=None)
     if not climbing.is_back and memory.try_accept_new_floor():
         decision = Decision(Action.TURN_LEFT, Mode.CLIMB, "the stairs end here")
         return decision, replace(plan, climbing=climbing)
     memory.give_up(climbing.connector)
     if climbing.is_back or not memory.on_stairs:
-        step.events.append("stairs given up")
+        step.events.append(Event.STAIRS_GIVEN_UP)
         return Phase.EXPLORE, replace(plan, climbing=None)
-    step.events.append("turning back on the stairs")
+    step.events.append(Event.TURNING_BACK)
     connector = _connector(memory, climbing)
     flight = flight_from(connector, goes_up=not connector.goes_up)
     back = Climbing(climbing.connector, is_back=True, flight=flight)

@@ -12,13 +12,25 @@ from jaxtyping import Float64
 
 from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.embodiment import Action
-from hypernav.core.exploring.exploration import Destination
+from hypernav.core.events import Event
+from hypernav.core.exploring.exploration import Chosen, Destination, StairsDestination
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Mode
+from hypernav.search.agents.destinations import (
+    AnyDestination,
+    OverStairs,
+    Remembered,
+    RememberedImage,
+    RememberedStairs,
+    RememberedThing,
+    Sighting,
+    arrival_m_of,
+)
 from hypernav.search.agents.go_to import go_to
 from hypernav.search.agents.plan import Climbing, Plan, patience_of
 from hypernav.search.agents.recall import errand, may_be_hidden, recalled, refutation, remembered
 from hypernav.search.agents.step import Decision, Phase, Step, turn_towards
+from hypernav.search.mapping.memory.floor import ThingStatus
 from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.stairs.floor_exits import (
     forget_seen_from_elsewhere,
@@ -28,7 +40,6 @@ from hypernav.search.mapping.stairs.floor_exits import (
     ways_out,
 )
 
-_NO_PATH = "no path to destination"
 _CHOICES_PER_STEP = 4
 _AROUND_M = 0.75
 """Radius, metres, within which all must be explored for a destination to count as explored."""
@@ -45,26 +56,25 @@ def pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
     far, below_or_above = memory.search.evidence.far_position, seen_from_elsewhere(memory)
     if far is not None:
         reason = f"{step.goal.in_sentence} is in sight, too far away to be measured"
-        return _towards(far, "goal seen far away", reason, step, memory, plan)
+        return _towards(Sighting(*far, reason), Event.GOAL_SEEN_FAR_AWAY, step, memory, plan)
     if below_or_above is not None:
         reason = f"{step.goal.in_sentence} was seen there from another floor"
-        return _towards(below_or_above, "floor of the goal reached", reason, step, memory, plan)
+        there = Sighting(*below_or_above, reason)
+        return _towards(there, Event.FLOOR_OF_GOAL_REACHED, step, memory, plan)
     return _over_stairs(step, memory, plan) if step.config.use_stairs else plan
 
 
-def _towards(
-    position: tuple[float, float], event: str, reason: str, step: Step, memory: Memory, plan: Plan
-) -> Plan:
+def _towards(there: Sighting, event: Event, step: Step, memory: Memory, plan: Plan) -> Plan:
     """The plan that heads for a position of a sighting, unless it was pursued in vain before."""
     config = step.config
     near_m = 2.0 * config.arrival_distance_m
-    if any(math.dist(position, other) <= near_m for other in plan.exploring.pursued):
-        forget_sighting(memory, position)
+    if any(math.dist(there.xy, other) <= near_m for other in plan.exploring.pursued):
+        forget_sighting(memory, there.xy)
         return plan
-    if plan.destination is None or not plan.destination.is_sighting:
+    if not isinstance(plan.destination, Sighting):
         step.events.append(event)
         plan = plan.explore(patience=patience_of(config))
-    return plan.explore(destination=Destination(*position, reason=reason, is_sighting=True))
+    return plan.explore(destination=there)
 
 
 def _over_stairs(step: Step, memory: Memory, plan: Plan) -> Plan:
@@ -73,12 +83,13 @@ def _over_stairs(step: Step, memory: Memory, plan: Plan) -> Plan:
     if not ways:
         return plan
     destination = plan.destination
-    if destination is not None and destination.connector in [one.connector for one in ways]:
+    numbers = [one.connector for one in ways]
+    if isinstance(destination, OverStairs) and destination.connector in numbers:
         return plan
     nearest = min(ways, key=lambda one: step.robot.distance_to(*one.xy))
-    step.events.append("goal seen on another floor")
+    step.events.append(Event.GOAL_SEEN_ON_OTHER_FLOOR)
     reason = f"{step.goal.in_sentence} was seen on another floor: {nearest.words}"
-    there = Destination(*nearest.xy, reason=reason, connector=nearest.connector, holds=True)
+    there = RememberedStairs(*nearest.xy, reason, nearest.connector)
     return replace(plan, exploring=plan.exploring.towards(there, step.config))
 
 
@@ -120,10 +131,11 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
             destination = _next_destination(step, memory)
             if destination is None:
                 return Phase.END, plan
-            if destination.is_remembered:
+            if isinstance(destination, Remembered):
                 step.events.append(destination.reason)
             plan = replace(plan, exploring=plan.exploring.towards(destination, config))
-        if _is_at_stairs(destination, step):
+        away_m = robot.distance_to(*destination.xy)
+        if isinstance(destination, OverStairs) and away_m <= _AT_STAIRS_M:
             return _onto_stairs(destination, plan)
         turn = _facing_turn(destination, step)
         if turn is not None:
@@ -133,12 +145,12 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
                 plan.exploring.route, step.grid, robot, np.array([destination.xy])
             )
         plan = plan.explore(route=route)
-        if action is None and route.arrived and destination.connector is not None:
+        if action is None and route.arrived and isinstance(destination, OverStairs):
             return _onto_stairs(destination, plan)
         if action is None:
-            event = "destination reached" if route.arrived else _NO_PATH
+            event = Event.DESTINATION_REACHED if route.arrived else Event.NO_PATH
             plan = _ended(event, step, memory, plan)
-            if destination.holds:
+            if _holds(destination):
                 break  # The next move is chosen from another image.
             continue
         patience = plan.exploring.patience.after(route.left_m(robot), len(route.actions))
@@ -161,7 +173,7 @@ def _turn_of_the_look_around(step: Step, memory: Memory, plan: Plan) -> Action |
     return gaze.worthwhile_turn(step.exploration_grid(memory), step.robot, memory.search.looked)
 
 
-def _next_destination(step: Step, memory: Memory) -> Destination | None:
+def _next_destination(step: Step, memory: Memory) -> AnyDestination | None:
     """What is remembered, what is unexplored, what was seen and is hardly the goal, the stairs."""
     destination = remembered(step, memory) or _explored(step, memory)
     destination = destination or recalled(step, memory, 0.0)
@@ -171,7 +183,7 @@ def _next_destination(step: Step, memory: Memory) -> Destination | None:
     return destination or _stairs_out(step, memory)
 
 
-def _explored(step: Step, memory: Memory) -> Destination | None:
+def _explored(step: Step, memory: Memory) -> Chosen | None:
     """The explorer's next destination; where all is known, what this search has not looked at.
 
     Stairs to what nobody has seen come before that; the robot comes back for it.
@@ -182,7 +194,7 @@ def _explored(step: Step, memory: Memory) -> Destination | None:
         leads_on = step.config.use_stairs and bool(stairs_to_unseen(memory))
         if destination is None and _may_look_again(step, memory) and not leads_on:
             search.revisits = True
-            step.events.append("all is known, looking again")
+            step.events.append(Event.LOOKING_AGAIN)
             destination = explorer.next_destination(step.view(memory))
     return destination
 
@@ -193,19 +205,18 @@ def _may_look_again(step: Step, memory: Memory) -> bool:
     return step.config.recall and search.coverage is not None and not search.revisits
 
 
-def _stairs_out(step: Step, memory: Memory) -> Destination | None:
+def _stairs_out(step: Step, memory: Memory) -> StairsDestination | None:
     """The nearest stairs towards what is unseen, where the explorer has nothing left to offer."""
     known = ways_out(memory) if step.config.use_stairs else []
     nearest = min(known, key=lambda one: step.robot.distance_to(*one.xy), default=None)
     if nearest is None:
         return None
     reason = f"nothing is left to explore on this floor: {nearest.words}"
-    return Destination(*nearest.xy, reason=reason, connector=nearest.connector)
+    return StairsDestination(*nearest.xy, reason, nearest.connector)
 
 
 def _decision(action: Action, reason: str, step: Step, plan: Plan) -> Decision:
-    recalls = plan.destination is not None and plan.destination.is_remembered
-    mode = Mode.RECALL if recalls else Mode.EXPLORE
+    mode = Mode.RECALL if isinstance(plan.destination, Remembered) else Mode.EXPLORE
     return Decision(action, mode, reason, plan.exploring.route.remaining(step.robot))
 
 
@@ -218,21 +229,21 @@ def _has_looked(step: Step, plan: Plan) -> bool:
 def _without_finished(step: Step, memory: Memory, plan: Plan) -> Plan:
     """The plan without a destination that is reached, or around which all is explored."""
     destination, config = plan.destination, step.config
-    if destination is None or destination.connector is not None:
+    if destination is None or isinstance(destination, OverStairs):
         return plan
     refuted = refutation(memory, plan)
     if refuted is not None:
         return _ended(refuted, step, memory, plan)
-    if step.robot.distance_to(*destination.xy) < _arrival_m(destination, step):
+    if step.robot.distance_to(*destination.xy) < arrival_m_of(destination, config):
         if _facing_turn(destination, step) is None:
-            return _ended("destination reached", step, memory, plan)
+            return _ended(Event.DESTINATION_REACHED, step, memory, plan)
     elif (
         config.drop_explored
-        and not destination.is_sighting
+        and isinstance(destination, Destination)
         and not destination.holds
         and len(unexplored_boundary(step.exploration_grid(memory), destination.xy, _AROUND_M)) == 0
     ):
-        return _ended("destination explored", step, memory, plan)
+        return _ended(Event.DESTINATION_EXPLORED, step, memory, plan)
     return plan
 
 
@@ -242,7 +253,7 @@ def _without_expired(plan: Plan) -> Plan:
     It does not count as visited, and patience goes on if the answer is the same as before.
     """
     destination = plan.destination
-    if destination is None or destination.most_steps is None:
+    if not isinstance(destination, Destination) or destination.most_steps is None:
         return plan
     plan = plan.explore(unasked=plan.exploring.unasked + 1)
     if plan.exploring.unasked < destination.most_steps:
@@ -260,9 +271,7 @@ def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
     if (
         config.reconsider_steps is None
         or config.looks == "at-destinations"
-        or destination is None
-        or destination.is_sighting
-        or destination.is_remembered
+        or not isinstance(destination, Chosen)
         or not answers_at_once(explorer)
     ):
         return plan
@@ -277,68 +286,88 @@ def _reconsidered(step: Step, memory: Memory, plan: Plan) -> Plan:
     plan = plan.explore(offered=other.blocks, insight=other.insight or plan.exploring.insight)
     near_m = 2.0 * config.arrival_distance_m
     known = (destination.xy, *plan.exploring.left)
-    if math.dist(other.xy, destination.xy) <= near_m and other.connector == destination.connector:
-        # Blocks are numbered anew, so the reason of before would name another one.
-        same = replace(destination, reason=other.reason, face=other.face)
+    is_near = math.dist(other.xy, destination.xy) <= near_m
+    same = _renamed(destination, other) if is_near else None
+    if same is not None:
         return plan.explore(destination=same)
     if any(math.dist(other.xy, one) <= near_m for one in known):
         return plan
-    step.events.append("destination changed")
+    step.events.append(Event.DESTINATION_CHANGED)
     left = (*plan.exploring.left, destination.xy)
     return replace(plan, exploring=plan.exploring.towards(other, config, left=left))
 
 
-def _ended(event: str, step: Step, memory: Memory, plan: Plan) -> Plan:
-    """The plan without its destination, kept as a visit unless it is a sighting or a move."""
-    destination, search = plan.destination, memory.search
-    if destination is None:
+def _ended(event: Event, step: Step, memory: Memory, plan: Plan) -> Plan:
+    """The plan without its destination, whose end the memory keeps; each kind has its own."""
+    search = memory.search
+    if plan.destination is None:
         return plan
     step.events.append(event)
-    if destination.connector is not None and event == _NO_PATH:
-        search.unreached.add(destination.connector)
-    elif destination.connector is not None:
-        memory.give_up(destination.connector)
-    elif destination.is_sighting:
-        forget_sighting(memory, destination.xy)
-        plan = plan.explore(pursued=(*plan.exploring.pursued, destination.xy))
-    elif destination.thing is not None:
-        thing = memory.floor.things.find(destination.thing)
-        if thing is not None and may_be_hidden(thing, step, memory):
-            step.events.append("remembered thing not in sight from here")
-            search.hidden.add(thing.number)
-        else:
-            search.gone_to.add(destination.thing)
-            if thing is None or thing.fits(step.goal) == 1.0:
-                search.revisits = True  # it may have been moved, and not far
-    elif destination.image is not None:
-        left = (one for one in search.images_to_visit if one != destination.image)
-        search.images_to_visit = tuple(left)
-    elif destination.face is None or not destination.holds:
-        search.visits.append(destination.xy)
+    match plan.destination:
+        case StairsDestination(connector=number) | RememberedStairs(connector=number):
+            if event is Event.NO_PATH:
+                search.unreached.add(number)
+            else:
+                memory.give_up(number)
+        case Sighting(xy=position):
+            forget_sighting(memory, position)
+            plan = plan.explore(pursued=(*plan.exploring.pursued, position))
+        case RememberedThing(thing=number):
+            _end_at_thing(number, step, memory)
+        case RememberedImage(image=number):
+            left = (one for one in search.images_to_visit if one != number)
+            search.images_to_visit = tuple(left)
+        case Destination(face=face, holds=holds, xy=position):
+            if face is None or not holds:  # a turn on the spot is no visit
+                search.visits.append(position)
     return plan.explore(destination=None, age=0)
 
 
-def _onto_stairs(destination: Destination, plan: Plan) -> tuple[Phase, Plan]:
-    number, then = destination.connector, destination.then
-    climbing = None if number is None else Climbing(number, then=then)
+def _end_at_thing(number: int, step: Step, memory: Memory) -> None:
+    """Note that the robot has gone to a remembered thing, or has to once more."""
+    search, thing = memory.search, memory.floor.things.find(number)
+    if thing is not None and may_be_hidden(thing, step, memory):
+        step.events.append(Event.THING_NOT_IN_SIGHT)
+        search.statuses[number] = ThingStatus.HIDDEN
+        return
+    search.statuses[number] = ThingStatus.DONE
+    if thing is None or thing.fits(step.goal) == 1.0:
+        search.revisits = True  # it may have been moved, and not far
+
+
+def _onto_stairs(destination: OverStairs, plan: Plan) -> tuple[Phase, Plan]:
+    climbing = Climbing(destination.connector, then=destination.then)
     return Phase.CLIMB, replace(plan.explore(destination=None), climbing=climbing)
 
 
-def _is_at_stairs(destination: Destination, step: Step) -> bool:
-    near_m = step.robot.distance_to(*destination.xy)
-    return destination.connector is not None and near_m <= _AT_STAIRS_M
+def _renamed(destination: Chosen, other: Chosen) -> Chosen | None:
+    """A destination that was chosen again, with the new reason; None if the other one is new.
+
+    Blocks are numbered anew, so the reason of before would name another one.
+    """
+    match destination, other:
+        case Destination(), Destination():
+            return replace(destination, reason=other.reason, face=other.face)
+        case StairsDestination(), StairsDestination() if destination.connector == other.connector:
+            return replace(destination, reason=other.reason)
+    return None
 
 
-def _arrival_m(destination: Destination, step: Step) -> float:
-    return destination.arrival_m or step.config.arrival_distance_m
+def _holds(destination: AnyDestination) -> bool:
+    """Whether a destination stays valid whatever the map shows on the way."""
+    return isinstance(destination, Remembered) or (
+        isinstance(destination, Destination) and destination.holds
+    )
 
 
-def _facing_turn(destination: Destination, step: Step) -> Action | None:
+def _facing_turn(destination: AnyDestination, step: Step) -> Action | None:
     """At a destination with a heading, the turn towards it; None if the robot faces it already."""
-    face, robot = destination.face, step.robot
-    if face is None or robot.distance_to(*destination.xy) >= _arrival_m(destination, step):
+    robot, arrival_m = step.robot, arrival_m_of(destination, step.config)
+    if isinstance(destination, OverStairs | Sighting) or destination.face is None:
         return None
-    ahead = (robot.x + math.cos(face), robot.y + math.sin(face))
+    if robot.distance_to(*destination.xy) >= arrival_m:
+        return None
+    ahead = (robot.x + math.cos(destination.face), robot.y + math.sin(destination.face))
     return turn_towards(robot, ahead, step.motion)
 
 
@@ -351,13 +380,11 @@ def _look_across(step: Step, memory: Memory, plan: Plan) -> Action | None:
     destination, config, robot = plan.destination, step.config, step.robot
     if (
         not config.look_across_boundary
-        or destination is None
-        or destination.is_sighting
+        or not isinstance(destination, Destination)
         or destination.holds
         or destination.face is not None
-        or destination.connector is not None
         or plan.exploring.age >= config.endurance_steps
-        or robot.distance_to(*destination.xy) >= _arrival_m(destination, step)
+        or robot.distance_to(*destination.xy) >= arrival_m_of(destination, config)
     ):
         return None
     grid = step.exploration_grid(memory)

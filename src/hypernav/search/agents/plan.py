@@ -4,12 +4,14 @@ import math
 from dataclasses import dataclass, field, replace
 
 from hypernav.core.embodiment import Action
-from hypernav.core.exploring.exploration import Destination
+from hypernav.core.events import Event
+from hypernav.core.exploring.exploration import Chosen, Destination
 from hypernav.core.exploring.insight import Insight
 from hypernav.core.exploring.operator_place import OperatorPlace
 from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.search.agents.config import SearchConfig
+from hypernav.search.agents.destinations import AnyDestination, arrival_m_of
 from hypernav.search.mapping.stairs.connectors import Connector
 from hypernav.search.planning.follower import Route
 from hypernav.search.planning.navigator import Gap
@@ -45,7 +47,7 @@ class Endurance:
     limit: int
     steps: int = 0
 
-    worn_out = "endurance exceeded"
+    worn_out = Event.ENDURANCE_EXCEEDED
 
     def after(self, left_m: float, planned: int) -> "Endurance":
         """The patience after one more step; see `Progress.after`."""
@@ -80,7 +82,7 @@ class Progress:
     steps: int = 0
     planned: int = 0
 
-    worn_out = "no progress to destination"
+    worn_out = Event.NO_PROGRESS
 
     def after(self, left_m: float, planned: int) -> "Progress":
         """The patience after one more step.
@@ -124,7 +126,7 @@ class Exploring:
     """
 
     patience: Progress | Endurance
-    destination: Destination | None = None
+    destination: AnyDestination | None = None
     route: Route = field(default_factory=Route)
     age: int = 0
     unasked: int = 0
@@ -135,18 +137,19 @@ class Exploring:
     insight: Insight | None = None
 
     def towards(
-        self, destination: Destination, config: SearchConfig, *, left: tuple[Position, ...] = ()
+        self, destination: AnyDestination, config: SearchConfig, *, left: tuple[Position, ...] = ()
     ) -> "Exploring":
-        """The plan with the explorer's destination; patience goes on if it is the expired one."""
+        """The plan with a new destination; patience goes on if it is the expired one."""
         again = self.expired
-        arrival_m = destination.arrival_m or config.arrival_distance_m
+        arrival_m = arrival_m_of(destination, config)
         is_same = again is not None and math.dist(again.xy, destination.xy) <= arrival_m
+        chosen = destination if isinstance(destination, Chosen) else None
         return replace(
             self,
             destination=destination,
             expired=None,
-            offered=destination.blocks,
-            insight=destination.insight or self.insight,
+            offered=chosen.blocks if chosen else (),
+            insight=chosen.insight if chosen and chosen.insight else self.insight,
             unasked=0,
             age=self.age if is_same else 0,
             patience=self.patience if is_same else patience_of(config),
@@ -245,7 +248,7 @@ class Climbing:
     from_front: bool = False
     flight: Connector | None = None
     looked: tuple[Position, ...] = ()
-    then: Destination | None = None
+    then: Chosen | None = None
 
     def after_step(self, height_m: float) -> "Climbing":
         """The climb after one more step or turn.
@@ -304,7 +307,7 @@ class Plan:
     is_recovering: bool = False
 
     @staticmethod
-    def at_start(config: SearchConfig, *, turns: int, then: Destination | None = None) -> "Plan":
+    def at_start(config: SearchConfig, *, turns: int, then: Chosen | None = None) -> "Plan":
         """The first plan on a floor.
 
         Args:
@@ -319,7 +322,7 @@ class Plan:
         return Plan(exploring, approaching, turns_left=turns, full_turn=full_turn)
 
     @property
-    def destination(self) -> Destination | None:
+    def destination(self) -> AnyDestination | None:
         """Present destination of exploration; None if there is none."""
         return self.exploring.destination
 

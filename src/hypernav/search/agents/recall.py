@@ -6,16 +6,22 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float64
 
-from hypernav.core.exploring.exploration import Destination
+from hypernav.core.events import Event
 from hypernav.core.exploring.floors import WayOut
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.search.agents.config import SearchConfig
+from hypernav.search.agents.destinations import (
+    Remembered,
+    RememberedImage,
+    RememberedStairs,
+    RememberedThing,
+)
 from hypernav.search.agents.plan import Plan
 from hypernav.search.agents.step import Step
 from hypernav.search.mapping.memory.candidate import Candidate
-from hypernav.search.mapping.memory.floor import Floor
+from hypernav.search.mapping.memory.floor import Floor, ThingStatus
 from hypernav.search.mapping.memory.goal_words import LIKELY, weights_of_place
 from hypernav.search.mapping.memory.key_images import KeyImages
 from hypernav.search.mapping.memory.memory import Memory
@@ -122,7 +128,7 @@ def _filled(thing: Thing, grid: OccupancyGrid) -> Float64[np.ndarray, "n 2"]:
     return np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
 
 
-def remembered(step: Step, memory: Memory) -> Destination | None:
+def remembered(step: Step, memory: Memory) -> Remembered | None:
     """Where the memory sends the robot before anything is explored; None if nowhere."""
     return (
         stairs_to_errand(step, memory)
@@ -132,7 +138,7 @@ def remembered(step: Step, memory: Memory) -> Destination | None:
     )
 
 
-def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
+def recalled(step: Step, memory: Memory, least: float) -> RememberedThing | None:
     """The remembered thing with the least path per chance to be the goal; None if none is left.
 
     Those with a chance below `least` are left out.
@@ -144,10 +150,9 @@ def recalled(step: Step, memory: Memory, least: float) -> Destination | None:
     if best is None:
         return None
     x, y, _ = best.thing.position
-    return Destination(
+    return RememberedThing(
         *best.position,
         reason=f"on the way to a {best.thing.label} seen before",
-        holds=True,
         face=math.atan2(y - best.position[1], x - best.position[0]),
         thing=best.thing.number,
     )
@@ -172,7 +177,7 @@ class _Recalled(NamedTuple):
 def _best(step: Step, memory: Memory, least: float) -> _Recalled | None:
     """The remembered thing that `recalled` goes to."""
     search, floor = memory.search, memory.floor
-    if not step.config.recall or not search.remembered:
+    if not step.config.recall:
         return None
     meant = search.errand(floor.things, step.goal)
     likely = [(meant, 1.0)] if meant is not None else _left(floor, step.goal, least)
@@ -183,7 +188,7 @@ def _best(step: Step, memory: Memory, least: float) -> _Recalled | None:
         reach = ReachableArea.of(step.grid, step.robot, step.components.mapping, clearance_m)
 
         def way_to(thing: Thing) -> tuple[tuple[float, float], float]:
-            if thing.number in search.hidden:
+            if search.statuses.get(thing.number) is ThingStatus.HIDDEN:
                 return path_to_view(thing, reach, step.robot)
             return path_to_thing(thing, floor.map, reach, step.robot)
 
@@ -209,7 +214,7 @@ def errand(step: Step, memory: Memory) -> tuple[int, Thing] | None:
     return None
 
 
-def stairs_to_errand(step: Step, memory: Memory) -> Destination | None:
+def stairs_to_errand(step: Step, memory: Memory) -> RememberedStairs | None:
     """The stairs to the one thing that is meant, where it is on another floor.
 
     Returns:
@@ -221,10 +226,10 @@ def stairs_to_errand(step: Step, memory: Memory) -> Destination | None:
     number, thing = meant
     way = next(one.way[0] for one in known_floors(memory) if one.number == number)
     reason = f"the {thing.label} that is meant is on another floor: {way.words}"
-    return Destination(*way.xy, reason=reason, connector=way.connector, holds=True)
+    return RememberedStairs(*way.xy, reason, way.connector)
 
 
-def stairs_to_recalled(step: Step, memory: Memory) -> Destination | None:
+def stairs_to_recalled(step: Step, memory: Memory) -> RememberedStairs | None:
     """The stairs to the nearest floor where a remembered thing may be the goal.
 
     Returns:
@@ -235,7 +240,7 @@ def stairs_to_recalled(step: Step, memory: Memory) -> Destination | None:
         return None
     way, label = found
     reason = f"a {label} was seen on another floor: {way.words}"
-    return Destination(*way.xy, reason=reason, connector=way.connector, holds=True)
+    return RememberedStairs(*way.xy, reason, way.connector)
 
 
 def leaves_for_recalled(goal: Goal, memory: Memory, config: SearchConfig) -> bool:
@@ -269,8 +274,8 @@ def _left(floor: Floor, goal: Goal, least: float) -> list[tuple[Thing, float]]:
     search, things = floor.search, floor.things
     left = [
         (thing, chance)
-        for thing, chance in things.fitting(goal, besides=search.gone_to)
-        if chance >= least and thing.number in search.remembered
+        for thing, chance in things.fitting(goal, besides=search.done)
+        if chance >= least and thing.first_search < search.number
     ]
     weights = weights_of_place([thing for thing, _ in left], things.known, goal, floor.map)
     weighed = [
@@ -280,7 +285,7 @@ def _left(floor: Floor, goal: Goal, least: float) -> list[tuple[Thing, float]]:
     return [pair for pair in weighed if pair[1] >= least]
 
 
-def seen_in_image(step: Step, memory: Memory) -> Destination | None:
+def seen_in_image(step: Step, memory: Memory) -> RememberedImage | None:
     """The nearest position where a key image was taken in which a chat model sees the goal.
 
     The model is asked about the images of earlier searches, a few at a time, until it sees it in
@@ -311,10 +316,9 @@ def seen_in_image(step: Step, memory: Memory) -> Destination | None:
         return None
     nearest = min(known, key=lambda one: step.robot.distance_to(*one.robot.xy))
     shows = "is in" if _most_to_ask(step) else "may be in"
-    return Destination(
+    return RememberedImage(
         *nearest.robot.xy,
         reason=f"{step.goal.in_sentence} {shows} an image that was taken there before",
-        holds=True,
         face=nearest.robot.yaw,
         image=nearest.number,
     )
@@ -340,14 +344,14 @@ def _most_to_ask(step: Step) -> int:
     return 0 if recall is None else recall.config.max_questions * IMAGES_PER_QUESTION
 
 
-def refutation(memory: Memory, plan: Plan) -> str | None:
+def refutation(memory: Memory, plan: Plan) -> Event | None:
     """What images from the way have shown of the remembered thing; None if it may be the goal."""
-    if plan.destination is None or plan.destination.thing is None:
+    if not isinstance(plan.destination, RememberedThing):
         return None
     thing = memory.floor.things.find(plan.destination.thing)
     if thing is None or thing.is_gone:
-        return "remembered thing is gone"
-    return "remembered thing is another" if thing.number in memory.search.gone_to else None
+        return Event.THING_GONE
+    return Event.THING_IS_ANOTHER if thing.number in memory.search.done else None
 
 
 def may_be_hidden(thing: Thing, step: Step, memory: Memory) -> bool:
@@ -359,11 +363,8 @@ def may_be_hidden(thing: Thing, step: Step, memory: Memory) -> bool:
     is_elsewhere = step.robot.distance_to(*thing.seen_from) >= APART_M
     is_asked_for = thing.fits(step.goal) == 1.0
     was_seen = thing.last_search == search.number
-    return (
-        is_asked_for
-        and is_elsewhere
-        and not (was_seen or thing.is_gone or thing.number in search.hidden)
-    )
+    is_left = thing.number not in search.statuses and not thing.is_gone
+    return is_asked_for and is_elsewhere and is_left and not was_seen
 
 
 def is_nearer(step: Step, memory: Memory, plan: Plan, target: Candidate) -> bool:
@@ -378,7 +379,7 @@ def is_nearer(step: Step, memory: Memory, plan: Plan, target: Candidate) -> bool
     if destination is None and step.number == 0:
         best = _best(step, memory, LIKELY)
         number, left_m = (None, 0.0) if best is None else (best.thing.number, best.path_m)
-    elif destination is not None and destination.thing is not None:
+    elif isinstance(destination, RememberedThing):
         number, left_m = destination.thing, plan.exploring.route.left_m(step.robot)
     else:
         return False

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from hypernav.core.embodiment import Action, Embodiment
 from hypernav.core.errors import WorldError
+from hypernav.core.events import Event
 from hypernav.core.exploring.operator_place import OperatorPlace, PlaceState
 from hypernav.core.geometry.closed_area import ClosedArea, with_closed
 from hypernav.core.geometry.grid import OccupancyGrid
@@ -17,6 +18,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import BlockRecord, DetectionRecord, Ending, Mode, ModuleClock, StepTrace
 from hypernav.search.agents.approach import approach
 from hypernav.search.agents.climb import climb
+from hypernav.search.agents.destinations import OverStairs
 from hypernav.search.agents.explore import explore
 from hypernav.search.agents.get_free import get_free, repeats, with_tried
 from hypernav.search.agents.plan import STANDS_M, Climbing, Plan
@@ -132,7 +134,7 @@ class SearchAgent:
             detections = use.local.look(seen, goal, floor, ground_m=memory.ground_m, asks=asks)
             memory.keep_image(seen)
         if was_elsewhere and floor.search.seen_off_floor is None:
-            events.append("goal is on this floor after all")
+            events.append(Event.GOAL_ON_THIS_FLOOR)
         closed = [one for one in self._closed if one.floor == memory.number + 1]
         grid = with_closed(floor.map.grid, closed)
         step = Step(self._steps, goal, seen, grid, use, clock, events)
@@ -190,7 +192,7 @@ class SearchAgent:
             if memory.connectors[climbing.connector].other_floor == memory.number:
                 then = climbing.then
             memory.crossed(climbing.connector)
-            events.append("another floor reached")
+            events.append(Event.FLOOR_REACHED)
         config, turns = self.components.paced, self.embodiment.motion.turns_of_a_circle
         looks = config.look_around_at_start and not memory.floor.trajectory
         if before is None and self.components.gaze is not None and config.looks == "always":
@@ -254,11 +256,12 @@ def _off_the_floor(robot: Pose2, memory: Memory, plan: Plan, events: list[str]) 
     if number is None:
         number = memory.register_stairs_underfoot(robot)
     destination, then = plan.destination, None
-    if number is not None and destination is not None and destination.connector == number:
+    leads_on = isinstance(destination, OverStairs)
+    if number is not None and leads_on and destination.connector == number:
         then = destination.then
     elif number is None or not memory.connectors[number].is_new:
         return plan
-    events.append("came onto stairs sooner than planned")
+    events.append(Event.ONTO_STAIRS)
     flight = replace(memory.connectors[number], end=robot.xy, axis=robot.yaw)
     climbing = Climbing(number, flight=flight, then=then)
     return replace(plan.explore(destination=None), climbing=climbing)
@@ -400,7 +403,7 @@ def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]
     evidence = reconsidered(search.evidence)
     if evidence is not None:
         search.evidence = evidence
-        step.events.append("rejected goal area reconsidered")
+        step.events.append(Event.AREA_RECONSIDERED)
         reason = f"nothing is left to explore, going to what looked most like {goal}"
         decision = Decision(Action.TURN_LEFT, Mode.APPROACH, reason)
         return decision, plan.with_new_patience(step.config)

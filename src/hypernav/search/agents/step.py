@@ -162,7 +162,7 @@ class Step:
         grid: Map of that floor, with this frame integrated and closed areas as obstacles.
         components: Components and configuration of the search.
         clock: Clock of the modules.
-        events: Names of what happened in this step, for the trace.
+        events: What happened in this step, in the words of the trace.
     """
 
     number: int

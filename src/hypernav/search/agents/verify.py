@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float64
 
 from hypernav.core.embodiment import Action
+from hypernav.core.events import Event
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Ending, Mode
@@ -103,7 +104,7 @@ def with_second_look(step: Step, plan: Plan, target: Candidate) -> Plan:
             step.components.planning.clearances_m(step.components.embodiment.body)[0],
         )
     if position is not None:
-        step.events.append("second look wanted")
+        step.events.append(Event.SECOND_LOOK_WANTED)
     return plan.approach(second_look=position, second_look_steps=0)
 
 
@@ -134,7 +135,7 @@ def second_look(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phas
     if is_convincing(evidence, local):
         memory.search.evidence = evidence
         return Phase.APPROACH, plan
-    step.events.append("goal area rejected")
+    step.events.append(Event.AREA_REJECTED)
     memory.search.evidence = rejected(evidence, local)
     return Phase.EXPLORE, plan
 
@@ -162,7 +163,7 @@ def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pl
         barred = with_position_barred(search.evidence, step.observation)
         if barred is not None:
             search.evidence = barred
-            step.events.append("goal area not in sight from here")
+            step.events.append(Event.AREA_NOT_IN_SIGHT)
             return Phase.APPROACH, plan.with_new_patience(config)
     local = step.components.local.config
     if needs_second_look(search.evidence, local):
@@ -173,7 +174,7 @@ def verify(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Pl
         present = _is_present(step, memory, target)
     if present:
         return Phase.VERIFY, plan.approach(sure_step=step.number)
-    step.events.append("goal area rejected")
+    step.events.append(Event.AREA_REJECTED)
     for_good = is_convincing(search.evidence, local)
     search.evidence = rejected(search.evidence, local, for_good=for_good)
     return Phase.EXPLORE, plan.with_new_patience(config)
@@ -187,7 +188,7 @@ def _is_still_sure(step: Step, memory: Memory, plan: Plan) -> bool:
 
 
 def _stop(step: Step) -> Decision:
-    step.events.append("goal reached")
+    step.events.append(Event.GOAL_REACHED)
     reason = f"here is {step.goal.in_sentence}"
     return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND)
 

@@ -176,10 +176,10 @@ def test_one_image_alone_rules_out_no_thing_that_was_surely_seen():
         things = after(things, Pose2(x, 3.0, 0.0))
     search = SearchMemory()
     search.note_others({0}, things, red)
-    assert search.gone_to == set()
+    assert search.done == set()
     for _ in range(2):
         search.note_others({0}, things, red)
-    assert search.gone_to == {0}
+    assert search.done == {0}
 
 
 def test_no_image_rules_out_the_one_that_is_meant():
@@ -187,7 +187,7 @@ def test_no_image_rules_out_the_one_that_is_meant():
     search = SearchMemory(meant=things.known[0])
     for _ in range(5):
         search.note_others({0}, things, Goal("red sofa"))
-    assert search.gone_to == set()
+    assert search.done == set()
 
 
 def test_where_something_has_the_goal_s_own_name_others_of_its_kind_are_no_candidates():

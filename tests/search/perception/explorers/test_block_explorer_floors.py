@@ -10,7 +10,11 @@ from certainty import certain
 from chat_models import Parrot
 from exploration_views import exploration_view
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.exploration import (
+    Destination,
+    ExplorationView,
+    StairsDestination,
+)
 from hypernav.core.exploring.floors import Drop, KnownFloor, WayOut
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
@@ -54,13 +58,22 @@ def view(*elsewhere: KnownFloor, ways_out: tuple[WayOut, ...] = ()) -> Explorati
     return replace(seen, elsewhere=elsewhere, ways_out=ways_out)
 
 
-def answered(view: ExplorationView, answer: str, **config: Any) -> tuple[Destination, Parrot]:
+def answered(
+    view: ExplorationView, answer: str, **config: Any
+) -> tuple[Destination | StairsDestination, Parrot]:
     """Where a model sends the robot, and the model with what it was asked."""
     model, log = Parrot(answer), ExchangeLog()
     chooser = VlmReasoner(model, log, GeometricReasoner(log))
     asked = OverviewConfig(**config)
     explorer = BlockExplorer(chooser, asked, MappingConfig(), (0.22,), Embodiment())
     return certain(explorer.next_destination(view)), model
+
+
+def stairs_answered(view: ExplorationView, answer: str) -> StairsDestination:
+    """The stairs that a model sends the robot to."""
+    destination, _ = answered(view, answer)
+    assert isinstance(destination, StairsDestination)
+    return destination
 
 
 def line_of(model: Parrot, words: str) -> str:
@@ -122,46 +135,48 @@ def test_numbers_go_on_over_the_floors():
 def test_new_stairs_are_a_choice():
     seen = view(ways_out=(NEW_DOWN,))
     number = number_in(line_of(answered(seen, "1")[1], "stairs down to another floor"))
-    destination, _ = answered(seen, f"It is downstairs.\nAnswer: {number}")
+    destination = stairs_answered(seen, f"It is downstairs.\nAnswer: {number}")
     assert destination.connector == NEW_DOWN.connector
     assert destination.then is None
 
 
 def test_a_block_of_another_floor_leads_over_the_stairs_to_it():
     number = number_in(line_of(answered(view(ABOVE), "1")[1], "on floor 2"))
-    destination, _ = answered(view(ABOVE), number)
+    destination = stairs_answered(view(ABOVE), number)
     assert destination.connector == UP.connector
     assert destination.xy == UP.xy
-    there = certain(destination.then)
-    assert there.connector is None
+    there = destination.then
+    assert isinstance(there, Destination)
     assert ABOVE.grid.cells[ABOVE.grid.cell_of(*there.xy)] == Cell.FREE
 
 
 def test_stairs_of_another_floor_lead_on_from_there():
     number = number_in(line_of(answered(view(ABOVE), "1")[1], "stairs up to another floor"))
-    destination, _ = answered(view(ABOVE), number)
+    destination = stairs_answered(view(ABOVE), number)
     assert destination.connector == UP.connector
-    assert certain(destination.then).connector == FARTHER_UP.connector
+    assert isinstance(destination.then, StairsDestination)
+    assert destination.then.connector == FARTHER_UP.connector
 
 
 def test_what_was_visited_on_another_floor_is_not_chosen():
     number = number_in(line_of(answered(view(ABOVE), "1")[1], "on floor 2"))
-    there = certain(answered(view(ABOVE), number)[0].then)
+    there = certain(stairs_answered(view(ABOVE), number).then)
     visited = replace(ABOVE, visits=[there.xy])
     model, log = Parrot(number, "1"), ExchangeLog()
     chooser = VlmReasoner(model, log, GeometricReasoner(log))
     explorer = BlockExplorer(chooser, OverviewConfig(), MappingConfig(), (0.22,), Embodiment())
-    assert certain(explorer.next_destination(view(visited))).connector is None
+    assert isinstance(explorer.next_destination(view(visited)), Destination)
     assert len(model.asked) == 2
 
 
 def test_visits_of_another_floor_count_as_those_of_the_robots_do():
     number = number_in(line_of(answered(view(ABOVE), "1")[1], "on floor 2"))
-    there = certain(answered(view(ABOVE), number)[0].then).xy
+    there = certain(stairs_answered(view(ABOVE), number).then).xy
     first = replace(ABOVE, visits=[there, (9.0, 9.0)])
 
     def goes_there(floor: KnownFloor, **config: Any) -> bool:
-        then = answered(view(floor), number, **config)[0].then
+        destination, _ = answered(view(floor), number, **config)
+        then = destination.then if isinstance(destination, StairsDestination) else None
         return then is not None and then.xy == there
 
     assert not goes_there(first)
@@ -172,12 +187,12 @@ def test_visits_of_another_floor_count_as_those_of_the_robots_do():
 
 def test_what_is_forgotten_on_another_floor_is_not_visited():
     number = number_in(line_of(answered(view(ABOVE), "1")[1], "on floor 2"))
-    there = certain(answered(view(ABOVE), number)[0].then).xy
+    there = certain(stairs_answered(view(ABOVE), number).then).xy
     all_forget: dict[str, Any] = {"forget_visits": True, "visited_radius_m": 100.0}
     upstairs = replace(view(), visits=[there])
     answered(upstairs, "1", **all_forget)
     forgot = replace(ABOVE, visits=[there], notes=upstairs.notes)
-    assert certain(answered(view(forgot), number)[0].then).xy == there
+    assert certain(stairs_answered(view(forgot), number).then).xy == there
 
 
 def test_a_floor_whose_stairs_are_out_of_reach_is_not_shown():
@@ -189,7 +204,7 @@ def test_an_edge_of_the_floor_is_a_choice():
     seen = replace(view(), drops=[Drop(2.0, 0.6, axis=1.0)])
     line = line_of(answered(seen, "1")[1], "the floor ends")
     destination, _ = answered(seen, number_in(line))
-    assert destination.connector is None
+    assert isinstance(destination, Destination)
     assert destination.xy == pytest.approx((2.0, 0.6), abs=0.3)
     assert destination.face == 1.0
 

@@ -228,7 +228,7 @@ def between_floors(
         tuple(here),
         Pose2(0.0, 0.0, 0.0),
         prospects=whole_views,
-        find_elsewhere=lambda: [floor],
+        elsewhere=[floor],
         seen_m2=seen_m2,
     )
     reasoner = GeometricReasoner(ExchangeLog(), GeometricConfig(**config))

@@ -3,6 +3,7 @@
 import math
 from collections import Counter
 from dataclasses import dataclass, field, replace
+from enum import Enum, auto
 from typing import Any
 
 import cv2
@@ -93,6 +94,15 @@ class HeadingsSeen:
     bearings: Bool[np.ndarray, " rays"]
 
 
+class ThingStatus(Enum):
+    """What a search has found out about a thing; without a status it is as earlier ones left it."""
+
+    HIDDEN = auto()
+    """Not seen from beside it; gone to once more, where it was seen best."""
+    DONE = auto()
+    """Gone to, given up, or seen not to be the goal."""
+
+
 @dataclass(eq=False)
 class SearchMemory:
     """What the search for one goal has learned on one floor; each goal begins a new one.
@@ -105,10 +115,7 @@ class SearchMemory:
         is_explored: Whether nothing was left to explore, nor to look at again.
         number: Number of the search in this memory.
         lasts: Whether later searches are to know what it has seen.
-        remembered: Numbers of the things that were known before it began.
-        gone_to: Numbers of those that it has gone to, given up, or seen not to be the goal.
-        hidden: Numbers of those that it did not see from beside them, and that are gone to once
-            more, where they were seen best.
+        statuses: What it has found out about things, by their numbers.
         unlike: Number of images, by the number of a thing, that show it not to be the goal.
         given_up: Numbers of the connectors of this floor that it has tried to take in vain.
         unreached: Numbers of those to which there was no path from where the robot stood.
@@ -116,7 +123,7 @@ class SearchMemory:
             order in which it is; None before the first question.
         images_to_visit: Numbers of those in which it sees the goal, or that look like it where no
             chat model is asked, and that are left to go to.
-        meant: The one that is gone to before all others, as it was known; None if any will do.
+        meant: The thing that is gone to before all others, as it was known; None if any will do.
         coverage: What it has looked at of the floor; None if the floor was not known before.
         revisits: Whether it explores what it has not looked at itself, known or not.
         seen_off_floor: Position ``(x, y, z)`` where the goal was last seen below or above the room
@@ -136,9 +143,7 @@ class SearchMemory:
     is_explored: bool = False
     number: int = 0
     lasts: bool = False
-    remembered: frozenset[int] = frozenset()
-    gone_to: set[int] = field(default_factory=set)
-    hidden: set[int] = field(default_factory=set)
+    statuses: dict[int, ThingStatus] = field(default_factory=dict)
     unlike: Counter[int] = field(default_factory=Counter)
     given_up: set[int] = field(default_factory=set)
     unreached: set[int] = field(default_factory=set)
@@ -153,17 +158,22 @@ class SearchMemory:
     viewed_from: Pose2 | None = None
     has_new_view: bool = True
 
+    @property
+    def done(self) -> set[int]:
+        """Numbers of the things that the search goes to no more."""
+        return {number for number, one in self.statuses.items() if one is ThingStatus.DONE}
+
     def errand(self, things: Things, goal: Goal) -> Thing | None:
         """The one thing that is meant, as it is known now; None if it is gone, or was gone to.
 
         Two records of one thing become one, with the number of either: then what is where it was.
         """
-        if self.meant is None or self.meant.number in self.gone_to:
+        if self.meant is None or self.meant.number in self.done:
             return None
         x, y, _ = self.meant.position
         there = (things.find(self.meant.number), *things.at(x, y, goal))
         now = next((one for one in there if one is not None and not one.is_gone), None)
-        return None if now is None or now.number in self.gone_to else now
+        return None if now is None or now.number in self.done else now
 
     def note_others(self, others: set[int], things: Things, goal: Goal) -> None:
         """Note which things an image showed not to be the goal.
@@ -174,11 +184,9 @@ class SearchMemory:
         meant = self.errand(things, goal)
         self.unlike.update(others - ({meant.number} if meant is not None else set()))
         unlike = [one for one in things.known if one.number in self.unlike] if self.unlike else []
-        self.gone_to |= {
-            one.number
-            for one in unlike
-            if replace(one, missed=one.missed + self.unlike[one.number]).is_gone
-        }
+        for one in unlike:
+            if replace(one, missed=one.missed + self.unlike[one.number]).is_gone:
+                self.statuses[one.number] = ThingStatus.DONE
 
     def note_off_floor(self, position: tuple[float, float, float]) -> None:
         """Note where below or above the room of this floor the goal was seen; see the attribute."""
@@ -196,11 +204,6 @@ class SearchMemory:
         )
         if self.has_new_view:
             self.viewed_from = robot
-
-    def remembered_of(self, things: Things) -> Things:
-        """The things that were known before the search began."""
-        known = tuple(one for one in things.known if one.number in self.remembered)
-        return Things(known, things.count)
 
     def forget_exploration(self) -> None:
         """Forget visits and notes: what counts as visited may hardly have been seen.
@@ -248,7 +251,6 @@ class Floor:
         self.search = SearchMemory(
             number=number,
             lasts=lasts,
-            remembered=frozenset(one.number for one in self.things.known),
             coverage=CoverageMask.nothing(self.map.grid) if self.trajectory else None,
         )
         del self.trajectory[:-MOST_POSITIONS]

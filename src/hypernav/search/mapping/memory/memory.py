@@ -119,9 +119,10 @@ class Memory:
             floor: Number of its floor.
             thing: Its number on that floor. One that is not remembered any more changes nothing.
         """
-        known = self.floors[floor] if floor < len(self.floors) else None
-        if known is not None and thing in known.search.remembered:
-            known.search.meant = known.things.find(thing)
+        if floor < len(self.floors):
+            known = self.floors[floor]
+            before = known.things.known_before(self.searches)
+            known.search.meant = before.find(thing) or known.search.meant
 
     def copy(self) -> "Memory":
         """A copy that shares nothing that changes."""

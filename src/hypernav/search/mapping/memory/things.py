@@ -236,6 +236,11 @@ class Things:
             ),
         )
 
+    def known_before(self, search: int) -> "Things":
+        """The things that earlier searches than this one saw."""
+        known = tuple(one for one in self.known if one.first_search < search)
+        return Things(known, self.count)
+
     def find(self, number: int) -> Thing | None:
         """The thing of a number; None if it was forgotten."""
         return next((one for one in self.known if one.number == number), None)

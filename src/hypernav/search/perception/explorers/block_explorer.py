@@ -4,7 +4,7 @@ Other floors that the robot knows a path to are parts of the question.
 """
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Literal
@@ -17,7 +17,12 @@ from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.components.protocols import BlockReasoner
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
-from hypernav.core.exploring.exploration import Destination, ExplorationView
+from hypernav.core.exploring.exploration import (
+    Chosen,
+    Destination,
+    ExplorationView,
+    StairsDestination,
+)
 from hypernav.core.exploring.floors import KnownFloor, WayOut
 from hypernav.core.exploring.overview import Block, FloorBlocks, Overview
 from hypernav.core.geometry.transforms import Pose2
@@ -78,16 +83,16 @@ def other_floors(
     return found
 
 
-def by_way_of(way: Sequence[WayOut], there: Destination, blocks: tuple[Block, ...]) -> Destination:
+def by_way_of(way: Sequence[WayOut], there: Chosen, blocks: tuple[Block, ...]) -> Chosen:
     """The destination on the robot's floor from which stairs lead to one on another floor.
 
     Args:
-        way: The stairs, in the order in which they are taken.
-        there: The destination on the other floor.
+        way: The stairs, in the order in which they are taken; none on the robot's floor.
+        there: The destination.
         blocks: Blocks of the robot's floor that were offered, for the trace.
     """
     for stairs in reversed(way):
-        there = Destination(*stairs.xy, reason=there.reason, connector=stairs.connector, then=there)
+        there = StairsDestination(*stairs.xy, there.reason, stairs.connector, then=there)
     return replace(there, blocks=blocks)
 
 
@@ -220,7 +225,7 @@ class BlockExplorer:
         """See `hypernav.core.components.abilities.answers_at_once`."""
         return answers_at_once(self.reasoner)
 
-    def next_destination(self, view: ExplorationView) -> Destination | None:
+    def next_destination(self, view: ExplorationView) -> Chosen | None:
         """A block not visited yet; if none is left, a frontier; None if there is none."""
         destination = self._unvisited(view)
         if destination is None and self.config.forget_visits:
@@ -229,7 +234,7 @@ class BlockExplorer:
             destination = self._unvisited(view)
         return self._last_frontier(view) if destination is None else destination
 
-    def _unvisited(self, view: ExplorationView) -> Destination | None:
+    def _unvisited(self, view: ExplorationView) -> Chosen | None:
         """Ask about the blocks that can be entered at each clearance, the largest first."""
         offered: tuple[Block, ...] = ()
         for clearance_m in self.clearances_m:
@@ -240,19 +245,16 @@ class BlockExplorer:
             if _squares(blocks) == _squares(offered):
                 break
             offered = blocks
-            range_m = self.embodiment.camera.max_depth_m
-            elsewhere = partial(
-                self._other_floors, view, reach, clearance_m, range_m, len(blocks) + 1
-            )
+            elsewhere = self._other_floors(view, reach, clearance_m, len(blocks) + 1)
             draw = partial(_drawn, view, blocks, self.config, reach, elsewhere)
             legend = self.config.style.legend
             overview = Overview(
                 draw,
                 blocks,
                 view.robot,
-                prospects=partial(block_prospects, reach, range_m),
+                prospects=partial(block_prospects, reach, self.embodiment.camera.max_depth_m),
                 legs_m=partial(_legs_m, reach),
-                find_elsewhere=elsewhere,
+                elsewhere=elsewhere,
                 seen_m2=view.grid.free_m2,
                 legend=legend + LEGEND if view.ways_out or view.elsewhere else legend,
                 trajectory=view.trajectory,
@@ -265,21 +267,14 @@ class BlockExplorer:
         return None
 
     def _other_floors(
-        self,
-        view: ExplorationView,
-        here: ReachableArea,
-        clearance_m: float,
-        range_m: float,
-        first: int,
+        self, view: ExplorationView, here: ReachableArea, clearance_m: float, first: int
     ) -> list[OtherFloor]:
         """The other floors, each with what counts as visited on it."""
-        found = other_floors(view, here, self.mapping, clearance_m, range_m, first)
-        return [replace(floor, visited=self._visited_on(floor)) for floor in found]
-
-    def _visited_on(self, floor: OtherFloor) -> frozenset[int]:
-        """Numbers of the blocks of another floor that count as visited."""
-        visited = (one.number for one in floor.blocks if self._was_visited(one, floor.known))
-        return frozenset(visited)
+        found, range_m = list[OtherFloor](), self.embodiment.camera.max_depth_m
+        for floor in other_floors(view, here, self.mapping, clearance_m, range_m, first):
+            visited = (one.number for one in floor.blocks if self._was_visited(one, floor.known))
+            found.append(replace(floor, visited=frozenset(visited)))
+        return found
 
     def _last_frontier(self, view: ExplorationView) -> Destination | None:
         """The unvisited frontier that is longest for the path there, whatever blocks it lies in."""
@@ -300,7 +295,7 @@ class BlockExplorer:
         size = f"{best.size_m:.1f} m long, {best.travel_m:.1f} m away"
         return Destination(*best.destination, reason=f"no block is left; frontier: {size}")
 
-    def _ask(self, overview: Overview, view: ExplorationView) -> Destination | None:
+    def _ask(self, overview: Overview, view: ExplorationView) -> Chosen | None:
         blocks = overview.blocks
         excluded: frozenset[int] = frozenset()
         for _ in range(self.config.max_questions or len(blocks)):
@@ -310,14 +305,8 @@ class BlockExplorer:
             block = overview.block(choice.number)
             floor = overview.floor_of(block.number)
             if not self._was_visited(block, view if floor is None else floor.known):
-                there = Destination(
-                    *block.destination,
-                    reason=choice.reason,
-                    blocks=blocks if floor is None else (),
-                    connector=block.connector,
-                    face=block.face,
-                )
-                return there if floor is None else by_way_of(floor.known.way, there, blocks)
+                there = _there(block, choice.reason)
+                return by_way_of(() if floor is None else floor.known.way, there, blocks)
             excluded |= {choice.number}
         return None
 
@@ -349,12 +338,18 @@ class BlockExplorer:
                 return []
 
 
+def _there(block: Block, reason: str) -> Chosen:
+    if block.connector is None:
+        return Destination(*block.destination, reason, face=block.face)
+    return StairsDestination(*block.destination, reason, block.connector)
+
+
 def _drawn(
     view: ExplorationView,
     blocks: tuple[Block, ...],
     config: OverviewConfig,
     reach: ReachableArea,
-    elsewhere: Callable[[], list[OtherFloor]],
+    elsewhere: Sequence[OtherFloor],
     shown: Collection[int],
     excluded: Collection[int],
 ) -> UInt8[np.ndarray, "_ _ 3"]:
@@ -373,7 +368,7 @@ def _drawn(
             frontier=boundary_of(reach),
             things=view.things,
         )
-    panels = floor_panels(view, here, reach, elsewhere(), drawn)
+    panels = floor_panels(view, here, reach, elsewhere, drawn)
     return draw_floors(panels, config.style, size=config.image_px, excluded=excluded)
 
 

@@ -303,7 +303,7 @@ class LocalPerception:
             others = [one for one in detections if not one.is_goal]
             evidence = with_sightings(evidence, config, sightings, others, observation)
             if evidence.count > search.evidence.count:
-                remembered = search.remembered_of(known)
+                remembered = known.known_before(search.number)
                 evidence = with_earlier_looks(evidence, search.evidence, remembered, goal, config)
         if evidence.target is not None:
             far_position = search.seen_off_floor = None

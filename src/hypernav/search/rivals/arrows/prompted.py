@@ -16,6 +16,7 @@ from hypernav.core.components.protocols import ArrowReasoner, ChatModel, Explore
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Action, Embodiment, MotionConfig
 from hypernav.core.errors import WorldError
+from hypernav.core.events import Event
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.insight import Insight
 from hypernav.core.geometry.grid import OccupancyGrid
@@ -154,14 +155,14 @@ class PromptedAgent:
         here = self._stop.is_here(observation, self._goal)
         self._yes_in_a_row = self._yes_in_a_row + 1 if here else 0
         if self._yes_in_a_row >= _YES_TO_STOP:
-            events.append("goal reached")
+            events.append(Event.GOAL_REACHED)
             return Action.STOP, f"here is {self._goal.in_sentence}", None
         if self._moves >= config.most_moves:
             return None, f"{config.most_moves} moves are made", None
         if self._spent >= config.most_actions:
             return None, f"the moves made are worth {config.most_actions} actions", None
         if here:
-            events.append("said to be at the goal")
+            events.append(Event.SAID_TO_BE_AT_GOAL)
         view = ExplorationView(
             goal=self._goal,
             observation=observation,
@@ -171,7 +172,7 @@ class PromptedAgent:
             may_be_here=here,
         )
         destination = self._explorer.next_destination(view)
-        if destination is None:
+        if not isinstance(destination, Destination):  # it is shown no stairs
             return None, "no move is left", None
         self._destination = destination
         spent = paper_actions(destination, robot)
