@@ -23,7 +23,7 @@ from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.search.models.onnx_detector import OnnxDetectorConfig
 from hypernav.search.models.yolox import YoloxDetector

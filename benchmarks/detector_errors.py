@@ -22,12 +22,12 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
 from hypernav.search.models.onnx_detector import OnnxDetectorConfig
 from hypernav.search.models.yolox import YoloxDetector
-from hypernav.search.perception.local.ground_truth import true_detection, visible_objects
-from hypernav.search.perception.local.noisy_detector import resembles
+from hypernav.search.perception.local.stand_ins.ground_truth import true_detection, visible_objects
+from hypernav.search.perception.local.stand_ins.noisy_detector import resembles
 from hypernav.simulator.houses.building import Building
 from hypernav.simulator.houses.generator import generate
 from hypernav.simulator.worlds.drawing.renderer import CpuRenderer

@@ -27,7 +27,7 @@ import numpy as np
 import tyro
 
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.data.datasets import load_episodes, select
 from hypernav.app.build.data.scenes import load_scene
 from hypernav.app.build.presets import HyPerNavConfig, preset

@@ -32,23 +32,32 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.lab.evaluation.statistics import compare, mean_with_interval
 from hypernav.lab.exam.bank import Bank, ExamSize, Sheet
-from hypernav.lab.exam.confusion import confusion_of
 from hypernav.lab.exam.examinee import truth_of
 from hypernav.lab.exam.gathering import questions_of
 from hypernav.lab.exam.marking import Given, marked
-from hypernav.lab.exam.mimics import Asked
+from hypernav.lab.exam.prediction.confusion import confusion_of
+from hypernav.lab.exam.prediction.mimics import Asked
+from hypernav.lab.exam.prediction.searches import (
+    SearchedEpisode,
+    mimic_agent,
+    run_searches,
+    spread_episodes,
+)
 from hypernav.lab.exam.questions import Answered, ExamQuestion
-from hypernav.lab.exam.searches import SearchedEpisode, mimic_agent, run_searches, spread_episodes
 from hypernav.search.agents.search import SearchAgent
 from hypernav.search.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
 from hypernav.search.perception.explorers.noisy_reasoner import NoisyReasoner, RandomReasoner
-from hypernav.search.perception.local.ground_truth import (
+from hypernav.search.perception.local.stand_ins.ground_truth import (
     true_detection,
     true_labels,
     visible_objects,
 )
-from hypernav.search.perception.local.noisy_detector import NoisyDetector, distance_to, resembles
-from hypernav.search.perception.local.systematic_detector import (
+from hypernav.search.perception.local.stand_ins.noisy_detector import (
+    NoisyDetector,
+    distance_to,
+    resembles,
+)
+from hypernav.search.perception.local.stand_ins.systematic_detector import (
     STANDARD_NORMAL,
     SystematicDetector,
     normal,

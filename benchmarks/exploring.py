@@ -31,7 +31,7 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.io.layered_config import layered
 from hypernav.lab.episodes.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.search.agents.search import SearchAgent
-from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.memory.memory import Memory
 from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 

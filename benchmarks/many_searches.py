@@ -20,7 +20,7 @@ from rich.console import Console
 from rich.table import Table
 
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.component_specs import ComponentSpecs, PresetName
+from hypernav.app.build.components.component_specs import ComponentSpecs, PresetName
 from hypernav.app.build.data.scenes import load_scene
 from hypernav.app.build.presets import preset
 from hypernav.core.episode import Episode

@@ -18,7 +18,7 @@ from hypernav.app.build.agents import build_search
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog
 from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeRun
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from meeting_room import meeting_room
 from small_episodes import episode_from
 from small_worlds import small_config

@@ -19,7 +19,7 @@ import tyro
 from moved_things import movable_names, with_moved_things
 
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.data.datasets import load_episodes
 from hypernav.app.build.data.scenes import load_scene
 from hypernav.app.build.presets import HyPerNavConfig
@@ -29,7 +29,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeRun
 from hypernav.lab.evaluation.statistics import drawn, ratio_with_interval
-from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.memory.memory import Memory
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 
 _LEAST_M = 3.0

@@ -17,15 +17,15 @@ import numpy as np
 import tyro
 
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.data.datasets import load_episodes
 from hypernav.app.build.data.scenes import load_scene
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.embodiment import Action
 from hypernav.core.episode import Episode
 from hypernav.search.agents.search import SearchAgent
-from hypernav.search.mapping.memory.key_images import KeyImages
-from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.memory.key_images import KeyImages
+from hypernav.search.memory.memory import Memory
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 
 

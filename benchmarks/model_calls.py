@@ -24,7 +24,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "tests"))
 
 from hypernav.app.build.agents import build_agent  # noqa: E402
-from hypernav.app.build.component_specs import (  # noqa: E402
+from hypernav.app.build.components.component_specs import (  # noqa: E402
     ComponentSpecs,
     PresetName,
 )

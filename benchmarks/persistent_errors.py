@@ -20,9 +20,9 @@ from detection_bank import KeptView, views_of
 from hypernav.core.errors import GoalError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.search.models.closed_set import COCO_CLASSES, class_for
-from hypernav.search.perception.local.ground_truth import true_detection, visible_objects
+from hypernav.search.perception.local.stand_ins.ground_truth import true_detection, visible_objects
 
 USUAL_SCORE = 0.3
 LEAST_IOU = 0.3

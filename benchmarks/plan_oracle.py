@@ -33,10 +33,10 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.search.agents.search import SearchAgent
 from hypernav.search.mapping.grid_kernels import unknown_in_view
-from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.reachable_area import ReachableArea
 from hypernav.search.mapping.sight_lines import find_legs_m
 from hypernav.search.mapping.top_down_map import TopDownMap
+from hypernav.search.memory.memory import Memory
 from hypernav.search.perception.explorers.tour_kernels import soonest_tour, unseen_after
 from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.simulator.worlds.simulation import SimulatedWorld

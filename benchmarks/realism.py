@@ -23,7 +23,7 @@ from jaxtyping import Bool, UInt8
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.core.labels import canonical
+from hypernav.core.naming.labels import canonical
 from hypernav.core.world import Instance
 from hypernav.search.models.onnx_detector import OnnxDetectorConfig
 from hypernav.search.models.yolox import YoloxDetector

@@ -15,14 +15,14 @@ import numpy as np
 import tyro
 
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.data.datasets import load_episodes
 from hypernav.app.build.data.scenes import load_scene
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.goal import Goal
 from hypernav.lab.episodes.episode_run import EpisodeRun
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.memory.thing import Thing
+from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.thing import Thing
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 
 _BESIDE_M = 0.4

@@ -27,11 +27,11 @@ from typing import Any
 import numpy as np
 from websockets.sync.client import connect
 
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
 from hypernav.robot.server.searches.agents import AgentPlan
 from hypernav.robot.server.searches.decisions import Decisions

@@ -40,7 +40,10 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.io.layered_config import layered
 from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector, visible_objects
+from hypernav.search.perception.local.stand_ins.ground_truth import (
+    GroundTruthDetector,
+    visible_objects,
+)
 from hypernav.simulator.houses.generator import plan_of
 from hypernav.simulator.houses.named_scenes import building_of
 from hypernav.simulator.houses.plan.floor_plan import FloorPlan

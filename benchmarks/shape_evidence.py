@@ -16,9 +16,9 @@ from detection_bank import KeptView, views_of
 from persistent_errors import LEAST_IOU, is_named
 
 from hypernav.core.geometry.boxes import Detection
-from hypernav.core.kind_shapes import kind_shape
-from hypernav.search.perception.local.ground_truth import true_detection, visible_objects
+from hypernav.core.naming.kind_shapes import kind_shape
 from hypernav.search.perception.local.shape import measured_form, shape_evidence
+from hypernav.search.perception.local.stand_ins.ground_truth import true_detection, visible_objects
 
 Shifts = dict[tuple[str, bool], list[float]]
 

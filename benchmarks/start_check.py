@@ -28,8 +28,8 @@ from hypernav.core.errors import MemoryStartError
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.lab.episodes.episode_run import EpisodeRun
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.memory.start_check import StartCheck
+from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.start.start_check import StartCheck
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from hypernav.simulator.worlds.surface.goal_regions import random_start
 

@@ -43,12 +43,12 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.io.layered_config import layered
 from hypernav.search.drawing.question_map import draw_question_map
 from hypernav.search.mapping.blocks import blocks_of
-from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.reachable_area import ReachableArea, find_frontiers
 from hypernav.search.mapping.top_down_kernels import count_points
+from hypernav.search.memory.memory import Memory
 from hypernav.search.perception.local.depth_cut import DepthCutSegmenter
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
 from hypernav.search.perception.local.local_perception import LocalPerception
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.search.planning.planner import Planner
 from hypernav.simulator.houses.episodes.building_truth import CLIMBING_BODY
 from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig

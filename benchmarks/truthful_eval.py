@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 from hypernav.app.build.agents import build_agent
 from hypernav.app.build.built_agent import BuiltAgent
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.cli.main import main
 from hypernav.lab.evaluation.workers import searcher

@@ -10,9 +10,9 @@ import numpy as np
 from hypernav.app.build.agents import build_agent
 from hypernav.app.build.data.scenes import load_scene
 from hypernav.app.build.presets import preset
-from hypernav.app.show.foxglove_view import McapView
-from hypernav.app.show.rerun_view import RrdView
 from hypernav.app.show.video_frame import EpisodeInfo
+from hypernav.app.show.viewers.foxglove_view import McapView
+from hypernav.app.show.viewers.rerun_view import RrdView
 from hypernav.core.episode import Episode
 from hypernav.core.goal import Goal
 from hypernav.lab.episodes.episode_run import EpisodeRun

@@ -24,11 +24,11 @@ import tyro
 from many_searches import GOALS, SMALL_HOUSE
 from scipy.stats import bootstrap
 
-from hypernav.app.build.component_specs import ComponentSpecs, PresetName
+from hypernav.app.build.components.component_specs import ComponentSpecs, PresetName
 from hypernav.app.build.data.datasets import load_episodes
 from hypernav.app.build.presets import preset as preset_named
 from hypernav.core.episode import Episode
-from hypernav.core.labels import same_name
+from hypernav.core.naming.labels import same_name
 from hypernav.io.layered_config import layered
 from hypernav.lab.evaluation.record import EpisodeRecord
 from hypernav.lab.evaluation.workers.job import Job

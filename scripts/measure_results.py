@@ -27,7 +27,7 @@ from statistics import NormalDist
 from result_tables import DATA, Cell, Column, Results, ResultsError, Row, Table, shown, to_toml
 
 from hypernav.app.build.data.datasets import load_episodes
-from hypernav.app.cli.eval import folder_name
+from hypernav.app.cli.evaluation.eval import folder_name
 from hypernav.core.errors import HyPerNavError
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.record import EpisodeRecord

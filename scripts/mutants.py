@@ -3,7 +3,7 @@
 Draws mutants of the districts that run on the robot (one comparison, sign, number, condition or
 loop changed), by the operators of cosmic-ray, and runs for each the tests that execute its line,
 cheapest first, until one fails: those of the file that mirrors the module
-(``tests/search/mapping/memory/test_floor.py`` for ``mapping/memory/floor.py``), then those of its
+(``tests/search/memory/test_floor.py`` for ``search/memory/floor.py``), then those of its
 folder, then, with ``--far``, all of these rooms. Which lines a test executes and how long it takes
 is recorded under ``build/`` when it is first asked for, and anew when the package or its file
 changes.

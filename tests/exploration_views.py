@@ -12,7 +12,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.search.mapping.memory.floor import SearchMemory
+from hypernav.search.memory.floor import SearchMemory
 
 _CAMERA = PinholeCamera.from_hfov(8, 6, 79.0)
 

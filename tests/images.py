@@ -6,9 +6,9 @@ from jaxtyping import Bool
 
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.search.mapping.memory.key_images import KeyImage
+from hypernav.search.memory.key_images import KeyImage
 
 CAMERA = PinholeCamera.from_hfov(160, 120, 79.0)
 THING = 3

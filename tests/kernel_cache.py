@@ -46,7 +46,7 @@ def _compile_searches() -> None:
     The mesh of a hill is computed here, so that both parts take as long.
     """
     from hypernav.app.build.agents import build_agent
-    from hypernav.app.build.component_specs import ComponentSpecs
+    from hypernav.app.build.components.component_specs import ComponentSpecs
     from hypernav.app.warmup.exercises import search_room
     from hypernav.core.embodiment import BodyConfig
     from hypernav.core.goal import Goal

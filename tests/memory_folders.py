@@ -12,9 +12,9 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.floor import counted_from
 from hypernav.search.mapping.stairs.connectors import Connector, Passage
-from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+from hypernav.search.memory.floor import counted_from
+from hypernav.search.memory.store.memory_folder import MemoryFolder
 
 HALL = [*room(8.0, 6.0), ((4.0, 0.0, 0.0), (4.2, 4.0, 2.5)), ((1.0, 0.3, 0.0), (2.0, 1.0, 0.8))]
 STAIRS = (

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from box_scenes import room_boxes, scene_of
-from hypernav.app.build.component_specs import PresetName
+from hypernav.app.build.components.component_specs import PresetName
 from hypernav.app.build.presets import HyPerNavConfig, preset
 from hypernav.simulator.worlds.drawing.renderer import CpuRenderer, RenderConfig
 from hypernav.simulator.worlds.scenes.scene import Scene

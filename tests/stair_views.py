@@ -4,8 +4,8 @@ from box_views import SolidBox, view_of
 from hypernav.core.embodiment import BodyConfig, Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.stairs.connectors import Connector
+from hypernav.search.memory.memory import Memory
 
 TREAD_M, RISE_M, STEPS = 0.28, 0.18, 10
 FIRST_X, SIDES_Y = 4.0, (1.4, 2.6)

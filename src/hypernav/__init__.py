@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from hypernav.app.build.agents import build_agent, build_search
     from hypernav.app.build.built_agent import BuiltAgent
-    from hypernav.app.build.component_specs import ComponentSpecs
+    from hypernav.app.build.components.component_specs import ComponentSpecs
     from hypernav.app.build.data.scenes import load_scene
     from hypernav.app.build.env import ObjectNavEnv
     from hypernav.app.build.memories.building_memory import BuildingMemory, open_memory
@@ -77,7 +77,7 @@ if TYPE_CHECKING:
     from hypernav.robot.driving.base import Base, DepthView, Velocity
     from hypernav.robot.driving.driven_robot import DrivenRobot
     from hypernav.robot.wire.requests import OpenSearch
-    from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+    from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
     from hypernav.simulator.worlds.box_room import BoxRoom
     from hypernav.simulator.worlds.scenes.scene import Scene
     from hypernav.simulator.worlds.simulation import SimulatedWorld
@@ -179,7 +179,7 @@ _MODULES = {
     "BuiltAgent": "hypernav.app.build.built_agent",
     "build_agent": "hypernav.app.build.agents",
     "build_search": "hypernav.app.build.agents",
-    "ComponentSpecs": "hypernav.app.build.component_specs",
+    "ComponentSpecs": "hypernav.app.build.components.component_specs",
     "open_memory": "hypernav.app.build.memories.building_memory",
     "native_config": "hypernav.app.build.native",
     "HyPerNavConfig": "hypernav.app.build.presets",
@@ -241,7 +241,7 @@ _MODULES = {
     "load_runs": "hypernav.lab.evaluation.report.run_data",
     "RunPlan": "hypernav.lab.evaluation.run_plan",
     "Selection": "hypernav.lab.evaluation.run_plan",
-    "GroundTruthDetector": "hypernav.search.perception.local.ground_truth",
+    "GroundTruthDetector": "hypernav.search.perception.local.stand_ins.ground_truth",
     "HttpLink": "hypernav.robot.client.links",
     "HttpServer": "hypernav.robot.client.links",
     "ServerAddress": "hypernav.robot.client.links",

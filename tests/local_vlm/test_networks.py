@@ -9,7 +9,7 @@ import pytest
 
 from chat_models import image
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.core.errors import ModelError
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.camera import PinholeCamera

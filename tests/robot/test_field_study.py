@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.cli.main import main
 from hypernav.core.errors import RunFolderError

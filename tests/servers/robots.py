@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.presets import preset
 from hypernav.core.embodiment import Action
 from hypernav.core.geometry.grid import OccupancyGrid

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Transform
-from hypernav.core.words import megabytes
+from hypernav.core.naming.words import megabytes
 
 _BYTES_PER_PIXEL = 200
 """Memory per pixel: its ray, colours, depth, instance and point, bytes."""

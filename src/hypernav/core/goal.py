@@ -5,7 +5,7 @@ import unicodedata
 from dataclasses import dataclass
 
 from hypernav.core.errors import GoalError
-from hypernav.core.words import composed, without_lead_in
+from hypernav.core.naming.words import composed, without_lead_in
 
 MAX_GOAL_LENGTH = 500
 """Maximum length of a goal, characters: several sentences, short enough for every prompt."""

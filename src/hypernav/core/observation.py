@@ -10,7 +10,7 @@ from jaxtyping import Float32, Float64, Int32, Int64, UInt8
 from hypernav.core.errors import CameraError
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform, wrap_angle
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,7 @@ from hypernav.core.episode import Episode
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import Observation
 
 

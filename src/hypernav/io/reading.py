@@ -13,7 +13,7 @@ from itertools import islice
 from pathlib import Path
 from typing import BinaryIO
 
-from hypernav.core.words import megabytes
+from hypernav.core.naming.words import megabytes
 
 MOST_BYTES = 2_000_000_000
 """The limit, bytes. A scan of a large house with a hundred textures of 2048² stays below."""

@@ -4,7 +4,9 @@ A camera image with depth and a pose come in, an action goes out: `core.componen
 Rooms in reading order:
 
 - ``mapping``: depth images become a map of cells, blocks and frontiers (`mapping.top_down_map`),
-  stairs, and a memory of things (`mapping.memory`), which can be kept in a folder.
+  the height of the ground, and stairs.
+- ``memory``: floors, things, images and stairs that were seen (`memory.memory`); kept in a folder
+  (`memory.store`), and where on it a robot begins (`memory.start`).
 - ``models``: vision-language models and networks, local or on a server, and what their answers say.
 - ``perception``: is the goal in the image (`perception.local`), and in which block would it be
   (`perception.explorers.map_question`)?

@@ -3,8 +3,8 @@
 import pytest
 
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.choosing import choose_components
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.choosing import choose_components
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.native import native_config, step_limit_of
 from hypernav.app.build.presets import HyPerNavConfig, preset
 from hypernav.app.cli.command_line import run_command

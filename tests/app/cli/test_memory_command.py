@@ -18,7 +18,7 @@ from hypernav.core.errors import OutputError
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.io.folder_lock import folder_lock
-from hypernav.search.mapping.memory.key_images import KeyImage
+from hypernav.search.memory.key_images import KeyImage
 from memory_folders import change_index, files_of
 
 SMALL = ("--set", "embodiment.camera.width=160", "embodiment.camera.height=120")
@@ -203,8 +203,8 @@ def test_what_was_found_counts_though_the_memory_cannot_be_saved(
     def full(home):
         raise OutputError("the disk is full")
 
-    monkeypatch.setattr("hypernav.search.mapping.storage.memory_folder.MemoryFolder.save", full)
-    monkeypatch.setattr("hypernav.search.mapping.storage.memory_folder.SAVE_EVERY_S", math.inf)
+    monkeypatch.setattr("hypernav.search.memory.store.memory_folder.MemoryFolder.save", full)
+    monkeypatch.setattr("hypernav.search.memory.store.memory_folder.SAVE_EVERY_S", math.inf)
     out, scene, home = tmp_path / "out", searched / "room.glb", tmp_path / "home"
     assert hypernav("find", "bed", "--scene", scene, "--out", out, "--memory", home, *SMALL) == 2
     assert json.loads((out / "result.json").read_text())["outcome"] == "found"

@@ -53,11 +53,11 @@ def test_a_robot_that_writes_no_video_loads_nothing_that_draws_pages_or_reads_sc
 
 
 def test_who_compares_nothing_does_not_wait_for_statistics():
-    assert "scipy" not in loaded_by("import hypernav.app.cli.report")
+    assert "scipy" not in loaded_by("import hypernav.app.cli.evaluation.report")
 
 
 def test_what_a_command_imports_is_searched_for_garbage_neither_then_nor_at_the_end(monkeypatch):
-    monkeypatch.delitem(sys.modules, "hypernav.app.cli.report", raising=False)
+    monkeypatch.delitem(sys.modules, "hypernav.app.cli.evaluation.report", raising=False)
     before = gc.get_freeze_count()
     with pytest.raises(SystemExit):
         main(["report", "nowhere"])

@@ -60,7 +60,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.box_room import BoxRoom
 
 SEEN = BoxRoom().observe()

@@ -5,7 +5,7 @@ import numpy as np
 from hypernav.core.embodiment import Action
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
 from hypernav.core.world import Instance
 from hypernav.lab.episodes.episode_run import EpisodeRun

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.core.components.protocols import Remembers
 from hypernav.core.embodiment import Action
 from hypernav.core.episode import Outcome

@@ -15,7 +15,7 @@ from hypernav.core.trace import ExchangeLog, StepTrace
 from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.lab.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
 from hypernav.search.mapping.ros_map import load_ros_map
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 

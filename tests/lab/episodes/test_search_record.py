@@ -9,7 +9,7 @@ from hypernav.core.errors import ConfigError, MissingExtraError, OutputError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog
 from hypernav.lab.episodes.episode_run import EpisodeRun
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 

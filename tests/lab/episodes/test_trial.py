@@ -13,7 +13,7 @@ from hypernav.core.trace import Ending, ExchangeLog
 from hypernav.core.world import SceneTruth, World
 from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.lab.episodes.trial import Trial
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.box_room import DOOR, BoxRoom
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms

@@ -11,7 +11,7 @@ from hypernav.app.build.memories.building_memory import open_memory
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog
 from hypernav.lab.episodes.episode_run import EpisodeRun
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 
@@ -86,7 +86,7 @@ def test_where_its_place_is_not_clear_the_search_begins_anew_and_the_memory_stay
 
 
 def test_where_the_map_contradicts_a_sure_place_the_search_begins_anew(both_rooms, monkeypatch):
-    monkeypatch.setattr("hypernav.search.mapping.memory.start_check._SURE_AT_ONCE", -1e6)
+    monkeypatch.setattr("hypernav.search.memory.start.start_check._SURE_AT_ONCE", -1e6)
     before = {one: one.read_bytes() for one in both_rooms.rglob("*") if one.is_file()}
     search, actions = run(both_rooms, "bed", BEDROOM, 200, relocalize=True)
     assert search.found_start is not None

@@ -11,10 +11,10 @@ import pytest
 
 from eval_runs import SMALL, timeless_lines
 from hypernav.app.build.data.datasets import load_episodes, select
+from hypernav.app.cli.evaluation.run_choice import check, config_of, plan_of
 from hypernav.app.cli.main import main
 from hypernav.app.cli.options.agent import AgentOptions
 from hypernav.app.cli.options.commands import EvalOptions
-from hypernav.app.cli.run_choice import check, config_of, plan_of
 from hypernav.core.episode import Outcome
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.lab.datasets import paper_results

@@ -13,7 +13,7 @@ from hypernav.app.build.env import ObjectNavConfig, ObjectNavEnv
 from hypernav.core.embodiment import Action, CameraConfig, Embodiment
 from hypernav.core.errors import ContractError
 from hypernav.core.trace import Ending, ExchangeLog, Mode, StepTrace
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.box_room import BoxRoom
 from small_worlds import small_config
 

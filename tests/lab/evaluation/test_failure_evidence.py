@@ -19,7 +19,7 @@ from hypernav.lab.evaluation.failure_evidence import decisive_step
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.workers.job import Job
 from hypernav.lab.evaluation.workers.worker import EpisodeWorker
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from small_episodes import episode_from
 from small_worlds import InScenes, small_config
 

@@ -3,7 +3,7 @@
 import pytest
 
 from eval_runs import record
-from hypernav.app.build.registries import REASONERS, SCORERS
+from hypernav.app.build.components.registries import REASONERS, SCORERS
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.report.report_page import write_report
 from hypernav.lab.evaluation.report.report_text import warnings

@@ -2,9 +2,9 @@
 
 import pytest
 
-from hypernav.app.build.choosing import choose_components
-from hypernav.app.build.component_specs import ComponentSpecs
-from hypernav.app.build.exam_file import Calibration, Cost, ExamFile, Predicted
+from hypernav.app.build.components.choosing import choose_components
+from hypernav.app.build.components.component_specs import ComponentSpecs
+from hypernav.app.build.components.exam_file import Calibration, Cost, ExamFile, Predicted
 from hypernav.app.build.presets import preset
 from hypernav.core.errors import ConfigError
 from hypernav.lab.evaluation.run_cost import (

@@ -13,8 +13,8 @@ from selenium.webdriver.support.ui import Select
 
 from browsers import chromium
 from eval_runs import apart, record, spec
+from hypernav.app.cli.evaluation.runs import run
 from hypernav.app.cli.options.commands import RunsOptions
-from hypernav.app.cli.runs import run
 from hypernav.core.errors import RunFolderError
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.report.runs_page import changed, overview, run_folders

@@ -13,7 +13,7 @@ from hypernav.core.embodiment import STAIR_CLIMB_M
 from hypernav.core.episode import Episode, Outcome
 from hypernav.core.trace import ExchangeLog
 from hypernav.lab.episodes.episode_run import EpisodeRun
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from small_worlds import small_config

@@ -1,7 +1,6 @@
 """What is systematically wrong is named with the things that it happens with."""
 
-from answers import answered, boxed
-
+from exam_answers import answered, boxed
 from hypernav.lab.exam.faults import faults_of
 
 ELSEWHERE = (100.0, 10.0, 140.0, 40.0)

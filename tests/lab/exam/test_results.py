@@ -1,8 +1,7 @@
 import json
 from pathlib import Path
 
-from answers import answered
-
+from exam_answers import answered
 from hypernav.core.trace import Exchange
 from hypernav.lab.exam.results import Examined, wrappings_of, write_results
 

@@ -12,8 +12,8 @@ from dataclasses import replace
 
 import pytest
 
-from hypernav.app.build.component_specs import ComponentSpecs
-from hypernav.app.build.registries import DETECTORS
+from hypernav.app.build.components.component_specs import ComponentSpecs
+from hypernav.app.build.components.registries import DETECTORS
 from hypernav.core.errors import ConfigError, RunFolderError
 from hypernav.core.goal import Goal
 from hypernav.robot.server import guard, serving

@@ -25,9 +25,9 @@ from hypernav.core.goal import Goal
 from hypernav.robot.server.searches.agents import AgentPlan, PlanAgent
 from hypernav.robot.server.searches.journal import Journal
 from hypernav.robot.wire.requests import OpenSearch
-from hypernav.search.mapping.storage.memory_folder import MemoryFolder
-from hypernav.search.mapping.storage.memory_index import GoalRecord, Index
-from hypernav.search.mapping.storage.memory_reader import read_index
+from hypernav.search.memory.store.memory_folder import MemoryFolder
+from hypernav.search.memory.store.memory_index import GoalRecord, Index
+from hypernav.search.memory.store.memory_reader import read_index
 from hypernav.simulator.worlds.box_room import BoxRoom
 from memory_folders import files_of
 from servers.robots import RobotLink, body_of, drive, real_plan, robot_server, scripted_plan

@@ -11,7 +11,7 @@ from PIL import Image
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.errors import WireError
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.robot.client.robot import Sensed
 from hypernav.robot.wire.frames import (

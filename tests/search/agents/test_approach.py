@@ -11,7 +11,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Ending, ExchangeLog, Mode
 from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.search.agents.plan import Approaching, patience_of
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from meeting_room import meeting_room
 from small_episodes import episode_from
 from small_worlds import small_config

@@ -16,9 +16,9 @@ from hypernav.core.trace import ExchangeLog, ModuleClock
 from hypernav.search.agents.climb import climb
 from hypernav.search.agents.plan import Climbing, Plan
 from hypernav.search.agents.step import Decision, Step
-from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.stairs.connectors import Connector
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.memory.memory import Memory
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 
 CONFIG = preset("default").with_(embodiment={"body": {"max_step_m": 0.2}})
 TURN_RAD = math.radians(CONFIG.embodiment.motion.turn_angle_deg)

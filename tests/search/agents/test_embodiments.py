@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hypernav.app.build.agents import build_search
-from hypernav.app.build.component_specs import PresetName
+from hypernav.app.build.components.component_specs import PresetName
 from hypernav.app.build.data.scenes import load_scene
 from hypernav.app.build.presets import preset
 from hypernav.core.episode import Outcome
@@ -16,7 +16,7 @@ from hypernav.core.trace import Ending, ExchangeLog
 from hypernav.io.layered_config import layered
 from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.search.agents import search as search_agent
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.search.planning.bump_sensor import bumped_points
 from hypernav.simulator.worlds.surface.goal_regions import random_start
 from small_episodes import episode_from

@@ -20,11 +20,11 @@ from hypernav.search.agents.explore import explore, unexplored_boundary
 from hypernav.search.agents.plan import Plan
 from hypernav.search.agents.step import Decision, Phase, SearchComponents, Step, turn_towards
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.memory.memory import Memory
 from hypernav.search.perception.local.config import LocalConfig
 from hypernav.search.perception.local.depth_cut import DepthCutSegmenter
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
 from hypernav.search.perception.local.local_perception import LocalPerception
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.search.planning.config import PlanningConfig
 from images import thing_before_wall
 

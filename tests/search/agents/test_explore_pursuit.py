@@ -7,9 +7,9 @@ from hypernav.core.embodiment import BodyConfig, Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.search.agents.explore import forget_sighting
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.stairs.connectors import Connector
-from hypernav.search.mapping.stairs.floor_exits import seen_from_elsewhere
+from hypernav.search.memory.floor_exits import seen_from_elsewhere
+from hypernav.search.memory.memory import Memory
 
 CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
 FAR, FROM_ABOVE = (10.0, 0.0), (2.0, 8.0)

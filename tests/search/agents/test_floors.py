@@ -15,10 +15,10 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.search.mapping.memory.key_images import KeyImages
-from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.stairs.connectors import Connector
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.memory.key_images import KeyImages
+from hypernav.search.memory.memory import Memory
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.scans.scan_loading import open_scene
 from scan_writers.buildings import STOREY_M, two_storeys
 from scan_writers.scans import write_scan

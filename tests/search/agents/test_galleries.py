@@ -16,7 +16,7 @@ from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import StepTrace
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from searches import searched
 from small_episodes import episode_from

@@ -11,7 +11,7 @@ import pytest
 from box_scenes import room_boxes, scene_of
 from box_views import FLOOR, SolidBox, view_of
 from hypernav.app.build.agents import build_search
-from hypernav.app.build.component_specs import PresetName
+from hypernav.app.build.components.component_specs import PresetName
 from hypernav.app.build.presets import preset
 from hypernav.core.embodiment import Action
 from hypernav.core.episode import Outcome
@@ -22,8 +22,8 @@ from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.search.agents.get_free import get_free, repeats, with_tried
 from hypernav.search.agents.plan import Climbing, Plan
 from hypernav.search.agents.step import Decision, Step
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.memory.memory import Memory
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.scenes.scene import Scene
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from hypernav.simulator.worlds.surface.walkable import WalkableGrid

@@ -6,13 +6,13 @@ import pytest
 
 from certainty import certain
 from hypernav.app.build.agents import build_search
-from hypernav.app.build.component_specs import PresetName
+from hypernav.app.build.components.component_specs import PresetName
 from hypernav.core.components.abilities import GoesWhereSent
 from hypernav.core.exploring.operator_place import OperatorPlace, PlaceState
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, Mode
 from hypernav.search.agents.search import SearchAgent
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.box_room import BoxRoom
 from small_worlds import small_config
 

@@ -13,7 +13,7 @@ from hypernav.core.embodiment import Action
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from searches import searched
 from small_episodes import episode_from

@@ -11,9 +11,9 @@ from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.search.agents.recall import path_to_thing, path_to_view
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.thing import Thing
 from hypernav.search.mapping.reachable_area import ReachableArea
 from hypernav.search.mapping.top_down_map import TopDownMap
+from hypernav.search.memory.thing import Thing
 
 SOFA = ((4.0, 1.2, 0.0), (4.6, 2.4, 0.8))
 WALL = ((3.0, 2.6, 0.0), (5.4, 2.75, 2.0))

@@ -14,9 +14,9 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, Mode
 from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeRun
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.memory.things import Things
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.things import Things
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from
 from small_worlds import colourless_world, small_config, two_rooms

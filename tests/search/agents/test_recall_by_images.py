@@ -8,7 +8,7 @@ import pytest
 
 from chat_models import Parrot
 from hypernav.app.build.agents import build_agent, build_search
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.core.chat import Question
 from hypernav.core.components.door import through_door
 from hypernav.core.components.protocols import ImageTextModel
@@ -19,8 +19,8 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.search.agents.search import SearchAgent
-from hypernav.search.mapping.memory.key_images import KeyImage, KeyImages
-from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.memory.key_images import KeyImage, KeyImages
+from hypernav.search.memory.memory import Memory
 from hypernav.search.perception.exchanges import prompt_hash
 from hypernav.search.perception.image_recall import (
     NEUTRAL_WORDS,
@@ -28,7 +28,7 @@ from hypernav.search.perception.image_recall import (
     ImageRecall,
     ImageRecallConfig,
 )
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms
 

@@ -15,11 +15,11 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, ModuleClock
 from hypernav.search.agents.recall import recalled, stairs_to_errand, stairs_to_recalled
 from hypernav.search.agents.step import Step
-from hypernav.search.mapping.memory.goal_words import LIKELY
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.memory.thing import Thing
 from hypernav.search.mapping.stairs.connectors import Connector, Passage
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.memory.goal_words import LIKELY
+from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.thing import Thing
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 
 CONFIG = preset("default").with_(
     embodiment={

@@ -7,14 +7,14 @@ import pytest
 
 import hypernav
 from hypernav.app.build.agents import build_agent, build_search
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.presets import preset
 from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, without_timings
 from hypernav.lab.episodes.episode_run import EpisodeRun
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from hypernav.simulator.worlds.surface.goal_regions import random_start
 from small_episodes import episode_from

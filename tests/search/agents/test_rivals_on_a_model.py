@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import pytest
 
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.native import native_config
 from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2

@@ -6,7 +6,7 @@ import pytest
 
 from box_scenes import room_boxes, scene_of
 from hypernav.app.build.agents import build_search
-from hypernav.app.build.component_specs import PresetName
+from hypernav.app.build.components.component_specs import PresetName
 from hypernav.core.components.protocols import Agent, ExplainsItself
 from hypernav.core.embodiment import Action
 from hypernav.core.episode import Outcome
@@ -16,7 +16,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog, Mode, without_timings
 from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.search.agents.plan import Endurance, Plan
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from small_episodes import episode_from
 from small_worlds import colourless_world, small_config, two_rooms
 

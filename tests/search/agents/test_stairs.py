@@ -21,15 +21,15 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, Mode, StepTrace
 from hypernav.io.foreign_folder import ForeignFolder
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.memory.thing import Thing
-from hypernav.search.mapping.memory.things import Things
 from hypernav.search.mapping.stairs.connectors import Connector, Passage, UnderWay, with_crossing
-from hypernav.search.mapping.storage.memory_reader import read_memory
-from hypernav.search.mapping.storage.memory_writer import Writer
+from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.store.memory_reader import read_memory
+from hypernav.search.memory.store.memory_writer import Writer
+from hypernav.search.memory.thing import Thing
+from hypernav.search.memory.things import Things
 from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.search.perception.explorers.map_question import VlmReasoner, VlmReasonerConfig
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from searches import searched
 from small_episodes import episode_from

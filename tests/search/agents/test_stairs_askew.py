@@ -13,7 +13,7 @@ from hypernav.app.build.presets import preset
 from hypernav.core.embodiment import Action
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import Mode
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from searches import searched
 from small_episodes import episode_from

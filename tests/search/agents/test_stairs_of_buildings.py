@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.data.datasets import load_episodes
 from hypernav.app.build.presets import preset
 from hypernav.lab.evaluation.record import Outcome

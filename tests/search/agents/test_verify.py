@@ -13,7 +13,7 @@ from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog
 from hypernav.lab.episodes.episode_run import EpisodeRun
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from
 from small_worlds import colourless_world, small_config

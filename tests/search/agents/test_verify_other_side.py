@@ -9,7 +9,7 @@ from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.search.agents.verify import position_on_other_side
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.goal_area import GoalArea
+from hypernav.search.memory.goal_area import GoalArea
 
 CONFIG = MappingConfig()
 THING = (4.0, 3.0)

@@ -8,7 +8,7 @@ import pytest
 
 from hypernav.app.build.agents import build_agent
 from hypernav.app.build.built_agent import BuiltAgent
-from hypernav.app.build.component_specs import ComponentSpecs, PresetName
+from hypernav.app.build.components.component_specs import ComponentSpecs, PresetName
 from hypernav.core.episode import Outcome
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal

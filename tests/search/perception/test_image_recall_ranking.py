@@ -9,7 +9,7 @@ import pytest
 from hypernav.core.errors import ContractError, ModelError
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
-from hypernav.search.mapping.memory.key_images import KeyImage
+from hypernav.search.memory.key_images import KeyImage
 from hypernav.search.perception.image_recall import ImageRanking
 from images import key_image
 

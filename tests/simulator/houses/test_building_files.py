@@ -9,7 +9,7 @@ from hypernav.core.errors import SceneError
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.lab.datasets.building_splits import SPLITS
 from hypernav.simulator.houses.building import BUILTIN_HOUSE, house
 from hypernav.simulator.houses.export.building_files import (

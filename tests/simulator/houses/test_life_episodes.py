@@ -8,7 +8,7 @@ from hypernav.app.build.data.datasets import load_episodes, select
 from hypernav.core.episode import lives_of
 from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
-from hypernav.core.labels import canonical
+from hypernav.core.naming.labels import canonical
 from hypernav.lab.datasets.building_splits import LIVES_PER_BUILDING, SPLITS
 from hypernav.simulator.houses.building import Building
 from hypernav.simulator.houses.episodes.building_truth import truth_of

@@ -1,7 +1,7 @@
 import numpy as np
 
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.world import Instance
 from hypernav.simulator.houses.episodes.queries import near_misses
 from hypernav.simulator.worlds.scenes.scene import Scene

@@ -5,7 +5,7 @@ import pytest
 from hypernav.core.episode import Episode, ObjectName
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.world import Instance
 from hypernav.simulator.worlds.goal_objects import named_as_goals
 

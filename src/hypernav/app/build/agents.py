@@ -4,16 +4,16 @@ from pathlib import Path
 from typing import Any
 
 from hypernav.app.build.built_agent import BuiltAgent
-from hypernav.app.build.chat import is_named, model_words, wrap_chat
-from hypernav.app.build.choosing import choose_components, role_in
-from hypernav.app.build.component_specs import ComponentSpecs
-from hypernav.app.build.construction import asked_by, build
-from hypernav.app.build.given_files import given_files
+from hypernav.app.build.components.chat import is_named, model_words, wrap_chat
+from hypernav.app.build.components.choosing import choose_components, role_in
+from hypernav.app.build.components.component_specs import ComponentSpecs
+from hypernav.app.build.components.construction import asked_by, build
+from hypernav.app.build.components.given_files import given_files
+from hypernav.app.build.components.prompts import prompt_hashes
+from hypernav.app.build.components.registries import AGENTS, ROLES, Factory
+from hypernav.app.build.components.stand_ins import beside_published, segmenter_words, unmeasured
 from hypernav.app.build.native import check_native_robot
 from hypernav.app.build.presets import HyPerNavConfig
-from hypernav.app.build.prompts import prompt_hashes
-from hypernav.app.build.registries import AGENTS, ROLES, Factory
-from hypernav.app.build.stand_ins import beside_published, segmenter_words, unmeasured
 from hypernav.app.show.captions import ITS_OWN
 from hypernav.core.components.abilities import ChecksModel, wants_named_things
 from hypernav.core.components.door import through_door

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from hypernav.app.build.choosing import ChosenComponents
+from hypernav.app.build.components.choosing import ChosenComponents
+from hypernav.app.build.components.stand_ins import SegmenterWords, labels_warning, reasoner_warning
 from hypernav.app.build.presets import PriceConfig
-from hypernav.app.build.stand_ins import SegmenterWords, labels_warning, reasoner_warning
 from hypernav.core.components.abilities import (
     ChecksGoal,
     Closes,

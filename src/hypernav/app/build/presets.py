@@ -6,15 +6,14 @@ from typing import Any, get_args
 
 from pydantic import Field, model_validator
 
-from hypernav.app.build.component_specs import PresetName
+from hypernav.app.build.components.component_specs import PresetName
 from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import ConfigError
-from hypernav.core.words import megabytes
+from hypernav.core.naming.words import megabytes
 from hypernav.io.layered_config import with_values
 from hypernav.io.reading import MOST_BYTES
 from hypernav.search.agents.config import SearchConfig
-from hypernav.search.agents.policy import PolicyConfig
 from hypernav.search.mapping.config import MappingConfig, memory_of
 from hypernav.search.models.chat.config import ChatConfig
 from hypernav.search.models.onnx_detector import OnnxDetectorConfig
@@ -27,7 +26,7 @@ from hypernav.search.perception.explorers.map_question import VlmReasonerConfig
 from hypernav.search.perception.image_recall import ImageRecallConfig
 from hypernav.search.perception.local.config import LocalConfig
 from hypernav.search.perception.local.depth_cut import DepthCutConfig
-from hypernav.search.perception.local.noisy_detector import DetectorQuality
+from hypernav.search.perception.local.stand_ins.noisy_detector import DetectorQuality
 from hypernav.search.perception.local.vlm_detector import VlmDetectorConfig
 from hypernav.search.perception.local.yes_no_checks import PresenceConfig
 from hypernav.search.planning.config import PlanningConfig
@@ -35,6 +34,7 @@ from hypernav.search.rivals.arrows.prompted import PromptedConfig
 from hypernav.search.rivals.arrows.proposals import ArrowsConfig
 from hypernav.search.rivals.navvlm.area_explorer import AreaConfig
 from hypernav.search.rivals.navvlm.guides import ChatGuideConfig
+from hypernav.search.rivals.policy import PolicyConfig
 from hypernav.search.rivals.vlfm.scene_scorers import (
     ChatScorerConfig,
     TruthScorerConfig,

@@ -18,8 +18,8 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.world import Simulator
 from hypernav.lab.episodes.episode_run import EpisodeRun
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.store.memory_folder import MemoryFolder
 from hypernav.simulator.worlds.scenes.scene import Scene
 
 

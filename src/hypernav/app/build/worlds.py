@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from hypernav.app.build.construction import make
+from hypernav.app.build.components.construction import make
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.components.door import through_door
 from hypernav.core.components.registry import Entry, Registry

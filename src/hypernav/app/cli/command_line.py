@@ -244,8 +244,8 @@ def _with_offers(script: str) -> str:
 
     tyro offers values only of options that take no others, and these take files and modules, too.
     """
+    from hypernav.app.build.components.registries import AGENTS
     from hypernav.app.build.data.scenes import SCENES
-    from hypernav.app.build.registries import AGENTS
 
     offers = {
         "scene": [form.replace(":N", ":7") for form in SCENES.forms],

@@ -59,7 +59,7 @@ from hypernav.lab.datasets.benchmarks import robot_in
 from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.lab.episodes.recorder import OUTPUT_FILES, EpisodeRecorder
 from hypernav.lab.evaluation.run_cost import kinds_asked, pace_words
-from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+from hypernav.search.memory.store.memory_folder import MemoryFolder
 from hypernav.simulator.worlds.simulated_robot import check_standable
 
 _FARTHEST = 10_000.0

@@ -12,7 +12,7 @@ from hypernav.app.cli.options.commands import Episodes, Export, Show, Splits
 from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, EpisodeError
 from hypernav.core.interruptions import interruptions_of_kernels
-from hypernav.core.words import is_whole_number, number_of
+from hypernav.core.naming.words import is_whole_number, number_of
 from hypernav.lab.datasets.building_splits import SPLITS, numbers_of, split_named
 from hypernav.simulator.houses.building import NOUNS, Building
 from hypernav.simulator.houses.episodes.splits import Difficulty, difficulty, load_split

@@ -20,7 +20,7 @@ from typing import Any, NoReturn
 from hypernav.app.cli.guards.crashes import ExitStatus, ReportedCrashError, crash_report
 from hypernav.app.cli.guards.interruptions import Terminated, sigterm_as_interruption
 from hypernav.core.errors import HyPerNavError, ModelUnavailableError
-from hypernav.core.words import visible
+from hypernav.core.naming.words import visible
 
 _LIBRARIES = tuple(
     f"{folder}{os.sep}"

@@ -11,15 +11,15 @@ from hypernav.app.cli.guards.outputs import check_file
 from hypernav.app.cli.options.commands import MemoryOptions
 from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, MemoryFolderError, OutputError
-from hypernav.core.labels import canonical, same_name
-from hypernav.core.words import number_of
+from hypernav.core.naming.labels import canonical, same_name
+from hypernav.core.naming.words import number_of
 from hypernav.io.folder_lock import LOCK_NAME, folder_lock
 from hypernav.io.writing import write_whole
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.memory.thing import Thing
-from hypernav.search.mapping.memory.things import Things
-from hypernav.search.mapping.storage.memory_folder import MemoryFolder
-from hypernav.search.mapping.storage.memory_reader import read_index
+from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.store.memory_folder import MemoryFolder
+from hypernav.search.memory.store.memory_reader import read_index
+from hypernav.search.memory.thing import Thing
+from hypernav.search.memory.things import Things
 
 PAGE_NAME = "index.html"
 

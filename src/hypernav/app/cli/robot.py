@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 import tyro
 
-from hypernav.app.build.component_specs import RobotPresetName
+from hypernav.app.build.components.component_specs import RobotPresetName
 from hypernav.app.cli.options.agent import (
     EmbodiedAgentOptions,
     FlatEmbodiedAgentOptions,

@@ -102,8 +102,8 @@ def _check_memory(folder: Path) -> tuple[str, ...]:
         RunFolderError: Another program uses it, and may be saving to it.
     """
     from hypernav.io.folder_lock import folder_lock
-    from hypernav.search.mapping.storage.memory_folder import check_is_of_robot
-    from hypernav.search.mapping.storage.memory_reader import (
+    from hypernav.search.memory.store.memory_folder import check_is_of_robot
+    from hypernav.search.memory.store.memory_reader import (
         check_not_inside_another,
         read_index,
         read_memory,

@@ -14,8 +14,8 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 from PIL import Image
 
 from hypernav.app.show import captions
+from hypernav.core.naming.words import visible
 from hypernav.core.trace import Mode
-from hypernav.core.words import visible
 from hypernav.search.drawing import palette
 
 

@@ -7,7 +7,7 @@ from pathlib import Path, PurePosixPath
 
 from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError
-from hypernav.core.words import is_whole_number
+from hypernav.core.naming.words import is_whole_number
 from hypernav.lab.datasets.benchmarks import Benchmark
 from hypernav.lab.datasets.goat import goat_parts
 from hypernav.lab.datasets.habitat_files import episode_files, split_parts

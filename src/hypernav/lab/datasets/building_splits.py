@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from hypernav.core.errors import EpisodeError
-from hypernav.core.words import is_whole_number
+from hypernav.core.naming.words import is_whole_number
 
 GoalStyle = Literal["categories", "phrases", "lives"]
 """What episodes ask for; the goals of a life are categories and phrases in turn."""

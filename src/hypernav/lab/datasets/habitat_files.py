@@ -17,7 +17,7 @@ from pydantic import BaseModel, ValidationError
 from hypernav.core.episode import Episode, ObjectName
 from hypernav.core.errors import EpisodeError
 from hypernav.core.goal import Goal
-from hypernav.core.words import megabytes
+from hypernav.core.naming.words import megabytes
 from hypernav.io.parsing import check_json_size
 from hypernav.io.reading import Allowance, read_file
 from hypernav.lab.datasets.habitat_format import (

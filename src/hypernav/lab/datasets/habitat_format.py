@@ -23,7 +23,7 @@ from hypernav.core.episode import ObjectName
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.core.goal import Goal
-from hypernav.core.words import is_whole_number
+from hypernav.core.naming.words import is_whole_number
 from hypernav.io.parsing import Items
 from hypernav.io.reading import back_slashes
 

@@ -28,9 +28,9 @@ from hypernav.lab.episodes.memory_frame import building_of, map_frame_of
 from hypernav.lab.episodes.trial import Trial
 from hypernav.lab.episodes.true_paths import true_paths
 from hypernav.lab.episodes.unknown_start import find_start
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.memory.relocalization import FoundStart
-from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.start.relocalization import FoundStart
+from hypernav.search.memory.store.memory_folder import MemoryFolder
 
 if TYPE_CHECKING:
     from hypernav.lab.episodes.search_record import SearchRecord

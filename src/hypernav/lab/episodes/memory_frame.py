@@ -8,7 +8,7 @@ from hypernav.core.episode import Episode
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.world import KeepsMapFrame, World
-from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+from hypernav.search.memory.store.memory_folder import MemoryFolder
 
 
 def building_of(episode: Episode) -> str:

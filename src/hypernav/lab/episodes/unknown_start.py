@@ -7,8 +7,8 @@ from hypernav.core.episode import Episode
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.world import World
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.memory.relocalization import FoundStart, found_by_turn
+from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.start.relocalization import FoundStart, found_by_turn
 
 
 def find_start(

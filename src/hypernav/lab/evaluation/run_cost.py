@@ -3,9 +3,9 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from hypernav.app.build.choosing import ChosenComponents
-from hypernav.app.build.construction import asked_by
-from hypernav.app.build.exam_file import ExamFile
+from hypernav.app.build.components.choosing import ChosenComponents
+from hypernav.app.build.components.construction import asked_by
+from hypernav.app.build.components.exam_file import ExamFile
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.errors import ConfigError
 from hypernav.lab.evaluation.record import EpisodeRecord

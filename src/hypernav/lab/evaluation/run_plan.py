@@ -6,7 +6,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from hypernav.app.build.component_specs import BenchmarkName
+from hypernav.app.build.components.component_specs import BenchmarkName
 from hypernav.app.build.data.datasets import (
     canonical_name,
     check_scenes,

@@ -6,10 +6,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from hypernav.app.build.component_specs import ComponentSpecs
-from hypernav.app.build.construction import asked_by, build
-from hypernav.app.build.presets import HyPerNavConfig
-from hypernav.app.build.registries import (
+from hypernav.app.build.components.component_specs import ComponentSpecs
+from hypernav.app.build.components.construction import asked_by, build
+from hypernav.app.build.components.registries import (
     ARROW_REASONERS,
     DETECTORS,
     GUIDES,
@@ -18,6 +17,7 @@ from hypernav.app.build.registries import (
     SEGMENTERS,
     Factory,
 )
+from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.components.abilities import ChecksGoal, ChecksModel
 from hypernav.core.components.protocols import (
     ArrowReasoner,

@@ -40,7 +40,7 @@ from hypernav.lab.exam.questions import ExamQuestion, best_of
 from hypernav.search.agents.search import SearchAgent
 from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.search.perception.explorers.map_question import offered_blocks
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.houses.episodes.queries import RULES
 
 _SEED = 2

@@ -15,12 +15,12 @@ from hypernav.core.world import Instance, Simulator
 from hypernav.lab.exam.bank import Sheet
 from hypernav.lab.exam.questions import NO_IMAGE, ExamQuestion, Kind
 from hypernav.search.perception.image_recall import IMAGES_PER_QUESTION
-from hypernav.search.perception.local.ground_truth import (
+from hypernav.search.perception.local.stand_ins.ground_truth import (
     true_detection,
     true_labels,
     visible_objects,
 )
-from hypernav.search.perception.local.noisy_detector import distance_to, resembles
+from hypernav.search.perception.local.stand_ins.noisy_detector import distance_to, resembles
 
 _CLEAR_SHARE = 0.002
 """Least share of the image that a thing must cover to be asked for."""

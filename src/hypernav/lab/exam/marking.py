@@ -13,13 +13,13 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import Exchange
 from hypernav.lab.exam.questions import NO_IMAGE, RIGHT_IOU, Answered, ExamQuestion, Role, Shown
 from hypernav.search.models.chat.answer_parsing import final_answer
-from hypernav.search.perception.local.ground_truth import (
+from hypernav.search.perception.local.stand_ins.ground_truth import (
     true_detection,
     true_labels,
     visible_objects,
 )
-from hypernav.search.perception.local.noisy_detector import resembles
-from hypernav.search.perception.local.systematic_detector import view_of
+from hypernav.search.perception.local.stand_ins.noisy_detector import resembles
+from hypernav.search.perception.local.stand_ins.systematic_detector import view_of
 
 _CORNERS = re.compile(r"(?:-?\d+(?:\.\d+)?[\s,()\[\]]+){3}-?\d")
 """Four successive numbers, as of a box."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import binomtest
 
-from hypernav.app.build.exam_file import Cost
+from hypernav.app.build.components.exam_file import Cost
 from hypernav.core.trace import Exchange
 from hypernav.lab.evaluation.statistics import Comparison, Estimate, compare, mean_with_interval
 from hypernav.lab.exam.questions import KINDS, STRATA, Answered, Kind

@@ -107,7 +107,7 @@ class Shown(BaseModel):
         role: "goal", "alike" if it is easily taken for the goal, or "other".
         boxed: Whether it is the thing that some box of the answer fits best.
         view: Side from which it is seen, size, and whether the image cuts it off
-            (`hypernav.search.perception.local.systematic_detector.view_of`).
+            (`hypernav.search.perception.local.stand_ins.systematic_detector.view_of`).
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")

@@ -10,18 +10,18 @@ from typing import Any
 
 import numpy as np
 
-from hypernav.app.build.exam_file import VERSION
+from hypernav.app.build.components.exam_file import VERSION
 from hypernav.app.show.templating import data_uri, page_environment, plain
 from hypernav.core.errors import OutputError
 from hypernav.io.foreign_folder import read_own
 from hypernav.io.writing import write_whole
 from hypernav.lab.evaluation.checks.findings import Finding, State
 from hypernav.lab.evaluation.statistics import Comparison, compare, holm
-from hypernav.lab.exam.calibration import calibration_of
 from hypernav.lab.exam.faults import faults_of
 from hypernav.lab.exam.marks import TypeMarks, costs_of, marks_of
 from hypernav.lab.exam.pictures import picture_of
-from hypernav.lab.exam.prediction import Prediction
+from hypernav.lab.exam.prediction.calibration import calibration_of
+from hypernav.lab.exam.prediction.outlook import Prediction
 from hypernav.lab.exam.questions import KINDS, STRATA, Answered
 from hypernav.lab.exam.sitting import Nameless
 from hypernav.search.models.chat.answer_parsing import unwrapped

@@ -17,7 +17,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import Mode, ModuleClock, StepTrace
 from hypernav.robot.recordings.recording import RecordedFrame, Recording
 from hypernav.search.agents.step import SearchComponents
-from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.memory.memory import Memory
 
 _MOST_FRAMES = 40
 """Number of frames, spread over the recording, in which the floor is searched."""

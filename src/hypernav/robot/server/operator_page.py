@@ -40,10 +40,10 @@ from hypernav.robot.wire.requests import (
     WaitingRobot,
 )
 from hypernav.search.drawing import palette
-from hypernav.search.mapping.stairs.floor_exits import routes
-from hypernav.search.mapping.storage.memory_index import Index
-from hypernav.search.mapping.storage.memory_reader import read_image, read_index
-from hypernav.search.mapping.storage.memory_writer import INDEX_NAME
+from hypernav.search.memory.floor_exits import routes
+from hypernav.search.memory.store.memory_index import Index
+from hypernav.search.memory.store.memory_reader import read_image, read_index
+from hypernav.search.memory.store.memory_writer import INDEX_NAME
 
 _PICTURE_PX = 160
 _LEAST_PX = 40.0

@@ -10,8 +10,8 @@ from typing import Any
 import uvicorn
 
 from hypernav.app.show import captions
-from hypernav.app.show.frame_data import colour_jpeg
 from hypernav.app.show.video_frame import EpisodeInfo
+from hypernav.app.show.viewers.frame_data import colour_jpeg
 from hypernav.core.episode import Outcome
 from hypernav.core.errors import ConfigError, RequestRefusedError
 from hypernav.core.geometry.grid import OccupancyGrid

@@ -13,7 +13,7 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.goal import MAX_GOAL_LENGTH
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.robot.wire.values import LATEST_S, LONGEST_WAIT_S, Message, PlanarPose, RigidMatrix
 
 _MOST_IMAGE_BYTES = 100_000_000

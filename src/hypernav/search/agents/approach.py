@@ -10,8 +10,8 @@ from hypernav.core.events import Event
 from hypernav.core.trace import Mode
 from hypernav.search.agents.plan import Opening, Plan
 from hypernav.search.agents.step import Decision, Phase, Step, turn_towards
-from hypernav.search.mapping.memory.candidate import Candidate
-from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.memory.candidate import Candidate
+from hypernav.search.memory.memory import Memory
 from hypernav.search.perception.local.belief import is_convincing, rejected
 
 _CLOSE_BY_M = 1.5

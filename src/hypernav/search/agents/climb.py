@@ -13,7 +13,6 @@ from hypernav.search.agents.get_free import closed_turns
 from hypernav.search.agents.plan import Climbing, Plan
 from hypernav.search.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.search.mapping.elevation_map import Ground
-from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.stairs.connectors import Connector, Passage
 from hypernav.search.mapping.stairs.flights import (
     ahead_of,
@@ -29,6 +28,7 @@ from hypernav.search.mapping.stairs.flights import (
     stairs_ahead,
 )
 from hypernav.search.mapping.stairs.seen_connectors import LEVEL_M
+from hypernav.search.memory.memory import Memory
 from hypernav.search.planning.bump_sensor import is_cut_short
 from hypernav.search.planning.stair_steps import step_over_ground
 

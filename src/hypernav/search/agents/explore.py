@@ -30,15 +30,15 @@ from hypernav.search.agents.go_to import go_to
 from hypernav.search.agents.plan import Climbing, Plan, patience_of
 from hypernav.search.agents.recall import errand, may_be_hidden, recalled, refutation, remembered
 from hypernav.search.agents.step import Decision, Phase, Step, turn_towards
-from hypernav.search.mapping.memory.floor import ThingStatus
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.stairs.floor_exits import (
+from hypernav.search.memory.floor import ThingStatus
+from hypernav.search.memory.floor_exits import (
     forget_seen_from_elsewhere,
     seen_from_elsewhere,
     stairs_to_sighting,
     stairs_to_unseen,
     ways_out,
 )
+from hypernav.search.memory.memory import Memory
 
 _CHOICES_PER_STEP = 4
 _AROUND_M = 0.75

@@ -11,7 +11,7 @@ from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.core.trace import Mode
 from hypernav.search.agents.plan import STANDS_M, Plan
 from hypernav.search.agents.step import Decision, Phase, Step
-from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.memory.memory import Memory
 from hypernav.search.planning.bump_sensor import is_cut_short
 
 _SAME_HEADING = math.radians(15.0)

@@ -8,7 +8,7 @@ from hypernav.core.exploring.operator_place import PlaceState
 from hypernav.core.trace import Mode
 from hypernav.search.agents.plan import Plan
 from hypernav.search.agents.step import Decision, Step
-from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.memory.memory import Memory
 
 _BESIDE_M = 1.0
 """Distance from the place, metres, of a position that stands in for one that can't be entered."""

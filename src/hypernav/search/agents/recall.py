@@ -20,16 +20,16 @@ from hypernav.search.agents.destinations import (
 )
 from hypernav.search.agents.plan import Plan
 from hypernav.search.agents.step import Step
-from hypernav.search.mapping.memory.candidate import Candidate
-from hypernav.search.mapping.memory.floor import Floor, ThingStatus
-from hypernav.search.mapping.memory.goal_words import LIKELY, weights_of_place
-from hypernav.search.mapping.memory.key_images import KeyImages
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.memory.thing import APART_M, Thing
 from hypernav.search.mapping.reachable_area import ReachableArea
 from hypernav.search.mapping.sight_lines import lines_are_clear
-from hypernav.search.mapping.stairs.floor_exits import known_floors, routes_from_here
 from hypernav.search.mapping.top_down_map import TopDownMap
+from hypernav.search.memory.candidate import Candidate
+from hypernav.search.memory.floor import Floor, ThingStatus
+from hypernav.search.memory.floor_exits import known_floors, routes_from_here
+from hypernav.search.memory.goal_words import LIKELY, weights_of_place
+from hypernav.search.memory.key_images import KeyImages
+from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.thing import APART_M, Thing
 from hypernav.search.perception.image_recall import IMAGES_PER_QUESTION
 
 _BESIDE_M = 1.0

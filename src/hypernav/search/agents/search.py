@@ -25,9 +25,9 @@ from hypernav.search.agents.plan import STANDS_M, Climbing, Plan
 from hypernav.search.agents.recall import errand, is_nearer, leaves_for_recalled
 from hypernav.search.agents.step import Decision, Phase, SearchComponents, Step
 from hypernav.search.agents.verify import second_look, verify
-from hypernav.search.mapping.memory.candidate import Candidate
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.stairs.floor_exits import stairs_underfoot
+from hypernav.search.memory.candidate import Candidate
+from hypernav.search.memory.floor_exits import stairs_underfoot
+from hypernav.search.memory.memory import Memory
 from hypernav.search.perception.local.belief import is_convincing, likeliest, reconsidered
 from hypernav.search.planning.bump_sensor import bumped_points
 

@@ -19,14 +19,14 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode, ModuleClock
 from hypernav.search.agents.config import SearchConfig
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.floor import HeadingsSeen
-from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.sight_lines import unseen_by_bearing
-from hypernav.search.mapping.stairs.floor_exits import (
+from hypernav.search.memory.floor import HeadingsSeen
+from hypernav.search.memory.floor_exits import (
     drops_to_look_at,
     known_floors,
     stairs_to_new_floors,
 )
+from hypernav.search.memory.memory import Memory
 from hypernav.search.perception.image_recall import ImageRanking, ImageRecall
 from hypernav.search.perception.local.local_perception import LocalPerception
 from hypernav.search.planning.config import PlanningConfig

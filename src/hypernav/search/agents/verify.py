@@ -13,10 +13,10 @@ from hypernav.core.trace import Ending, Mode
 from hypernav.search.agents.plan import Plan
 from hypernav.search.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.candidate import Candidate
-from hypernav.search.mapping.memory.goal_area import GoalArea
-from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.reachable_area import ReachableArea
+from hypernav.search.memory.candidate import Candidate
+from hypernav.search.memory.goal_area import GoalArea
+from hypernav.search.memory.memory import Memory
 from hypernav.search.perception.local.belief import (
     confirmed,
     is_convincing,

@@ -12,8 +12,8 @@ from jaxtyping import Float, Float64, UInt8, UInt32
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.errors import MapError
 from hypernav.core.geometry.grid import OccupancyGrid
+from hypernav.core.naming.words import megabytes
 from hypernav.core.observation import Observation
-from hypernav.core.words import megabytes
 from hypernav.io.reading import MOST_BYTES
 from hypernav.search.mapping.config import (
     BUMP_PERSISTENCE,

@@ -5,7 +5,7 @@ from importlib.resources import files
 
 from hypernav.core.errors import GoalError
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel, canonical
+from hypernav.core.naming.labels import ObjectLabel, canonical
 
 COCO_CLASSES: tuple[str, ...] = tuple(
     files("hypernav.search.models").joinpath("coco_classes.txt").read_text("utf-8").splitlines()

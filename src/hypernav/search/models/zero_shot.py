@@ -13,7 +13,7 @@ from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
-from hypernav.core.labels import label_for
+from hypernav.core.naming.labels import label_for
 from hypernav.core.observation import Observation
 from hypernav.search.models.network_loading import (
     EXTRA,

@@ -28,7 +28,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.drawing import palette, shapes
 from hypernav.search.drawing.text import draw_text
-from hypernav.search.mapping.memory.key_images import KeyImage
+from hypernav.search.memory.key_images import KeyImage
 from hypernav.search.models.chat.answer_parsing import final_answer
 from hypernav.search.perception.exchanges import exchange_of
 

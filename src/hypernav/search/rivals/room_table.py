@@ -7,7 +7,7 @@ from importlib.resources import files
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.labels import canonical, normalise
+from hypernav.core.naming.labels import canonical, normalise
 from hypernav.io.parsing import parse_yaml
 
 _CHANCES = {"always": 0.85, "often": 0.5, "sometimes": 0.2, "rarely": 0.05}

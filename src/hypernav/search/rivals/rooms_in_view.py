@@ -5,7 +5,7 @@ from jaxtyping import Float64
 
 from hypernav.core.errors import LabelsMissingError
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel, canonical
+from hypernav.core.naming.labels import ObjectLabel, canonical
 from hypernav.core.observation import Observation
 from hypernav.search.rivals.room_table import RoomTable, room_table
 

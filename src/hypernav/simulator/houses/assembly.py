@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float32, Int16, Int32, UInt16
 
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.world import Instance
 from hypernav.simulator.houses.modelling.model import Finish, Model, rotation_matrix
 from hypernav.simulator.houses.textures.library import texture

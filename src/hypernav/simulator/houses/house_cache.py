@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Int32
 
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.io.cache_folder import cache_folder
 from hypernav.io.kept_arrays import keep
 from hypernav.lab.datasets.shipped import check_geometry

@@ -3,7 +3,7 @@
 from functools import partial
 
 from hypernav.core.errors import SceneError
-from hypernav.core.words import is_whole_number
+from hypernav.core.naming.words import is_whole_number
 from hypernav.simulator.houses.building import BUILTIN_HOUSE, NOUNS, Building, house
 from hypernav.simulator.houses.house_cache import cached_building
 from hypernav.simulator.worlds.scenes.scene import Scene

@@ -9,7 +9,7 @@ from jaxtyping import Float64
 from hypernav.core.embodiment import Action, CameraConfig, Embodiment
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
 
 _LOW = np.array([-2.0, -2.0, 0.0])

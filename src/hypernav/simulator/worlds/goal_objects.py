@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from hypernav.core.episode import Episode
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.world import Instance
 
 

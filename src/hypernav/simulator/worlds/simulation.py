@@ -12,7 +12,7 @@ from hypernav.core.errors import WorldError
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.core.world import Instance, Position, RenderedView, Renderer
 from hypernav.simulator.worlds.config import SimulationConfig

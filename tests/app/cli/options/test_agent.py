@@ -4,8 +4,8 @@ from pathlib import Path
 import pytest
 import tyro
 
-from hypernav.app.build.choosing import choose_components
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.choosing import choose_components
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.cli.command_line import _with_one_set
 from hypernav.app.cli.options.agent import AgentOptions
 from hypernav.core.errors import ConfigError, HyPerNavError

@@ -13,7 +13,7 @@ from hypernav.app.cli.main import main
 from hypernav.lab.episodes.recorder import EpisodeRecorder
 from hypernav.robot.server.searches.agents import AgentPlan, PlanAgent
 from hypernav.robot.wire.requests import OpenSearch
-from hypernav.search.mapping.storage.memory_reader import read_index
+from hypernav.search.memory.store.memory_reader import read_index
 from servers.robots import real_plan, robot_server
 
 SMALL = ["--set", "embodiment.camera.width=160", "embodiment.camera.height=120"]

@@ -9,7 +9,7 @@ from hypernav.app.cli.main import main
 from hypernav.app.cli.robots import wait
 from hypernav.robot.client.links import HttpServer
 from hypernav.robot.wire.requests import GivenGoal
-from hypernav.search.mapping.storage.memory_reader import read_index
+from hypernav.search.memory.store.memory_reader import read_index
 from servers.robots import real_plan, robot_server
 
 

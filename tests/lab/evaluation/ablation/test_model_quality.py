@@ -3,7 +3,7 @@
 import pytest
 
 from eval_runs import record
-from hypernav.app.build.component_specs import ComponentSpecs, PresetName
+from hypernav.app.build.components.component_specs import ComponentSpecs, PresetName
 from hypernav.app.build.presets import preset
 from hypernav.core.errors import ConfigError
 from hypernav.io.layered_config import layered

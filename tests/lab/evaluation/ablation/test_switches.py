@@ -8,7 +8,7 @@ import pytest
 
 from certainty import certain
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.component_specs import ComponentSpecs, PresetName
+from hypernav.app.build.components.component_specs import ComponentSpecs, PresetName
 from hypernav.app.build.presets import preset
 from hypernav.core.embodiment import Action
 from hypernav.core.errors import ConfigError

@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from box_scenes import room_boxes, scene_of
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.transforms import Pose2, Transform
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.lab.datasets.habitat_format import pose_to_habitat
 from hypernav.lab.evaluation.habitat_lab.sensors import observed, semantic_ids_of, sensor_spaces
 from hypernav.lab.evaluation.habitat_lab.task import HabitatTask
-from hypernav.search.agents.policy import pose_input
+from hypernav.search.rivals.policy import pose_input
 
 CAMERA = CameraConfig(width=8, height=8)
 NO_IDS = np.zeros(1, np.int32)

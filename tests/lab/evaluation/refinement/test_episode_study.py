@@ -8,7 +8,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.lab.evaluation.refinement.area_record import BoxSource, MaskSource
 from hypernav.lab.evaluation.refinement.episode_study import EpisodeStudy
 from hypernav.search.perception.local.depth_cut import DepthCutSegmenter
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from
 from small_worlds import small_config

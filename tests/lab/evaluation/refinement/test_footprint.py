@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from box_scenes import room_boxes, scene_of
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.lab.evaluation.refinement.footprint import Footprint, OffTarget
-from hypernav.search.mapping.memory.goal_area import GoalArea
+from hypernav.search.memory.goal_area import GoalArea
 
 CELL_M = 0.05
 

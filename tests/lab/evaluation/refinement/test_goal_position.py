@@ -5,7 +5,7 @@ from box_scenes import room_boxes, scene_of
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.lab.evaluation.refinement.goal_position import GoalPosition, judge_position
-from hypernav.search.mapping.memory.goal_area import GoalArea
+from hypernav.search.memory.goal_area import GoalArea
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from
 from small_worlds import small_config

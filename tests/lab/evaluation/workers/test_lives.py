@@ -9,7 +9,7 @@ import pytest
 
 from eval_runs import write_room
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.core.embodiment import Action
 from hypernav.core.episode import Life, Outcome
 from hypernav.core.errors import ModelUnavailableError, WorldError

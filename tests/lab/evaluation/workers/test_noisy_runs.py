@@ -9,7 +9,7 @@ import pytest
 from box_scenes import room_boxes
 from eval_runs import write_glb
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.component_specs import ComponentSpecs, PresetName
+from hypernav.app.build.components.component_specs import ComponentSpecs, PresetName
 from hypernav.core.errors import TruthMissingError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.lab.episodes.episode_run import EpisodeRun

@@ -4,7 +4,7 @@ from contextlib import closing
 
 import pytest
 
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.errors import RunFolderError
 from hypernav.robot.server.searches.journal import (

@@ -20,10 +20,10 @@ from hypernav.robot.server.searches.agents import AgentPlan, PlanAgent
 from hypernav.robot.wire.frames import pack_observation
 from hypernav.robot.wire.requests import ObservationFacts, OpenSearch
 from hypernav.robot.wire.values import PlanarPose
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.memory.relocalization import FoundStart, found_by_turn
-from hypernav.search.mapping.storage.memory_folder import MemoryFolder
-from hypernav.search.mapping.storage.memory_reader import read_index
+from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.start.relocalization import FoundStart, found_by_turn
+from hypernav.search.memory.store.memory_folder import MemoryFolder
+from hypernav.search.memory.store.memory_reader import read_index
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from memory_folders import files_of
 from servers.robots import RobotLink, real_plan, robot_server
@@ -280,7 +280,7 @@ def test_in_another_building_the_search_begins_anew_and_the_memory_stays(tmp_pat
 def test_where_the_map_contradicts_a_sure_place_the_search_begins_anew(
     tmp_path, plan, home, house, monkeypatch
 ):
-    monkeypatch.setattr("hypernav.search.mapping.memory.start_check._SURE_AT_ONCE", -1e6)
+    monkeypatch.setattr("hypernav.search.memory.start.start_check._SURE_AT_ONCE", -1e6)
     before = files_of(home)
     with robot_server(tmp_path / "state", plan) as link:
         search = opened(link, "bed")

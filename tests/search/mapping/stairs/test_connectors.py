@@ -17,7 +17,7 @@ from hypernav.search.mapping.stairs.connectors import (
     relied_on,
     with_sightings,
 )
-from hypernav.search.mapping.stairs.floor_exits import (
+from hypernav.search.memory.floor_exits import (
     drops_to_look_at,
     known_floors,
     stairs_to_new_floors,

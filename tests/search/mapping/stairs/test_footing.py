@@ -10,8 +10,8 @@ from box_views import FLOOR, SolidBox, view_of
 from hypernav.core.embodiment import BodyConfig, Embodiment
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.stairs.footing import Footing
+from hypernav.search.memory.memory import Memory
 
 CLIMBER = Embodiment(body=BodyConfig(max_step_m=0.2))
 

@@ -12,10 +12,10 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.elevation_map import Ground, UnseenGround, reach
-from hypernav.search.mapping.memory.memory import Memory
 from hypernav.search.mapping.stairs.connectors import Connector, Passage
 from hypernav.search.mapping.stairs.seen_connectors import connectors_in, reliable, without_sides
-from hypernav.search.mapping.storage.memory_index import ConnectorRecord
+from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.store.memory_index import ConnectorRecord
 from stair_views import (
     CAMERA,
     CLIMBER,

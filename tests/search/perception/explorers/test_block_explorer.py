@@ -11,8 +11,8 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.floor import SearchMemory
-from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.memory.floor import SearchMemory
+from hypernav.search.memory.memory import Memory
 from hypernav.search.perception.explorers.block_explorer import BlockExplorer, OverviewConfig
 from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.search.rivals.nearest_frontier import NearestFrontierExplorer

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from certainty import certain
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.score_weights import MISSED, NEUTRAL
-from hypernav.search.mapping.memory.goal_area import GoalArea
+from hypernav.search.memory.goal_area import GoalArea
 from hypernav.search.perception.local.belief import Sighting, weight_of
 from hypernav.search.perception.local.config import LocalConfig
 

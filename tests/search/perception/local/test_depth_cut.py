@@ -11,9 +11,9 @@ from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
-from hypernav.search.mapping.memory.goal_area import points_under_mask
+from hypernav.search.memory.goal_area import points_under_mask
 from hypernav.search.perception.local.depth_cut import DepthCutSegmenter, _divided
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from images import thing_before_wall, thing_pixels
 from small_episodes import episode_from

@@ -9,10 +9,10 @@ from hypernav.core.embodiment import CameraConfig, Embodiment
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.floor import SearchMemory
-from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.memory.floor import SearchMemory
+from hypernav.search.memory.memory import Memory
 from hypernav.search.models.reliability import known
 from hypernav.search.perception.local.belief import (
     confirmed,
@@ -22,8 +22,8 @@ from hypernav.search.perception.local.belief import (
     rejected,
 )
 from hypernav.search.perception.local.config import LocalConfig
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
 from hypernav.search.perception.local.local_perception import LocalPerception
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 
 GOAL = Goal("thing")  # a kind whose form is not known
 

@@ -11,7 +11,7 @@ from box_views import SolidBox, room, view_of
 from certainty import certain
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.core.kind_shapes import KINDS, kind_shape
+from hypernav.core.naming.kind_shapes import KINDS, kind_shape
 from hypernav.core.observation import Observation
 from hypernav.search.models.closed_set import COCO_CLASSES
 from hypernav.search.perception.local.shape import (

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from certainty import certain
-from hypernav.core.kind_shapes import kind_shape
-from hypernav.search.mapping.memory.candidate import Measure
+from hypernav.core.naming.kind_shapes import kind_shape
+from hypernav.search.memory.candidate import Measure
 from hypernav.search.perception.local.shape import Form, form_evidence, measure_of
 from images import thing_before_wall
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from chat_models import Parrot
-from hypernav.app.build.component_specs import PresetName
+from hypernav.app.build.components.component_specs import PresetName
 from hypernav.app.build.presets import preset
 from hypernav.core.chat import Answer, Question, Usage
 from hypernav.core.errors import ConfigError, ModelUnavailableError

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import hypernav
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.native import native_config
 from hypernav.core.embodiment import Action, Embodiment, MotionConfig
 from hypernav.core.exploring.exploration import Destination

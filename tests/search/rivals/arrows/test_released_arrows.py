@@ -15,7 +15,7 @@ from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.floor import SearchMemory
+from hypernav.search.memory.floor import SearchMemory
 from hypernav.search.rivals.arrows.arrow_explorer import (
     DynavlmStyleExplorer,
     VlmnavExplorer,

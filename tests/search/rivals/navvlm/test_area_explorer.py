@@ -15,11 +15,11 @@ from hypernav.core.exploring.guidance import Direction, GuideChoice, GuideView
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.floor import SearchMemory
+from hypernav.search.memory.floor import SearchMemory
 from hypernav.search.rivals.navvlm.area_explorer import (
     AreaConfig,
     AreaExplorer,

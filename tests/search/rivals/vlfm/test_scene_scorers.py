@@ -7,7 +7,7 @@ from hypernav.core.chat import Answer
 from hypernav.core.errors import LabelsMissingError, MissingExtraError, ModelError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.rivals.vlfm.scene_scorers import (
     ChatScorer,

@@ -14,7 +14,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.floor import SearchMemory
+from hypernav.search.memory.floor import SearchMemory
 from hypernav.search.rivals.vlfm.value_frontier import (
     ValueFrontierExplorer,
     without_pockets,

@@ -5,7 +5,7 @@ import pytest
 
 from hypernav.core.errors import SceneError
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.simulator.worlds.scans.matterport import read_house
 from hypernav.simulator.worlds.scans.scan_loading import (
     ScanFiles,

@@ -1,6 +1,6 @@
 import pytest
 
-from hypernav.core.labels import same_name
+from hypernav.core.naming.labels import same_name
 from hypernav.simulator.worlds.scenes.node_names import category_of, is_structural, words_of
 
 

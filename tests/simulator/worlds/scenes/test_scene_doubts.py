@@ -9,7 +9,7 @@ import pytest
 
 from hypernav.app.build.data.scenes import load_scene
 from hypernav.core.errors import SceneError
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.simulator.worlds.config import SimulationConfig
 from hypernav.simulator.worlds.scenes.loading import read_scene
 from hypernav.simulator.worlds.scenes.mesh_parts import (

@@ -15,7 +15,7 @@ from hypernav.core.components.door import calling
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.episode import Episode, lives_of
 from hypernav.core.errors import ComponentError, EpisodeError
-from hypernav.core.words import is_whole_number
+from hypernav.core.naming.words import is_whole_number
 from hypernav.lab.datasets.benchmark_files import scene_number
 from hypernav.simulator.worlds.config import SimulationConfig
 

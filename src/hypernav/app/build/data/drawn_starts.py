@@ -10,7 +10,7 @@ from hypernav.core.episode import Episode
 from hypernav.core.errors import EpisodeError
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.words import is_whole_number
+from hypernav.core.naming.words import is_whole_number
 from hypernav.simulator.worlds.navmesh.navmesh_surface import NavmeshSurface
 from hypernav.simulator.worlds.surface.goal_regions import random_start
 from hypernav.simulator.worlds.surface.walkable_surface import WalkableSurface

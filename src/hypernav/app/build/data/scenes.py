@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from hypernav.core.components.registry import Entry, Registry
 from hypernav.core.errors import SceneError
-from hypernav.core.words import is_whole_number
+from hypernav.core.naming.words import is_whole_number
 from hypernav.simulator.worlds.config import SimulationConfig
 
 if TYPE_CHECKING:

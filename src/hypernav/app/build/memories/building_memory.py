@@ -7,10 +7,10 @@ from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.components.registry import require
 from hypernav.core.config import check_option
 from hypernav.core.errors import OutputError
-from hypernav.core.words import number_of
+from hypernav.core.naming.words import number_of
 from hypernav.io.writing import write_whole
-from hypernav.search.mapping.memory.key_images import LARGEST_BYTES
-from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+from hypernav.search.memory.key_images import LARGEST_BYTES
+from hypernav.search.memory.store.memory_folder import MemoryFolder
 
 if TYPE_CHECKING:
     import pandas

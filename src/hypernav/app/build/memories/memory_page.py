@@ -12,16 +12,16 @@ import numpy as np
 from hypernav.app.build.memories.memory_view import memory_view, ways
 from hypernav.app.show.spatial.view import library
 from hypernav.app.show.templating import data_uri, html_table, image_uri, page_environment
-from hypernav.core.labels import names_of
-from hypernav.core.words import megabytes
+from hypernav.core.naming.labels import names_of
+from hypernav.core.naming.words import megabytes
 from hypernav.search.drawing.map_painter import MapPainter, StairsMark
 from hypernav.search.drawing.map_view import MapView
-from hypernav.search.mapping.memory.floor import Floor
-from hypernav.search.mapping.memory.key_images import KeyImage
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.memory.thing import MOST_CHANCE, Thing
 from hypernav.search.mapping.stairs.connectors import Connector
-from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+from hypernav.search.memory.floor import Floor
+from hypernav.search.memory.key_images import KeyImage
+from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.store.memory_folder import MemoryFolder
+from hypernav.search.memory.thing import MOST_CHANCE, Thing
 
 _PLAN_PX = 900
 _THUMBNAIL_PX = 240

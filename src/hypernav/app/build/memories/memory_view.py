@@ -9,7 +9,7 @@ import numpy as np
 from hypernav.app.show.spatial.cloud import ColouredCloud
 from hypernav.app.show.spatial.view import View, camera_frame, floor_plate, packed_cloud
 from hypernav.core.geometry.transforms import Transform
-from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.memory.memory import Memory
 
 _DRIVEN_M = 1.0
 """Distance between two positions, metres, beyond which another search began, or on stairs."""

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import tyro
 
-from hypernav.app.build.component_specs import ComponentSpecs, PresetName
+from hypernav.app.build.components.component_specs import ComponentSpecs, PresetName
 from hypernav.app.cli.options.declaring import options
 from hypernav.core.errors import ConfigError
 
 if TYPE_CHECKING:
     from hypernav.app.build.built_agent import BuiltAgent
-    from hypernav.app.build.exam_file import ExamFile
+    from hypernav.app.build.components.exam_file import ExamFile
     from hypernav.app.build.presets import HyPerNavConfig
     from hypernav.app.cli.options.commands import FindOptions, ServeOptions
     from hypernav.core.embodiment import Embodiment
@@ -85,7 +85,7 @@ class AgentOptions:
         Raises:
             ConfigError: A file that cannot be read, a wrong key or an impossible value.
         """
-        from hypernav.app.build.choosing import choose_components, with_own_sections
+        from hypernav.app.build.components.choosing import choose_components, with_own_sections
         from hypernav.app.build.native import native_config
         from hypernav.app.build.presets import preset
         from hypernav.io.layered_config import layered
@@ -119,7 +119,7 @@ class AgentOptions:
         requested = self._requested
         if self.exam is None and (requested.reasoner or "").lower() != "auto":
             return requested, None, False
-        from hypernav.app.build.exam_file import read_exam, without_auto
+        from hypernav.app.build.components.exam_file import read_exam, without_auto
 
         exam = None if self.exam is None else read_exam(self.exam)
         specs, unchecked = without_auto(requested, exam, self.preset)
@@ -162,7 +162,7 @@ class AgentOptions:
         Raises:
             ModelError: Such a file can't be read.
         """
-        from hypernav.app.build.given_files import digests
+        from hypernav.app.build.components.given_files import digests
 
         prompts = {"prompts": parts.prompts} if parts.prompts else {}
         files = {"files": digests(parts.files)} if parts.files else {}

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 import tyro
 
-from hypernav.app.build.component_specs import BenchmarkName, PresetName
+from hypernav.app.build.components.component_specs import BenchmarkName, PresetName
 from hypernav.app.cli.options.agent import (
     AgentOptions,
     EmbodiedAgentOptions,

@@ -14,9 +14,9 @@ from rich.markup import escape
 from hypernav.app.show.captions import floor_prefix
 from hypernav.core.episode import Outcome
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel, normalise
+from hypernav.core.naming.labels import ObjectLabel, normalise
 from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeStep
-from hypernav.search.mapping.memory.relocalization import FoundStart
+from hypernav.search.memory.start.relocalization import FoundStart
 
 _MOST_KINDS = 8
 """Largest number of kinds of objects that a line names."""

@@ -8,7 +8,7 @@ from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 
 from hypernav.core.errors import OutputError
-from hypernav.core.words import visible
+from hypernav.core.naming.words import visible
 
 
 class Terminal(Console):

@@ -158,11 +158,11 @@ def opened_views(options: ViewOptions, info: EpisodeInfo, recorder: View | None)
             views.append(opened.enter_context(closing(view)))
 
         if options.rrd is not None:
-            from hypernav.app.show.rerun_view import RrdView
+            from hypernav.app.show.viewers.rerun_view import RrdView
 
             open_view(RrdView(options.rrd, info))
         if options.mcap is not None:
-            from hypernav.app.show.foxglove_view import McapView
+            from hypernav.app.show.viewers.foxglove_view import McapView
 
             open_view(McapView(options.mcap, info))
         if options.view == "page":
@@ -170,11 +170,11 @@ def opened_views(options: ViewOptions, info: EpisodeInfo, recorder: View | None)
 
             open_view(PageView(info, interrupt))
         if options.view == "rerun":
-            from hypernav.app.show.rerun_view import RerunView
+            from hypernav.app.show.viewers.rerun_view import RerunView
 
             open_view(RerunView(info))
         if options.view == "foxglove":
-            from hypernav.app.show.foxglove_view import FoxgloveView
+            from hypernav.app.show.viewers.foxglove_view import FoxgloveView
 
             open_view(FoxgloveView(info))
         yield Views(views, options.pace)

@@ -10,7 +10,7 @@ from typing import Any
 
 from hypernav.app.show.templating import page_environment
 from hypernav.core.errors import OutputError
-from hypernav.core.words import number_of
+from hypernav.core.naming.words import number_of
 from hypernav.io.writing import csv_file, write_whole
 from hypernav.lab.evaluation.ablation.figures import drawn_axes, results_figure, write_figure
 from hypernav.lab.evaluation.ablation.study import (

@@ -7,7 +7,7 @@ from hypernav.core.errors import ConfigError
 from hypernav.lab.evaluation.ablation.study import Axis, LeftOut, Method, Study, Variant
 from hypernav.lab.evaluation.ablation.switches import switches
 from hypernav.lab.evaluation.choices import StudyName
-from hypernav.search.perception.local import noisy_detector
+from hypernav.search.perception.local.stand_ins import noisy_detector
 
 RATES = (0.0, 0.25, 0.4, 0.55, 0.7, 0.85, 1.0)
 """Probabilities of the truly best block."""

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
-from hypernav.app.build.choosing import ChosenComponents, choose_components
-from hypernav.app.build.component_specs import ComponentSpecs, PresetName
+from hypernav.app.build.components.choosing import ChosenComponents, choose_components
+from hypernav.app.build.components.component_specs import ComponentSpecs, PresetName
 from hypernav.app.build.presets import HyPerNavConfig
-from hypernav.core.words import number_of
+from hypernav.core.naming.words import number_of
 from hypernav.io.layered_config import layered
 from hypernav.lab.evaluation.report.run_data import RunData, load_runs
 from hypernav.lab.evaluation.report.tables import Pair, own_protocol, pair

@@ -12,9 +12,9 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from hypernav.app.build.construction import asked_by
+from hypernav.app.build.components.construction import asked_by
+from hypernav.app.build.components.registries import COMPONENTS
 from hypernav.app.build.presets import HyPerNavConfig, preset
-from hypernav.app.build.registries import COMPONENTS
 from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.config import UNITS, meanings
 from hypernav.core.errors import ConfigError

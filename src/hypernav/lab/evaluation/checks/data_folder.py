@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from hypernav.core.errors import EpisodeError, SceneError
-from hypernav.core.words import number_of
+from hypernav.core.naming.words import number_of
 from hypernav.lab.datasets.benchmark_files import (
     SCENES_FOLDER,
     SplitFolder,

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float64
 from hypernav.core.geometry.grid import has_cell
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.world import HasSurfaces
-from hypernav.search.mapping.memory.goal_area import GoalArea
+from hypernav.search.memory.goal_area import GoalArea
 
 _SUBCELL_BITS = 8
 

@@ -13,7 +13,7 @@ from hypernav.core.geometry.camera import optical_to_base
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.world import GoalTruth, SceneTruth
 from hypernav.lab.episodes.goal_sight import MIN_VISIBLE_SHARE
-from hypernav.search.mapping.memory.goal_area import GoalArea
+from hypernav.search.memory.goal_area import GoalArea
 
 
 @dataclass(frozen=True)

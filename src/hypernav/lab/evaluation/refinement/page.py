@@ -7,7 +7,7 @@ from pathlib import Path
 
 from hypernav.app.show.templating import page_environment
 from hypernav.core.errors import OutputError
-from hypernav.core.words import number_of
+from hypernav.core.naming.words import number_of
 from hypernav.io.writing import csv_file, write_whole
 from hypernav.lab.datasets.paper_results import REFINEMENT_DROPS_PERCENT
 from hypernav.lab.evaluation.ablation.ablation_page import PAGE

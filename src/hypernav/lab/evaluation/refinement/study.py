@@ -4,10 +4,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.component_specs import ComponentSpecs
-from hypernav.app.build.construction import build
+from hypernav.app.build.components.component_specs import ComponentSpecs
+from hypernav.app.build.components.construction import build
+from hypernav.app.build.components.registries import DETECTORS, SEGMENTERS
 from hypernav.app.build.presets import HyPerNavConfig
-from hypernav.app.build.registries import DETECTORS, SEGMENTERS
 from hypernav.app.build.worlds import open_world
 from hypernav.core.components.protocols import Detector, Segmenter
 from hypernav.core.episode import Episode

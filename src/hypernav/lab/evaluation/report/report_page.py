@@ -18,7 +18,7 @@ import yaml
 from hypernav.app.show import captions
 from hypernav.app.show.templating import page_environment, plain
 from hypernav.core.errors import RunFolderError
-from hypernav.core.words import number_of
+from hypernav.core.naming.words import number_of
 from hypernav.io.writing import csv_file, write_whole
 from hypernav.lab.evaluation.failures import RULES, Failure
 from hypernav.lab.evaluation.protocol import PROTOCOLS, EvaluationProtocol, Reference, StopRule

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from hypernav.app.show import captions
-from hypernav.core.words import number_of
+from hypernav.core.naming.words import number_of
 from hypernav.lab.datasets.goat import goal_type_words
 from hypernav.lab.episodes.goal_sight import MIN_VISIBLE_SHARE
 from hypernav.lab.evaluation import statistics

@@ -18,7 +18,7 @@ from pathlib import Path
 from types import FrameType
 from typing import NoReturn
 
-from hypernav.app.build.choosing import choose_components
+from hypernav.app.build.components.choosing import choose_components
 from hypernav.core.episode import Life
 from hypernav.core.errors import ComponentError, HyPerNavError
 from hypernav.core.interruptions import interruptions_of_kernels

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from hypernav.app.build.agents import build_agent
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.show.captions import ITS_OWN
 from hypernav.core.components.abilities import looks_at_colours

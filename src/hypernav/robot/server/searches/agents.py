@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hypernav.app.build.agents import BuiltAgent, build_agent
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.memories.building_memory import open_memory
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.components.abilities import check_remembers
@@ -16,7 +16,7 @@ from hypernav.core.errors import ConfigError
 from hypernav.core.goal import Goal
 from hypernav.robot.server.searches.journal import MODEL_FILE
 from hypernav.robot.wire.requests import OpenSearch
-from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+from hypernav.search.memory.store.memory_folder import MemoryFolder
 
 _LOG = logging.getLogger(__name__)
 _PATIENCE_S = 10.0

@@ -29,7 +29,7 @@ from hypernav.robot.server.searches.unknown_start import UnknownStart
 from hypernav.robot.wire.frames import PackedObservation, decode_observation, unpack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding, StartInMemory, Velocity
 from hypernav.robot.wire.requests import ObservationFacts
-from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+from hypernav.search.memory.store.memory_folder import MemoryFolder
 
 _LOG = logging.getLogger(__name__)
 _BLOCKED = "the robot says that it was blocked"

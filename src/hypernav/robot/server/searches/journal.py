@@ -31,7 +31,7 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from hypernav.app.build.component_specs import ComponentSpecs
+from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.errors import HyPerNavError, RunFolderError
 from hypernav.core.geometry.grid import OccupancyGrid

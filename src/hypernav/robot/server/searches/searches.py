@@ -20,7 +20,7 @@ from hypernav.robot.server.searches.search import Search
 from hypernav.robot.wire.replies import SearchEnding
 from hypernav.robot.wire.requests import OpenSearch, ThingName
 from hypernav.robot.wire.values import SEARCHES
-from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.memory.memory import Memory
 
 _LOG = logging.getLogger(__name__)
 _PATIENCE_S = 2.0

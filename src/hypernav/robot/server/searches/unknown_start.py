@@ -20,9 +20,9 @@ from hypernav.core.observation import Observation
 from hypernav.robot.server.searches.journal import StepRecord
 from hypernav.robot.wire.replies import Reply, StartInMemory
 from hypernav.robot.wire.requests import ObservationFacts
-from hypernav.search.mapping.memory.memory import Memory
-from hypernav.search.mapping.memory.relocalization import found_by_turn
-from hypernav.search.mapping.storage.memory_folder import MemoryFolder
+from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.start.relocalization import found_by_turn
+from hypernav.search.memory.store.memory_folder import MemoryFolder
 
 _MISSING = 0.5
 """Share of a turn that may be missing at the end: turns are not exact."""

@@ -8,19 +8,19 @@ from hypernav.core.config import along
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.kind_shapes import KindShape
+from hypernav.core.naming.kind_shapes import KindShape
 from hypernav.core.observation import Observation
 from hypernav.core.score_weights import MISSED, NEUTRAL
-from hypernav.search.mapping.memory.candidate import (
+from hypernav.search.memory.candidate import (
     Candidate,
     GoalEvidence,
     Measure,
     Rejection,
     areas_touch,
 )
-from hypernav.search.mapping.memory.goal_area import GoalArea
-from hypernav.search.mapping.memory.things import Things
-from hypernav.search.mapping.memory.visibility import is_cut_off, seems_to_hold, should_be_visible
+from hypernav.search.memory.goal_area import GoalArea
+from hypernav.search.memory.things import Things
+from hypernav.search.memory.visibility import is_cut_off, seems_to_hold, should_be_visible
 from hypernav.search.perception.local.config import LocalConfig
 from hypernav.search.perception.local.shape import form_evidence
 

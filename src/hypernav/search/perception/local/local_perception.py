@@ -20,13 +20,13 @@ from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import wrap_angle
 from hypernav.core.goal import Goal
-from hypernav.core.kind_shapes import kind_shape
+from hypernav.core.naming.kind_shapes import kind_shape
 from hypernav.core.observation import Observation
 from hypernav.core.trace import DetectionRecord
-from hypernav.search.mapping.memory.floor import Floor, counted_from
-from hypernav.search.mapping.memory.goal_area import GoalArea, points_under_mask
-from hypernav.search.mapping.memory.thing import is_in_room
-from hypernav.search.mapping.memory.things import Things
+from hypernav.search.memory.floor import Floor, counted_from
+from hypernav.search.memory.goal_area import GoalArea, points_under_mask
+from hypernav.search.memory.thing import is_in_room
+from hypernav.search.memory.things import Things
 from hypernav.search.perception.local.belief import (
     Sighting,
     before_a_look,

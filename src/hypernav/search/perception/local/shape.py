@@ -14,9 +14,9 @@ from jaxtyping import Bool, Float32, Float64
 
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.depth import is_measured
-from hypernav.core.kind_shapes import KindShape
+from hypernav.core.naming.kind_shapes import KindShape
 from hypernav.core.observation import Observation
-from hypernav.search.mapping.memory.candidate import Measure
+from hypernav.search.memory.candidate import Measure
 
 _LEAST_POINTS = 40
 _TRIM = (3.0, 97.0)

@@ -13,7 +13,7 @@ from hypernav.core.components.protocols import ChatModel
 from hypernav.core.config import Curve, RoomConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel, asked_place, label_for, place_in
+from hypernav.core.naming.labels import ObjectLabel, asked_place, label_for, place_in
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.models.chat.answer_parsing import final_answer

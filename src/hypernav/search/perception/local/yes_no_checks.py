@@ -13,7 +13,7 @@ from hypernav.core.chat import Image, Question
 from hypernav.core.config import ProbabilityCurve, RoomConfig, along
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
-from hypernav.core.labels import same_name
+from hypernav.core.naming.labels import same_name
 from hypernav.core.observation import Observation
 from hypernav.search.perception.exchanges import YesNoAsker, yes_no_question
 

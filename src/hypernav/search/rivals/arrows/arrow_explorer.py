@@ -21,7 +21,7 @@ from hypernav.core.exploring.guidance import TURN_AROUND
 from hypernav.core.exploring.insight import RememberedThing, ThingGraph
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.core.labels import normalise, same_name
+from hypernav.core.naming.labels import normalise, same_name
 from hypernav.search.drawing.shapes import ArrowStyle
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.reachable_area import ReachableArea

@@ -25,8 +25,8 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, ExchangeLog, Mode, ModuleClock, StepTrace
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.mapping.memory.floor import Floor
-from hypernav.search.mapping.memory.memory import Memory
+from hypernav.search.memory.floor import Floor
+from hypernav.search.memory.memory import Memory
 from hypernav.search.rivals.arrows.arrow_explorer import VlmnavExplorer
 from hypernav.search.rivals.arrows.pivot import PivotExplorer
 from hypernav.search.rivals.arrows.proposals import ArrowsConfig

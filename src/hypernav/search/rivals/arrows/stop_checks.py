@@ -12,7 +12,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.perception.exchanges import YesNoAsker, yes_no_question
-from hypernav.search.perception.local.ground_truth import GroundTruthDetector
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 
 _PROMPT = (
     "A robot looks for a {goal}. The picture is what its camera sees now. Is the robot already "

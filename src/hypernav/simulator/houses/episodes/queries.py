@@ -1,8 +1,9 @@
 """Goal queries of a building: categories, other names, and descriptions that single out objects.
 
-Every text is checked with the grammar of `hypernav.core.labels`, which decides what counts as
-reached: a description is only used if it is true of one object and false of another object of the
-same name. Near misses of a goal are objects that nearly satisfy it and are easily confused with it.
+Every text is checked with the grammar of `hypernav.core.naming.labels`, which decides what counts
+as reached: a description is only used if it is true of one object and false of another object of
+the same name. Near misses of a goal are objects that nearly satisfy it and are easily confused
+with it.
 """
 
 import re
@@ -12,7 +13,7 @@ from itertools import count, cycle, islice
 from typing import Literal
 
 from hypernav.core.goal import Goal
-from hypernav.core.labels import ObjectLabel, canonical, normalise
+from hypernav.core.naming.labels import ObjectLabel, canonical, normalise
 from hypernav.core.world import Instance
 from hypernav.simulator.houses.episodes.building_truth import BuildingTruth
 from hypernav.simulator.houses.random_stream import RandomStream

@@ -16,7 +16,7 @@ from jaxtyping import UInt8
 
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.errors import SceneError
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.world import Instance
 from hypernav.simulator.houses.assembly import CompactScene
 from hypernav.simulator.houses.building import Building

@@ -9,7 +9,7 @@ from typing import Any
 from hypernav.app.show.spatial.view import library
 from hypernav.app.show.templating import image_uri, page_environment
 from hypernav.core.errors import SceneError
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.world import Instance
 from hypernav.io.writing import write_whole
 from hypernav.simulator.houses.building import Building

@@ -25,7 +25,7 @@ import numpy as np
 from jaxtyping import Int64
 
 from hypernav.core.errors import SceneError
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.world import Instance
 from hypernav.io.cache_folder import cache_folder
 from hypernav.io.kept_arrays import digest_of, keep, mapped_array

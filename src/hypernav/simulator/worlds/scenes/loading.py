@@ -12,8 +12,8 @@ import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from hypernav.core.errors import SceneError
-from hypernav.core.labels import ObjectLabel
-from hypernav.core.words import composed
+from hypernav.core.naming.labels import ObjectLabel
+from hypernav.core.naming.words import composed
 from hypernav.io.parsing import Items, parse_json
 from hypernav.io.reading import back_slashes, check_file, read_file
 from hypernav.simulator.worlds.config import Axis

@@ -24,7 +24,7 @@ from trimesh.visual import ColorVisuals, TextureVisuals
 from trimesh.visual.material import PBRMaterial
 
 from hypernav.core.errors import SceneError
-from hypernav.core.words import composed
+from hypernav.core.naming.words import composed
 from hypernav.io.reading import MOST_PIXELS, image_size, path_below, read_file, text_of
 from hypernav.simulator.worlds.config import Axis
 from hypernav.simulator.worlds.scenes.mesh_parts import TO_Z_UP, MeshPart, triangles_of_polygons

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Float32, Float64, Int32, Int64, UInt8
 
 from hypernav.core.errors import SceneError
-from hypernav.core.labels import ObjectLabel
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.world import Instance
 from hypernav.simulator.worlds.config import Axis
 from hypernav.simulator.worlds.scenes.scene import Material, Scene

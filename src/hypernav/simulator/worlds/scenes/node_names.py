@@ -12,8 +12,8 @@ first. Sources: IFC 4.3 (ISO 16739-1), and the families of Revit's templates.
 import re
 from functools import lru_cache
 
-from hypernav.core.kind_shapes import kind_shape
-from hypernav.core.words import composed, is_single_letter, words_within
+from hypernav.core.naming.kind_shapes import kind_shape
+from hypernav.core.naming.words import composed, is_single_letter, words_within
 
 _CLASS = re.compile(r"^(?:Ifc|IFC)([A-Z][A-Za-z0-9]*)(?:[/:_\s#-]+(.*))?$", re.DOTALL)
 _ELEMENT_ID = re.compile(r"\s*\[\d+\]\s*$|:\s*-?\d+(?:[:\s_#.].*)?$")

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float64
 
-from hypernav.core.kind_shapes import KindShape, kind_shape
+from hypernav.core.naming.kind_shapes import KindShape, kind_shape
 from hypernav.simulator.worlds.config import Axis
 from hypernav.simulator.worlds.scenes.mesh_parts import TO_Z_UP, MeshPart, SceneObject, axis_along
 from hypernav.simulator.worlds.scenes.node_names import is_structural, words_of

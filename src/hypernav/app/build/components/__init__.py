@@ -1,0 +1,1 @@
+"""Components by name: chosen, built, and what results must say of them."""

@@ -1,0 +1,1 @@
+"""Searches for rerun and Foxglove."""

@@ -1,0 +1,1 @@
+"""What answers are worth in searches, and what an examined model would reach in them."""

@@ -1,0 +1,1 @@
+"""Where a robot begins on its memory: told and checked, or found by what it sees."""
