@@ -82,6 +82,16 @@ def test_a_run_says_which_of_its_values_are_not_the_usual_ones(tmp_path: Path) -
     assert runs == {"a": "", "b": "", "c": "search.endurance_steps 10"}
 
 
+@pytest.mark.parametrize(
+    ("outcome", "state"), [("interrupted", "interrupted"), ("not_found", "finished")]
+)
+def test_only_a_search_that_came_to_its_end_is_finished(
+    outcome: str, state: str, tmp_path: Path
+) -> None:
+    write_search(tmp_path / "search", outcome=outcome)
+    assert overview(tmp_path).runs[0]["ended"] == state
+
+
 def test_searches_from_other_starts_are_not_the_same(tmp_path: Path) -> None:
     for name, x in (("a", 1.0), ("b", 1.0), ("c", 2.0)):
         write_search(tmp_path / name, start=[x, 0.0, 0.0], seed=0)

@@ -181,9 +181,11 @@ def test_report_of_one_run_links_its_episodes(runs, capsys):
     assert "Compared" not in page
 
 
-def test_report_compares_runs_and_writes_csv_and_tex(runs, tmp_path):
+def test_report_compares_runs_and_writes_csv_and_tex(runs, tmp_path, capsys):
     folders = (runs / "hypernav", runs / "frontier")
-    assert hypernav("report", *folders, "--compare", "--out", tmp_path, "--quiet") == 0
+    assert hypernav("report", *folders, "--compare", "--out", tmp_path) == 0
+    said = capsys.readouterr().err
+    assert re.search(r"hypernav found its goal in .* SPL of .*; frontier found its goal in", said)
     page = (tmp_path / "report.html").read_text()
     assert "frontier against hypernav on the 2 episodes" in page
     with (tmp_path / "report.csv").open() as file:

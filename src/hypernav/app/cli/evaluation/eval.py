@@ -112,7 +112,7 @@ def outcome_lines(progress: RunProgress, folder: Path) -> Iterator[str]:
     yield f"{len(progress.records)} of {progress.total} episodes done, in {buildings}"
     if progress.records:
         for name, value, remark in _numbers(progress, is_over=True):
-            yield f"  {name:9s} {value}  {remark}"
+            yield f"  {name:9s} {value}  {remark}".rstrip()
     unusable = sum((Counter(one.unusable_answers) for one in progress.records), Counter[str]())
     if line := unusable_answers_line(_calls(progress), unusable):
         yield line

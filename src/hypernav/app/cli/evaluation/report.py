@@ -14,7 +14,7 @@ from hypernav.io.writing import own_folder
 from hypernav.lab.evaluation.report import tables
 from hypernav.lab.evaluation.report.published_results import BesidePaper, beside_paper
 from hypernav.lab.evaluation.report.report_page import REPORT_FILES, write_report
-from hypernav.lab.evaluation.report.report_text import verdict
+from hypernav.lab.evaluation.report.report_text import lead, verdict
 from hypernav.lab.evaluation.report.run_data import load_runs
 from hypernav.lab.evaluation.statistics import Estimate
 
@@ -81,6 +81,8 @@ def run(options: ReportOptions) -> int:
     console = Terminal(quiet=options.quiet)
     for run in runs if options.published else ():
         show_beside_paper(run.name, beside_paper(run), console)
+    if several:
+        console.print(escape(lead(runs, tables.overall(runs))), soft_wrap=True)
     for pair in pairs:
         console.print(escape(verdict(pair)), soft_wrap=True)
     console.print(f"open {page}", soft_wrap=True)

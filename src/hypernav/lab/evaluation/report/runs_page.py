@@ -189,7 +189,7 @@ def _search(folder: Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
             "of": ", ".join(str(result[name]) for name in ("goal", "scene")),
             "commit": str(result.get("commit") or ""),
             "wanted": 1,
-            "ended": "finished",
+            "ended": outcome.value if outcome is Outcome.INTERRUPTED else "finished",
             "when": _when(_changed(folder)),
             "config": _mapping(result.get("config")),
         }
