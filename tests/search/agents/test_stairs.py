@@ -422,7 +422,7 @@ def test_a_robot_looks_at_what_is_unseen_before_it_takes_stairs_to_a_thing():
     down = Connector(0, False, head, 0.0, Passage.USED, other_floor=1, sightings=2)
     memory.connectors = with_crossing((down,), 0, 1, (head[0] + 2.0, head[1]), math.pi)
     bed = Thing(0, "bed", 1.0, (8.0, 0.0, 0.0), (9.0, 1.0, 0.5), ((7.0, 0.0, 1.0),), 999.0, 1, 1)
-    memory.floors[1].things = Things((bed,), 1)
+    memory.floors[1].things, memory.searches = Things((bed,), 1), 1
     start = Pose2(10.0, 2.5, math.pi)  # with its back to another bed
     seen = world.reset(Episode("x", "0", Goal("bed"), start, start_z=ABOVE_M))
     agent.reset(Goal("bed"), memory)

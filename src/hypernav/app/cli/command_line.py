@@ -44,6 +44,8 @@ COMMANDS = {
     "robot": "Drive a robot by ROS 2 or a simulated one, replay recordings, report on trials.",
     "houses": "Generated buildings: pages about them, files for other programs, splits, episodes.",
 }
+_OF_EVALUATION = frozenset({"ablate", "compare", "eval", "exam", "report", "runs"})
+"""Commands whose modules lie in `app.cli.evaluation`; the others lie beside this one."""
 _LEAST_MB = 1500
 """Least size of the address space in which libraries load."""
 _SHELLS = ("bash", "zsh", "fish")
@@ -87,7 +89,8 @@ def run_command(arguments: Sequence[str]) -> int:
         _completion(rest)
     options = read_options(arguments)
     _check_address_space()
-    run = _imported(f"hypernav.app.cli.{name}")
+    room = "evaluation." if name in _OF_EVALUATION else ""
+    run = _imported(f"hypernav.app.cli.{room}{name}")
     try:
         return run(options)
     except SystemExit as end:  # as from a signal handler of a component
