@@ -1,6 +1,8 @@
 """Marks of answers that may name several things."""
 
 import pytest
+from answers import TRUE_BOX, boxed
+from pydantic import ValidationError
 
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Exchange
@@ -50,3 +52,19 @@ def test_an_answer_that_names_no_image_is_unusable():
     answered = told({"none"}, "none", "it names no image")
     assert (answered.score, answered.chosen) == (0.0, None)
     assert answered.unusable == "it names no image"
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        {"image_size": (0, 0)},
+        {"true_boxes": [(30.0, 20.0, 20.0, 80.0)]},
+        {"true_boxes": [(20.0, 20.0, 1e308, 80.0)]},
+        {"things": []},
+        {"conditions": {"distance_m": 0.0}},
+    ],
+)
+def test_a_line_from_which_nothing_can_be_predicted_is_refused(damage):
+    line = boxed("near", TRUE_BOX).model_dump()
+    with pytest.raises(ValidationError, match=r"image|distance"):
+        Answered.model_validate(line | damage)

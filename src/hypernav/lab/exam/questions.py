@@ -1,11 +1,12 @@
 """One question of the exam with its true answer, and the record of what was answered."""
 
+import math
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
 import numpy as np
 from jaxtyping import Bool
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from hypernav.core.exploring.guidance import ArrowView, GuideView
 from hypernav.core.exploring.overview import Overview
@@ -180,6 +181,19 @@ class Answered(BaseModel):
     probability: _Share | None = None
     unusable: str = ""
     exchanges: list[Exchange] = Field(default_factory=list)
+
+    @model_validator(mode="after")
+    def _shows_its_goal(self) -> "Answered":
+        """What predictions reckon with: the goal's true boxes are in the image, some way off."""
+        width, height = self.image_size
+        for x_min, y_min, x_max, y_max in self.true_boxes if self.kind == "boxes" else ():
+            if not (0.0 <= x_min < x_max <= width and 0.0 <= y_min < y_max <= height):
+                raise ValueError("a true box is not in the image")
+            if all(thing.role != "goal" for thing in self.things):
+                raise ValueError("no thing in the image is the goal")
+            if self.conditions.get("distance_m", math.inf) <= 0.0:
+                raise ValueError("the goal is at no distance")
+        return self
 
     @property
     def regret_m(self) -> float | None:
