@@ -115,3 +115,17 @@ def test_gaps_in_even_ground_are_filled_with_its_height():
     for corner in np.ndindex(5, 5):  # one known cell in every square of 32 by 32
         ground[tuple(32 * np.array(corner) + random.integers(0, 32, 2))] = 2.5
     np.testing.assert_allclose(filled(ground), 2.5, atol=1e-5)
+
+
+@pytest.mark.parametrize(("width_m", "is_filled"), [(0.1, True), (0.4, False)])
+def test_only_pits_too_narrow_for_a_foot_are_filled(width_m: float, is_filled: bool):
+    beside: list[SolidBox] = [
+        ((1.2, -1.0, 0.0), (3.2, -width_m / 2.0, 0.4)),
+        ((1.2, width_m / 2.0, 0.0), (3.2, 1.0, 0.4)),
+    ]
+    ground = looking(Pose2(0.0, 0.0, 0.0), boxes=beside).ground_from((0.0, 0.0))
+    known = ~np.isnan(ground.measured)
+    x, y = ground.positions(known).T
+    heights = ground.measured[known][(abs(y) < SIDE_M / 2.0) & (x > 1.4) & (x < 2.4)]
+    assert len(heights) > 5
+    np.testing.assert_allclose(heights, 0.4 if is_filled else 0.0, atol=0.02)
