@@ -52,7 +52,7 @@ def test_it_lies_on_another_side_near_enough_and_in_sight():
 def test_of_all_such_positions_it_is_nearest_to_the_robot(robot):
     area = area_of_the_thing()
     found = position_on_other_side(
-        hall_with_a_thing(), Pose2(*robot, 0.0), area, FROM_THE_LEFT, CONFIG, 0.22
+        hall_with_a_thing(), Pose2(robot[0], robot[1], 0.0), area, FROM_THE_LEFT, CONFIG, 0.22
     )
     turns, away_m = np.meshgrid(np.radians(np.arange(62.0, 299.0)), np.linspace(1.55, 2.95, 30))
     x, y = THING[0] - away_m * np.cos(turns), THING[1] - away_m * np.sin(turns)

@@ -23,7 +23,7 @@ def test_travel_is_the_shortest_way(is_open, data):
     np.testing.assert_allclose(travel, cost_to_go(is_open, start), rtol=1e-4)
     wanted = np.argwhere(is_open)[: data.draw(st.integers(1, 5))]
     at = tuple(wanted.T)
-    np.testing.assert_array_equal(travel_cells(is_open, *start, wanted)[at], travel[at])
+    np.testing.assert_array_equal(travel_cells(is_open, *start, wanted=wanted)[at], travel[at])
 
 
 def test_travel_over_a_large_open_floor_is_octile():
