@@ -8,7 +8,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from hypernav.core.config import RoomConfig
+from pydantic import TypeAdapter
+
+from hypernav.core.config import Curve, ProbabilityCurve, RoomConfig
 
 SOURCE = Path(__file__).parents[1] / "src"
 ROOMS = ("core", "search")
@@ -110,3 +112,10 @@ def test_only_these_values_change():
 def test_fresh_values_count_from_zero_and_nothing_is_so_yet():
     found = {name: value for one in DATA_CLASSES for name, value in starts(one).items() if value}
     assert found == NOT_ZERO
+
+
+def test_every_curve_rises():
+    for module in modules():
+        for name, kind in getattr(module, "__annotations__", {}).items():
+            if kind in (Curve, ProbabilityCurve):
+                TypeAdapter(kind).validate_python(getattr(module, name))

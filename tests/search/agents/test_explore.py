@@ -11,6 +11,7 @@ from drawn_grids import drawn
 from hypernav.core.embodiment import Action, CameraConfig, Embodiment, MotionConfig
 from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
@@ -226,6 +227,22 @@ def test_the_boundary_is_free_floor_beside_the_unknown():
     assert np.abs(points[:, 0] - 4.0).max() < 0.6
     assert np.allclose(points[:, 1], points[0, 1])
     assert len(unexplored_boundary(corridor(), (1.0, 1.5), 0.75)) == 0
+
+
+@pytest.mark.parametrize("middle", [(0, 0), (4, 11), (7, 3), (11, 15), (-2, 18)])
+def test_the_boundary_around_a_position_is_all_of_it_in_a_square(middle):
+    cells = np.random.default_rng(0).choice([0, 1, 2], (12, 16)).astype(np.uint8)
+    grid = OccupancyGrid(cells, 0.05, (0.3, -0.4))
+    rows, columns = (slice(max(at - 3, 0), max(at + 4, 0)) for at in middle)
+    expected = set[tuple[int, int]]()
+    for i, j in np.ndindex(cells.shape):
+        around = cells[rows, columns][max(i - 1 - rows.start, 0) : max(i + 2 - rows.start, 0)]
+        around = around[:, max(j - 1 - columns.start, 0) : max(j + 2 - columns.start, 0)]
+        is_around = rows.start <= i < rows.stop and columns.start <= j < columns.stop
+        if is_around and cells[i, j] == Cell.FREE and (around == Cell.UNKNOWN).any():
+            expected.add((i, j))
+    found = grid.cells_of(unexplored_boundary(grid, grid.centre_of(*middle), 0.15))
+    assert set(map(tuple, found.tolist())) == expected
 
 
 def test_a_turn_towards_what_is_ahead_is_none():

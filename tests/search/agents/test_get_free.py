@@ -19,7 +19,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog, Mode, ModuleClock
 from hypernav.lab.episodes.episode_run import EpisodeRun
-from hypernav.search.agents.get_free import get_free, repeats, with_tried
+from hypernav.search.agents.get_free import closed_turns, get_free, repeats, with_tried
 from hypernav.search.agents.plan import Climbing, Plan
 from hypernav.search.agents.step import Decision, Step
 from hypernav.search.memory.memory import Memory
@@ -212,3 +212,13 @@ def test_on_stairs_no_other_headings_are_tried():
     ahead = Decision(Action.MOVE_FORWARD, Mode.EXPLORE, "ahead")
     assert repeats(step, plan, ahead)
     assert not repeats(step, replace(plan, climbing=Climbing(0)), ahead)
+
+
+def test_a_heading_that_was_tried_is_told_once_by_the_fewest_turns():
+    step, plan = standing_free(0.5)
+    count = step.motion.turns_of_a_circle
+    for k in range(count):
+        tried = (Pose2(0.0, 0.0, math.tau * k / count),)
+        (turns,) = closed_turns(step, replace(plan, tried=tried))
+        assert turns % count == k
+        assert abs(turns) <= count / 2

@@ -5,11 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from box_views import CAMERA, room, view_of
 from hypernav.core.embodiment import CameraConfig, Embodiment
+from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
-from hypernav.search.agents.recall import path_to_thing, path_to_view
+from hypernav.search.agents.recall import _filled, path_to_thing, path_to_view
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.reachable_area import ReachableArea
 from hypernav.search.mapping.top_down_map import TopDownMap
@@ -84,3 +87,16 @@ def test_what_it_was_seen_from_is_as_far_as_the_path_or_twice_the_straight_line(
     at, path_m = path_to_view(THING, reach, robot)
     assert at == THING.seen_from == (1.5, 1.8)
     assert math.dist(robot.xy, at) - 0.1 <= path_m <= 2.0 * math.dist(robot.xy, at)
+
+
+@given(st.tuples(*[st.floats(0.3, 6.0)] * 2), st.tuples(*[st.floats(0.01, 2.0)] * 2))
+def test_a_thing_on_the_floor_fills_the_cells_under_it_and_none_a_cell_away(corner, sides):
+    low, high = np.array(corner), np.array(corner) + sides
+    thing = replace(THING, low=(*corner, 0.0), high=(*high.tolist(), 0.8))
+    grid = OccupancyGrid(np.zeros((180, 180), np.uint8), 0.05, (0.0, 0.0))
+    middles = grid.centres_of(np.argwhere(np.ones_like(grid.cells)))
+    under = ((middles >= low) & (middles <= high)).all(axis=1)
+    beyond = np.maximum(low - middles, middles - high).max(axis=1)
+    filled = grid.mask_of(_filled(thing, grid)).ravel()
+    assert filled[under].all()
+    assert beyond[filled].max() < 1.5 * 0.05 + 1e-9

@@ -293,9 +293,10 @@ class SeesItFromOneSideOnly:
         return [replace(one, score=self.score) for one in sofas]
 
 
-@pytest.mark.parametrize("score", [0.5, 0.7, 0.95])
-def test_it_does_not_stop_on_one_view(score):
-    steps, _ = run(search(detector=SeesItFromOneSideOnly(score)), "bed")
+@pytest.mark.parametrize(("score", "squeeze_m"), [(0.5, 0.04), (0.7, 0.0), (0.95, 0.04)])
+def test_it_does_not_stop_on_one_view_however_wide_its_paths_are(score, squeeze_m):
+    planning = {"squeeze_m": squeeze_m}
+    steps, _ = run(search(detector=SeesItFromOneSideOnly(score), planning=planning), "bed")
     assert "second look wanted" in events_of(steps)
 
 

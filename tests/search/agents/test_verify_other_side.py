@@ -48,6 +48,19 @@ def test_it_lies_on_another_side_near_enough_and_in_sight():
     assert math.degrees(math.acos(cosine)) >= 60.0
 
 
+@pytest.mark.parametrize("robot", [(3.2, 4.6), (3.2, 1.4), (6.5, 5.2), (7.2, 0.8), (0.7, 5.2)])
+def test_of_all_such_positions_it_is_nearest_to_the_robot(robot):
+    area = area_of_the_thing()
+    found = position_on_other_side(
+        hall_with_a_thing(), Pose2(robot[0], robot[1], 0.0), area, FROM_THE_LEFT, CONFIG, 0.22
+    )
+    turns, away_m = np.meshgrid(np.radians(np.arange(62.0, 299.0)), np.linspace(1.55, 2.95, 30))
+    x, y = THING[0] - away_m * np.cos(turns), THING[1] - away_m * np.sin(turns)
+    inside = (abs(x - 4.0) < 3.7) & (abs(y - 3.0) < 2.7)
+    nearest_m = np.hypot(x[inside] - robot[0], y[inside] - robot[1]).min()
+    assert math.dist(certain(found), robot) == pytest.approx(nearest_m, abs=0.25)
+
+
 def test_a_side_that_a_wall_hides_does_not_count():
     grid = hall_with_a_thing()
     area = area_of_the_thing()

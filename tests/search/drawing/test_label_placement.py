@@ -2,7 +2,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
@@ -71,6 +71,15 @@ def test_a_number_leaves_a_square_too_small_for_it_directly_away_from_the_robot(
         assert np.hypot(*moved) == pytest.approx(radius + 17.0)
         assert away[0] * moved[1] - away[1] * moved[0] == pytest.approx(0.0, abs=1e-6)
         assert away @ moved >= 0.0
+
+
+@given(st.floats(0.0, 100.0), st.floats(0.0, 100.0), st.floats(5.0, 45.0))
+@example(50.0, 50.0, 40.0)
+def test_a_number_stays_in_a_square_that_holds_it_beside_the_robot(u, v, radius):
+    at = np.array(number_position(Square(0.0, 0.0, 100.0), 20.0, 12.0, Disc(u, v, radius)))
+    assert (np.abs(at - 50.0) <= (40.0, 44.0)).all()
+    beyond = np.maximum(np.abs(at - (u, v)) - (10.0, 6.0), 0.0)
+    assert np.hypot(*beyond) >= radius
 
 
 def test_obstacles_are_worth_most_to_see_the_unknown_little_and_floor_nothing():

@@ -1,5 +1,6 @@
 """Contrasts are those of WCAG 2.2, and what must be read has enough."""
 
+import numpy as np
 import pytest
 
 from hypernav.search.drawing import palette
@@ -41,3 +42,11 @@ def test_a_mixture_begins_with_one_colour_and_ends_with_the_other():
     assert blend(BLACK, (10, 200, 255), 0.0) == BLACK
     assert blend(BLACK, (10, 200, 255), 0.25) == (2, 50, 64)
     assert blend(BLACK, (10, 200, 255), 1.0) == (10, 200, 255)
+
+
+def test_every_colour_is_of_three_bytes():
+    for name, color in vars(palette).items():
+        if isinstance(color, tuple):
+            colors = np.array(color)
+            assert colors.shape[-1] == 3, name
+            assert ((colors >= 0) & (colors <= 255)).all(), name

@@ -127,3 +127,17 @@ def test_a_gap_is_filled_between_the_lowest_and_the_highest_around_it_on_every_s
             np.nanmin(low) - 1e-5 <= (whole - z).min() <= (whole - z).max() <= np.nanmax(low) + 1e-5
         )
         np.testing.assert_allclose(whole - z, filled(low), atol=1e-5)
+
+
+@pytest.mark.parametrize(("width_m", "is_filled"), [(0.1, True), (0.4, False)])
+def test_only_pits_too_narrow_for_a_foot_are_filled(width_m: float, is_filled: bool):
+    beside: list[SolidBox] = [
+        ((1.2, -1.0, 0.0), (3.2, -width_m / 2.0, 0.4)),
+        ((1.2, width_m / 2.0, 0.0), (3.2, 1.0, 0.4)),
+    ]
+    ground = looking(Pose2(0.0, 0.0, 0.0), boxes=beside).ground_from((0.0, 0.0))
+    known = ~np.isnan(ground.measured)
+    x, y = ground.positions(known).T
+    heights = ground.measured[known][(abs(y) < SIDE_M / 2.0) & (x > 1.4) & (x < 2.4)]
+    assert len(heights) > 5
+    np.testing.assert_allclose(heights, 0.4 if is_filled else 0.0, atol=0.02)

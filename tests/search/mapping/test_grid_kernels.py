@@ -19,7 +19,11 @@ open_cells = arrays(
 def test_travel_is_the_shortest_way(is_open, data):
     start = tuple(data.draw(st.integers(0, side - 1)) for side in is_open.shape)
     is_open[start] = 1
-    np.testing.assert_allclose(travel_cells(is_open, *start), cost_to_go(is_open, start), rtol=1e-4)
+    travel = travel_cells(is_open, *start)
+    np.testing.assert_allclose(travel, cost_to_go(is_open, start), rtol=1e-4)
+    wanted = np.argwhere(is_open)[: data.draw(st.integers(1, 5))]
+    at = tuple(wanted.T)
+    np.testing.assert_array_equal(travel_cells(is_open, *start, wanted=wanted)[at], travel[at])
 
 
 def test_travel_over_a_large_open_floor_is_octile():

@@ -15,8 +15,14 @@ from hypernav.core.errors import ConfigError, MapError
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
-from hypernav.search.mapping.config import BUMP_PERSISTENCE, MAX_EVIDENCE, MappingConfig
-from hypernav.search.mapping.top_down_map import TopDownMap
+from hypernav.search.mapping.config import (
+    BUMP_PERSISTENCE,
+    MAX_EVIDENCE,
+    HeightBand,
+    MappingConfig,
+    memory_of,
+)
+from hypernav.search.mapping.top_down_map import TopDownMap, empty_arrays
 
 CONFIG = MappingConfig()
 EMBODIMENT = Embodiment()
@@ -567,3 +573,9 @@ def test_a_taller_robot_looks_higher_for_obstacles():
 def test_a_map_that_cannot_hold_the_robot_says_why(config, body, words):
     with pytest.raises(ConfigError, match=words):
         TopDownMap(config, Embodiment(body=body))
+
+
+@pytest.mark.parametrize("layers", [1, 12])
+def test_a_map_takes_as_many_bytes_as_are_told_before_it_is_made(layers):
+    band = HeightBand(0.1, layers)
+    assert memory_of(20 * 30, band) == sum(one.nbytes for one in empty_arrays(20, 30, band))

@@ -98,3 +98,13 @@ def test_any_bound_holds():
         images.shrink(bound, [])
         assert sum(one.size for one in images.kept) <= bound
     assert not images.showing
+
+
+def test_each_of_the_most_telling_shows_what_those_before_do_not_until_all_is_shown():
+    first = taken(KeyImages(10**9), Pose2(4.0, 3.0, 0.0))
+    assert first is not None
+    images = KeyImages(10**9)
+    for number, shows in enumerate(([0, 1, 2, 3], [1, 2, 3], [4], [0, 1])):
+        images.add(replace(first, number=number, patches=np.array(shows)))
+    assert images.most_telling(0, before=2, most=4) == (0, 2, 1, 3)
+    assert images.most_telling(0, before=2, most=2) == (0, 2)

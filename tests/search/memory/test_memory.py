@@ -107,3 +107,11 @@ def test_ground_beyond_a_hole_makes_no_floor_of_a_landing(hole_m: float, number:
         pose = Pose2(float(x), 0.0, 0.0)
         memory.follow(view_of(boxes, pose, camera=STAIR_CAMERA, height_m=height_m))
     assert memory.number == number
+
+
+def test_what_was_walked_is_the_length_of_the_track():
+    memory = Memory(MappingConfig(), CLIMBER)
+    poses = [Pose2(0.5, 0.5, 0.0), Pose2(0.9, 0.8, 0.0), Pose2(0.9, 0.8, 1.0), Pose2(1.2, 1.2, 1.0)]
+    for pose, walked_m in zip(poses, (0.0, 0.5, 0.5, 1.0), strict=True):
+        memory.follow(view_of([FLOOR], pose, camera=STAIR_CAMERA))
+        assert memory.footing.walked_m == pytest.approx(walked_m)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from box_views import CAMERA, room, view_of
+from certainty import certain
 from hypernav.core.embodiment import CameraConfig
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2
@@ -40,6 +41,20 @@ def test_a_thing_lies_where_it_was_seen():
     assert sofa.low[0] == pytest.approx(4.0, abs=0.1)
     assert (sofa.low[1], sofa.high[1]) == pytest.approx((2.4, 3.6), abs=0.15)
     assert sofa.seen_from == (2.0, 3.0)
+
+
+def test_a_mask_that_holds_a_little_of_what_is_behind_makes_a_thing_no_larger():
+    image, (detection,) = looks_at(Pose2(2.0, 3.0, 0.0))
+    sofa, box = certain(detection.mask), detection.box
+    wide = replace(box, x_min=box.x_min - 60.0, x_max=box.x_max + 60.0)
+    beside = wide.mask(*sofa.shape[::-1]) & ~sofa & (image.depth > 3.0) & (image.depth < 4.5)
+    stray = np.argwhere(beside)[:: int(beside.sum() / (0.01 * sofa.sum()))]
+    mask = sofa.copy()
+    mask[tuple(stray.T)] = True
+    bleeding = [replace(detection, box=wide, mask=mask)]
+    (thing,) = Things().after_image(image, bleeding, SENSOR, search=1).known
+    assert len(stray) > 20
+    assert thing.high[0] < 4.5
 
 
 def test_views_from_two_sides_are_one_thing_as_large_as_both_show_it():

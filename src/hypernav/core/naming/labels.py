@@ -130,7 +130,7 @@ def other_names(name: str) -> tuple[str, ...]:
 def normalise(name: str) -> str:
     """Without case (`caseless`), single spaces, no article, hyphens and underscores as spaces."""
     words = re.sub(r"[\s_\-]+", " ", caseless(name)).strip(" .!?\"'")
-    return _ARTICLE.sub("", words, count=1)
+    return _ARTICLE.sub("", words)
 
 
 @lru_cache(maxsize=65_536)

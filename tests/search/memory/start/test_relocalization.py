@@ -7,12 +7,18 @@ import pytest
 
 from box_views import CAMERA, room, view_of
 from hypernav.core.embodiment import Embodiment
+from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.core.observation import Observation
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.memory.floor import counted_from
 from hypernav.search.memory.memory import Memory
-from hypernav.search.memory.start.relocalization import Relocalization, relocalized
+from hypernav.search.memory.start.relocalization import (
+    Relocalization,
+    _Fields,
+    _Kinds,
+    relocalized,
+)
 
 HALL = [
     *room(8.0, 6.0),
@@ -151,3 +157,15 @@ def test_without_obstacles_there_is_nothing_to_compare(hall):
         relocalized(hall, turn([((-20, -20, -0.1), (20, 20, 0.0))], Pose2(0.0, 0.0, 0.0))) is None
     )
     assert relocalized(memory_of(), turn(HALL, Pose2(1.5, 3.0, 0.4))) is None
+
+
+def test_floor_that_is_seen_in_an_obstacle_speaks_against_a_place_but_on_its_edge():
+    tall = np.zeros((30, 40), dtype=bool)
+    tall[10:20, 12:30] = True
+    grid = OccupancyGrid(
+        np.where(tall, Cell.OCCUPIED, Cell.FREE).astype(np.uint8), 0.05, (0.0, 0.0)
+    )
+    *_, by_floor = _Fields(_Kinds(grid, tall, np.zeros_like(tall)), 1.0).by_kind
+    against = np.argwhere(by_floor < 0.0)
+    assert (np.ptp(against, axis=0) + 1).tolist() == [8, 16]
+    assert len(against) == 8 * 16

@@ -177,6 +177,13 @@ def test_too_many_boxes():
     assert grounding.rejected == {Rejection.TOO_MANY: 26}
 
 
+def test_a_label_in_tags_is_of_all_areas_that_follow_it_at_once():
+    areas = [f"<box>({x},20),({x + 40},220)</box>" for x in range(0, 500, 100)]
+    first, second, third, fourth, fifth = areas
+    text = f"A <ref>bed</ref>{first}, {second} <ref>sofa</ref>{third} beside {fourth}{fifth}"
+    assert [one.label for one in read(text).boxes] == ["bed", "bed", "sofa", "", ""]
+
+
 def test_labels_scores_and_order_are_the_models():
     text = (
         '[{"bbox_2d": [1, 2, 30, 40], "label": "window\\n curtain", "score": 0.25},'

@@ -126,6 +126,12 @@ def test_a_visible_goal_becomes_a_goal_area_where_it_stands():
     assert certain(local.target).area.centre == pytest.approx((2.0, 0.0), abs=0.06)
 
 
+def test_a_record_has_the_box_to_a_tenth_of_a_pixel():
+    box = (60.34, 40.26, 100.17, 80.42)
+    (record,) = Perception(ScriptedDetector([seen(box)])).look(thing_before_wall())
+    assert record.box == pytest.approx(box, abs=0.0501)
+
+
 def test_nothing_seen_is_no_target():
     local = Perception(ScriptedDetector([[]]))
     assert local.look(thing_before_wall()) == []
