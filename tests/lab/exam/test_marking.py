@@ -1,9 +1,9 @@
 """Marks of answers that may name several things."""
 
 import pytest
-from answers import TRUE_BOX, boxed
 from pydantic import ValidationError
 
+from exam_answers import TRUE_BOX, boxed
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Exchange
 from hypernav.lab.exam.marking import Given, marked
