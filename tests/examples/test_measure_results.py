@@ -39,8 +39,13 @@ def write_run(folder: Path, spl: list[float], **values) -> None:
         "selection": {},
         "episodes": {"count": len(spl), "scenes": len(spl), "fingerprint": "0"},
         "who": {"agent": "hypernav", "preset": "default", "detector": "d", "reasoner": "r"},
-        "protocol": {"max_steps": 500, "success_distance_m": 0.1, "stop_rule": "stop required"},
-        "config": {"embodiment": {}},
+        "protocol": {
+            "max_steps": 500,
+            "success_distance_m": 0.1,
+            "stop_rule": "stop required",
+            "seed": 0,
+        },
+        "config": {"embodiment": {}, "world": {"sliding": True, "noise": {}}},
     }
     (folder / "run.json").write_text(json.dumps({"created": "now", "configuration": told}))
     lines = [
