@@ -26,7 +26,7 @@ _SPARE_MB = 2000
 """Address space beyond the limit of memory: a child shall be seen to exceed that, not fail."""
 
 _POLL_S = 0.003
-_LEFT_OUT = ("hypernav.app.show.rerun_", "hypernav.simulator.worlds.drawing.warp_")
+_LEFT_OUT = ("hypernav.app.show.viewers.rerun_", "hypernav.simulator.worlds.drawing.warp_")
 """Modules that import rerun, which starts threads, and Warp, which need not be installed; no
 command here uses them."""
 
