@@ -29,11 +29,16 @@ HALL = [
 
 @pytest.fixture(scope="module")
 def remembered() -> TopDownMap:
+    return map_of(HALL)
+
+
+def map_of(boxes) -> TopDownMap:
+    """The map after the robot has looked around in four places."""
     camera = Embodiment().camera.model_copy(update={"width": CAMERA.width, "height": CAMERA.height})
     map_ = TopDownMap(MappingConfig(), Embodiment().model_copy(update={"camera": camera}))
     for x, y in ((1.0, 2.0), (2.5, 4.5), (5.0, 5.0), (6.0, 2.0)):
         for k in range(12):
-            map_.integrate(view_of(HALL, Pose2(x, y, k * np.pi / 6.0)))
+            map_.integrate(view_of(boxes, Pose2(x, y, k * np.pi / 6.0)))
     return map_
 
 
@@ -159,6 +164,21 @@ def test_things_that_were_moved_refuse_no_robot_that_looks_around(remembered):
     moved += [((4.6, 1.0, 0.0), (6.1, 2.0, 0.9)), ((2.6, 4.6, 0.0), (3.6, 5.3, 0.8))]
     follow(remembered, turn(2.0, 3.0, boxes=moved))
     follow(remembered, turn(6.5, 2.0, boxes=moved))
+
+
+def test_one_cupboard_that_is_gone_refuses_no_robot_however_much_it_hid():
+    cupboard = ((2.4, 2.4, 0.0), (2.7, 3.6, 2.0))
+    around = turn(2.0, 3.0)
+    follow(map_of([*HALL, cupboard]), around)
+    gone = KnownFloor(map_of([*HALL, cupboard])).fit_of(around[0])
+    assert 0.0 < gone.counts[1] < 10.0
+
+
+def test_what_is_seen_over_low_things_counts_and_not_they(remembered):
+    chairs = [((x, y, 0.0), (x + 0.5, y + 0.5, 0.5)) for x in (2.0, 3.2) for y in (1.5, 2.6)]
+    known = KnownFloor(remembered)
+    without = known.fit_of(standing(0.6, 3.0, 0.0)).counts
+    assert known.fit_of(standing(0.6, 3.0, 0.0, boxes=[*HALL, *chairs])).counts == without
 
 
 def test_frames_of_another_floor_count_for_nothing(remembered):

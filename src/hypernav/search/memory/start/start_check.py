@@ -13,7 +13,6 @@ from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.observation import Observation
 from hypernav.search.mapping.inflation import inflate
-from hypernav.search.mapping.sight_lines import lines_are_clear
 from hypernav.search.mapping.top_down_map import TopDownMap
 from hypernav.search.memory.floor import counted_from
 from hypernav.search.memory.memory import Memory
@@ -21,22 +20,20 @@ from hypernav.search.memory.memory import Memory
 _STRIDE = 8
 _LOWEST_M = 0.2
 """Height above the floor from which points are of what stands there, metres."""
-_NEAR_M = 0.15
+_NEAR_M = 0.1
 """Distance from a remembered obstacle within which a point belongs to it, metres."""
-_FAR_M = 0.35
+_FAR_M = 0.25
 """Distance from all remembered obstacles beyond which a point contradicts the map, metres."""
 _PATCH_M = 0.25
 """Side of a patch of the map, metres. What lies in one is seen or moved together, so it counts as
 one observation, however many pixels the camera has."""
-_CHANGED, _ELSEWHERE = 0.15, 0.7
-"""Share of the patches in sight that contradict the map: where the robot stands right and much has
-been moved (0.05 to 0.2 on average, by camera), and where it stands elsewhere (0.7 to 0.85)."""
-_SURE = math.log(100.0)
-"""Log-likelihood ratio from which on one of both is taken for true (Wald's sequential test, 1945):
-at most one start in 100 with as many changes is refused."""
-_SURE_AT_ONCE = math.log(1e6)
-"""The same for a single image, ours, since its patches are not independent: a cupboard that was
-moved may fill it."""
+_MIDWAY = 0.45
+"""Share of the patches in sight that contradict the map, midway between about 0.1 where the robot
+stands right (seldom 0.4, where much has been moved) and about 0.8 where it stands elsewhere."""
+_SURE = 0.75
+"""Contradicting patches beyond that share from which on the robot stands elsewhere, ours."""
+_SURE_AT_ONCE = 5.0
+"""The same for a single image, which one moved cupboard may fill, ours."""
 _PATCHES_IN_A_ROW = 1e6
 """More than any map has."""
 
@@ -46,9 +43,9 @@ class Fit:
     """How what frames show fits a map.
 
     Attributes:
-        patches: Number of the patch in which each point lies.
-        contradicts: Whether the point lies on remembered free floor, or behind remembered walls,
-            instead of near a remembered obstacle.
+        patches: Number of the patch in which each spot lies.
+        contradicts: Whether an obstacle is seen there on remembered free floor, or a remembered
+            wall is seen through, instead of an obstacle near a remembered one.
     """
 
     patches: Int64[np.ndarray, " n"]
@@ -56,18 +53,16 @@ class Fit:
 
     @property
     def counts(self) -> tuple[int, float]:
-        """Number of patches, and how many contradict; one with points of both kinds in part."""
-        _, patch, points = np.unique(self.patches, return_inverse=True, return_counts=True)
-        shares = np.bincount(patch, self.contradicts, len(points)) / points
-        return len(points), float(shares.sum())
+        """Number of patches, and how many contradict; one with spots of both kinds in part."""
+        _, patch, spots = np.unique(self.patches, return_inverse=True, return_counts=True)
+        shares = np.bincount(patch, self.contradicts, len(spots)) / spots
+        return len(spots), float(shares.sum())
 
     @property
     def doubt(self) -> float:
-        """Log-likelihood ratio of standing elsewhere to standing where the pose says."""
+        """How many patches contradict beyond the share that is midway between right and wrong."""
         patches, contradict = self.counts
-        return contradict * math.log(_ELSEWHERE / _CHANGED) + (patches - contradict) * math.log(
-            (1.0 - _ELSEWHERE) / (1.0 - _CHANGED)
-        )
+        return contradict - _MIDWAY * patches
 
     def __add__(self, other: "Fit") -> "Fit":
         """How what both show fits; a patch that both show counts once."""
@@ -100,43 +95,51 @@ class KnownFloor:
         x, y = grid.origin
         corners = np.array([(x, y), (x + columns * size, y + rows * size)])
         self._walls: OccupancyGrid = map_.eye_level(corners, full_height=True)
+        self._is_wall = self._walls.occupied
 
     def fit_of(self, observation: Observation) -> Fit:
         """How what a frame shows fits.
 
-        Points near obstacles agree; points on free floor don't, nor do those behind walls.
+        In each column of the image the farthest obstacle counts: the wall, not the chair before it.
+        It agrees near a remembered obstacle, and contradicts on free floor. Of what is seen through
+        a remembered wall the wall contradicts, not all behind: one thing that is gone hid much.
 
         Args:
             observation: The frame, with heights counted from the ground.
         """
-        points = self._points(observation)
-        cells = self._walls.cells_of(points)
-        inside = self._walls.contains(cells)
-        points, (rows, columns) = points[inside], cells[inside].T
-        is_behind = ~self._in_sight(observation.camera_to_map.translation[:2], points)
-        contradicts = self._open[rows, columns] | is_behind
-        tells = contradicts | self._obstacles[rows, columns]
-        x, y = np.floor(points[tells].T / max(_PATCH_M, self._walls.resolution_m))
-        return Fit((y * _PATCHES_IN_A_ROW + x).astype(np.int64), contradicts[tells])
+        ends = self._farthest(observation)
+        seen_through = self._walls_before(observation.camera_to_map.translation[:2], ends)
+        is_open = self._walls.picked(self._open, ends)
+        tells = is_open | self._walls.picked(self._obstacles, ends)
+        spots = np.concatenate([ends[tells], seen_through])
+        x, y = np.floor(spots.T / max(_PATCH_M, self._walls.resolution_m))
+        return Fit(
+            (y * _PATCHES_IN_A_ROW + x).astype(np.int64),
+            np.concatenate([is_open[tells], np.ones(len(seen_through), bool)]),
+        )
 
-    def _points(self, observation: Observation) -> Float64[np.ndarray, "n 2"]:
-        """Points of obstacles in a frame, ``(x, y)``, metres."""
+    def _farthest(self, observation: Observation) -> Float64[np.ndarray, "n 2"]:
+        """The farthest obstacles in the columns of a frame, ``(x, y)``, metres."""
         sensor = self._robot.camera
         depth = observation.depth[::_STRIDE, ::_STRIDE]
         rows, columns = np.nonzero(is_measured(depth, sensor.min_depth_m, sensor.max_depth_m))
         points = observation.points_at(rows * _STRIDE, columns * _STRIDE)
-        z = points[:, 2]
-        return points[(z > _LOWEST_M) & (z < self._top_m), :2]
+        stands = (points[:, 2] > _LOWEST_M) & (points[:, 2] < self._top_m)
+        rows, columns, points = rows[stands], columns[stands], points[stands]
+        nearest_first = np.lexsort((depth[rows, columns], columns))
+        is_last = np.diff(columns[nearest_first], append=-1) != 0
+        return points[nearest_first[is_last], :2]
 
-    def _in_sight(
-        self, camera: Float64[np.ndarray, "2"], points: Float64[np.ndarray, "n 2"]
-    ) -> Bool[np.ndarray, " n"]:
-        """Which points have no remembered wall before them."""
-        away = points - camera
-        distance = np.linalg.norm(away, axis=1, keepdims=True)
-        ends = camera + away * np.maximum(1.0 - _FAR_M / np.maximum(distance, 1e-6), 0.0)
-        starts = np.broadcast_to(camera, ends.shape).copy()
-        return lines_are_clear(self._walls, starts, ends, through=np.empty((0, 2)))
+    def _walls_before(
+        self, camera: Float64[np.ndarray, "2"], ends: Float64[np.ndarray, "n 2"]
+    ) -> Float64[np.ndarray, "m 2"]:
+        """Points ``(x, y)``, metres, of remembered walls that lines of sight pass."""
+        away = ends - camera
+        length = np.linalg.norm(away, axis=1)[:, None]
+        along = np.arange(0.0, length.max(initial=0.0), self._walls.resolution_m)
+        points = camera + (away / np.maximum(length, 1e-6))[:, None] * along[:, None]
+        points = points[along < length - _FAR_M]
+        return points[self._walls.picked(self._is_wall, points)]
 
 
 class StartCheck:
