@@ -71,11 +71,13 @@ def run(options: ReportOptions) -> int:
         raise ConfigError("name at least one folder of an evaluation")
     if options.compare and len(options.runs) < 2:
         raise ConfigError("--compare needs at least two folders")
-    several = len(options.runs) > 1
+    out, several = options.out, len(options.runs) > 1
+    if out is not None:
+        check_folder(out, REPORT_FILES)
     runs = load_runs(options.runs)
-    first = options.runs[0]
-    out = options.out or (own_folder(first, "compared") if several else first)
-    check_folder(out, REPORT_FILES)
+    if out is None:
+        out = own_folder(options.runs[0], "compared") if several else options.runs[0]
+        check_folder(out, REPORT_FILES)
     pairs = tables.pairs(runs) if options.compare else []
     page = write_report(out, runs, pairs=pairs, published=options.published)
     console = Terminal(quiet=options.quiet)
