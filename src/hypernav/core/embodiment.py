@@ -15,6 +15,8 @@ _BYTES_PER_PIXEL = 200
 """Memory per pixel: its ray, colours, depth, instance and point, bytes."""
 MOST_PIXELS = 5_000_000
 """The largest image of a camera."""
+LEAST_HFOV_DEG, MOST_HFOV_DEG = 5.0, 170.0
+"""The narrowest and the widest horizontal field of view of a camera, degrees."""
 
 STAIR_CLIMB_M = 0.2
 """Height of steps, metres, from which a robot climbs stairs: Habitat's."""
@@ -82,7 +84,7 @@ class CameraConfig(RoomConfig):
 
     width: int = Field(default=640, ge=8, le=8192)
     height: int = Field(default=480, ge=8, le=8192)
-    hfov_deg: float = Field(default=79.0, ge=5.0, le=170.0)
+    hfov_deg: float = Field(default=79.0, ge=LEAST_HFOV_DEG, le=MOST_HFOV_DEG)
     height_m: float = Field(default=0.88, gt=0.0, le=10.0)
     pitch_deg: float = Field(default=0.0, gt=-90.0, lt=90.0)
     min_depth_m: float = Field(default=0.5, ge=0.0, le=100.0)

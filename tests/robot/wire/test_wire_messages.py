@@ -79,6 +79,19 @@ def test_a_calibration_says_the_field_of_view():
     assert math.degrees(OpenSearch(goal="bed").camera.hfov) == pytest.approx(79.0)
 
 
+@pytest.mark.parametrize("fx", [20.0, 7400.0, 13_000.0, 90_000.0])
+def test_a_calibration_that_no_camera_may_have_is_refused(fx: float):
+    intrinsics = Intrinsics(fx=fx, fy=fx, cx=320.0, cy=240.0)
+    with pytest.raises(ValidationError, match="expected hfov_deg from 5 to 170"):
+        OpenSearch(goal="bed", intrinsics=intrinsics)
+
+
+@given(fx=st.floats(29.0, 7300.0))
+def test_a_calibration_between_the_bounds_means_a_robot(fx: float):
+    intrinsics = Intrinsics(fx=fx, fy=fx, cx=320.0, cy=240.0)
+    assert OpenSearch(goal="bed", intrinsics=intrinsics).robot.camera.hfov_deg < 170.0
+
+
 @pytest.mark.parametrize("key", ["short", "../../etc/passwd", "a" * 65, "with space"])
 def test_a_key_is_one_plain_word(key):
     with pytest.raises(ValidationError):

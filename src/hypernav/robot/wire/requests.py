@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BaseModel, Field, model_validator
 
 from hypernav.core.config import MOST_STEPS
-from hypernav.core.embodiment import Embodiment
+from hypernav.core.embodiment import LEAST_HFOV_DEG, MOST_HFOV_DEG, Embodiment
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.goal import MAX_GOAL_LENGTH
@@ -83,10 +83,10 @@ class OpenSearch(Message):
     @model_validator(mode="after")
     def _field_of_view_is_possible(self) -> "OpenSearch":
         hfov_deg = math.degrees(self.camera.hfov)
-        if not 1.0 <= hfov_deg <= 170.0:
+        if not LEAST_HFOV_DEG <= hfov_deg <= MOST_HFOV_DEG:
             raise ValueError(
                 f"the intrinsics mean a horizontal field of view of {hfov_deg:.1f} degrees, "
-                "expected hfov_deg from 1 to 170"
+                f"expected hfov_deg from {LEAST_HFOV_DEG:.0f} to {MOST_HFOV_DEG:.0f}"
             )
         return self
 
