@@ -2,6 +2,7 @@
 
 import math
 import threading
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import replace
 
@@ -18,11 +19,14 @@ from hypernav.core.errors import (
 )
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.robot.client.links import HttpServer, ServerAddress
+from hypernav.robot.client.robot import Executed
 from hypernav.robot.client.robot_client import Patience, RobotClient, Watchdog
 from hypernav.robot.wire.frames import unpack_observation
 from hypernav.robot.wire.replies import Reply, SearchEnding
 from robot_links import StandIn
 from servers.scripted import closed_port
+
+Corners = Sequence[tuple[float, float]]
 
 
 class Script:
@@ -66,6 +70,31 @@ def end(sequence: int) -> Reply:
 
 def refusal(error: str, expected: int | None = None, status: int = 409) -> RequestRefusedError:
     return RequestRefusedError("no", error=error, status=status, expected=expected)
+
+
+class Driver(StandIn):
+    """A robot that can follow paths."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.followed: list[Corners] = []
+
+    def follow(self, path: Corners, until: Callable[[Pose2], bool]) -> Executed:
+        if not until(Pose2(self.x, 0.0, 0.0)):
+            self.followed.append(path)
+            self.x = path[-1][0]
+        return Executed.DONE
+
+
+@pytest.mark.parametrize(("end_m", "is_followed"), [(0.2, False), (0.49, False), (2.0, True)])
+def test_a_path_that_ends_within_a_step_is_a_step(end_m, is_followed):
+    """Stopping at its end would look like a bump to an agent."""
+    robot = Driver()
+    ahead = Reply(sequence=0, action=Action.MOVE_FORWARD, path=((0.0, 0.0), (end_m, 0.0)))
+    steps = list(RobotClient(robot, Script(ahead, end(1)), continuous=True))
+    assert robot.followed[:1] == ([[(0.0, 0.0), (end_m, 0.0)]] if is_followed else [])
+    assert robot.executed == ([] if is_followed else [Action.MOVE_FORWARD])
+    assert not any(step.blocked for step in steps)
 
 
 def test_what_got_lost_is_sent_again_and_executed_once():

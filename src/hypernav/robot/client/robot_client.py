@@ -157,7 +157,6 @@ MADE_SHARE = 0.6
 """Share of a motion below which it did not happen; agents detect a bump by the same share."""
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.05, 2.0
 """First and longest pause between attempts; each is twice the one before."""
-_SHORTEST_PATH_M = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -300,12 +299,11 @@ class RobotClient:
 
     def _execute(self, reply: Reply, sensed: Sensed) -> Executed:
         """Execute the action of a reply, once."""
-        action = Action(reply.action or 0)
-        forward_m = self._robot.embodiment.motion.forward_m
-        path = _in_odometry(reply.path, sensed.odom_to_map)
-        if self._follower is None or action is not Action.MOVE_FORWARD or not _is_path(path):
-            return self._moved(lambda: self._robot.execute(action))
+        if self._follower is None or not self._leads_on(reply):
+            return self._moved(lambda: self._robot.execute(Action(reply.action or 0)))
         follow, start = self._follower.follow, sensed.odometry
+        path = _in_odometry(reply.path, sensed.odom_to_map)
+        forward_m = self._robot.embodiment.motion.forward_m
         return self._moved(
             lambda: follow(path, lambda robot: start.distance_to(*robot.xy) >= forward_m)
         )
@@ -314,10 +312,19 @@ class RobotClient:
         """Drive on along the previous path until there is an answer, or it is late."""
         if self._follower is None or last is None or last.executed is not Executed.DONE:
             return
-        path = _in_odometry(last.reply.path, last.sensed.odom_to_map)
-        if last.reply.action is Action.MOVE_FORWARD and _is_path(path):
+        if self._leads_on(last.reply):
             follow = self._follower.follow
+            path = _in_odometry(last.reply.path, last.sensed.odom_to_map)
             self._moved(lambda: follow(path, lambda _: answer.done()))
+
+    def _leads_on(self, reply: Reply) -> bool:
+        """Whether a robot can drive along a reply's path instead of making a step.
+
+        The path must end beyond the step: an agent takes a shorter motion for a bump.
+        """
+        path, forward_m = reply.path, self._robot.embodiment.motion.forward_m
+        is_ahead = len(path) > 1 and math.dist(path[0], path[-1]) >= forward_m
+        return reply.action is Action.MOVE_FORWARD and is_ahead
 
     def _moved(self, motion: Callable[[], Executed]) -> Executed:
         """Make a motion, unless stop was pressed."""
@@ -421,11 +428,6 @@ def _sensed(robot: Robot) -> Sensed:
             f"{type(robot).__name__}: observe returned {sensed!r:.60}; expected a Sensed"
         )
     return sensed
-
-
-def _is_path(path: Sequence[tuple[float, float]]) -> bool:
-    """Whether a path leads anywhere."""
-    return len(path) > 1 and math.dist(path[0], path[-1]) > _SHORTEST_PATH_M
 
 
 def _in_odometry(
