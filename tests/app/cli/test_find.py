@@ -147,6 +147,7 @@ def test_a_goal_that_the_building_does_not_hold_is_said_before_the_search(
 ):
     hypernav("find", goal, "--scene", glb, "--out", tmp_path, "--max-steps", 1)
     assert words in capsys.readouterr().err.splitlines()[0]
+    assert "Nothing in the building answers to it." in (tmp_path / "index.html").read_text()
 
 
 def test_a_number_of_no_building_is_told_with_its_kind(capsys):

@@ -51,6 +51,9 @@ def test_a_search_that_found_nothing_says_how_it_ended() -> None:
         "It was still looking when all 500 steps were used. "
         f"It ended {captions.number(3.21, 1, 'm')} of path from the nearest one."
     )
+    assert "Nothing in the building" not in out_of_steps.detail
+    absent = captions.headline({**ended, "holds_goal": False})
+    assert absent.detail.endswith("Nothing in the building answers to it.")
     far = captions.headline({**ended, "max_steps": 600, "distance_to_goal_m": math.inf})
     assert far.detail == captions.headline(ended).detail
 

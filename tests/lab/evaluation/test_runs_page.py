@@ -74,6 +74,11 @@ def test_every_run_and_search_below_the_folder_is_shown(root: Path) -> None:
     assert search["page"] == "2026/first%20search/index.html"
 
 
+def test_spl_is_not_rounded_before_its_mean(tmp_path: Path) -> None:
+    write_run(tmp_path / "ours", "hypernav", record("0", spl=0.6865036832468938))
+    assert [one["spl"] for one in overview(tmp_path).searches] == [0.6865036832468938]
+
+
 def test_a_run_says_which_of_its_values_are_not_the_usual_ones(tmp_path: Path) -> None:
     for name, agent, steps in (("a", "hypernav", 40), ("b", "frontier", 40), ("c", "vlfm", 10)):
         search = {"endurance_steps": steps, "max_steps": 500}

@@ -161,6 +161,7 @@ def _find(options: FindOptions, goal: Goal, folder: Path) -> ExitStatus:
                     **options.who.describe(parts),
                     "seed": options.seed,
                     "max_steps": steps,
+                    "holds_goal": search.trial.holds_goal,
                     "start": start_values(start, start_z),
                     **_found_start(search),
                     **_memory_entry(options, search, earlier_searches),

@@ -202,6 +202,8 @@ def headline(result: Mapping[str, Any]) -> Headline:
     if outcome == "not_found" and _is_finite(result.get("distance_to_goal_m")):
         away = number(result["distance_to_goal_m"], 1, "m")
         detail += f" It ended {away} of path from the nearest one."
+    if result.get("holds_goal") is False:
+        detail += " Nothing in the building answers to it."
     if result.get("detail"):
         detail = f"{detail} {result['detail']}"
     tone: Tone = "neutral" if outcome in _NEUTRAL else "bad"

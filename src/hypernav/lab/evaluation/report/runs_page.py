@@ -153,7 +153,7 @@ def _episode(record: EpisodeRecord) -> dict[str, Any]:
         "outcome": _outcome(record.outcome, record.failure),
         "counts": record.counts,
         "success": record.success,
-        "spl": round(record.spl, 4),
+        "spl": record.spl,
         "steps": record.steps,
         "path": round(record.path_length_m, 2),
         "why": record.why,
