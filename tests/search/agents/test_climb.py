@@ -12,7 +12,7 @@ from hypernav.core.embodiment import Action
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog, ModuleClock
-from hypernav.search.agents.climb import _around, climb
+from hypernav.search.agents.climb import _around, _is_lost, _where_to, climb
 from hypernav.search.agents.plan import Climbing, Plan
 from hypernav.search.agents.step import Decision, Step
 from hypernav.search.mapping.stairs.connectors import Connector
@@ -99,3 +99,27 @@ def test_only_a_free_step_up_or_down_is_on_stairs(
     stairs = _around(step, memory, Climbing(0, touching=touching), goes_up=True)
     assert stairs.on_slope is goes_by_own
     assert stairs.z == pytest.approx(0.7 if goes_by_own else 0.6, abs=0.03)
+
+
+@pytest.mark.parametrize(
+    ("came_by", "is_lost"),
+    [
+        ((0.0, 0.0, 0.3), True),
+        ((0.2, 0.0, 0.5), True),
+        ((0.3, 0.0, 0.3), False),
+        ((0.0, 0.0, -0.3), False),
+        ((0.0, 0.0, 0.9), False),
+    ],
+)
+def test_a_robot_is_lost_within_half_a_step_of_where_it_was_on_the_same_flight(came_by, is_lost):
+    memory = Memory(CONFIG.mapping, CONFIG.embodiment)
+    memory.begin_search(sees_stairs=True)
+    *_, step = (step_at(memory, [FLOOR], Pose2(0.0, 0.0, 0.0), z) for z in (0.0, 0.3))
+    assert _is_lost(step, memory, Climbing(0, came_by=(came_by,))) is is_lost
+
+
+def test_people_read_floors_counted_from_one():
+    memory = Memory(CONFIG.mapping, CONFIG.embodiment)
+    memory.connectors = (Connector(0, True, (0.0, 0.0), 0.0, other_floor=1),)
+    assert _where_to(memory, Climbing(0), goes_up=True) == "to floor 2"
+    assert _where_to(memory, Climbing(0, is_back=True), goes_up=False) == "back to floor 1"
