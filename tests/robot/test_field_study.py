@@ -130,4 +130,5 @@ def test_the_command_prints_the_table_and_leaves_outages_out(tmp_path, capsys):
     assert "1 of 1" in said
     assert "hypernav" in said  # whole, in 80 columns
     assert "outage" in said
+    assert "0.500 to" not in said  # one trial has no interval
     assert table.read_text().splitlines()[1].startswith("bed,hypernav,1,1,1.0000,0.5000")

@@ -1,9 +1,13 @@
 import json
 from pathlib import Path
 
-from exam_answers import answered
+import pytest
+
+from exam_answers import answered, boxed
 from hypernav.core.trace import Exchange
 from hypernav.lab.exam.results import Examined, wrappings_of, write_results
+
+ELSEWHERE = (100.0, 10.0, 140.0, 40.0)
 
 
 def said(kind: str, text: str, *, by_model: bool = True) -> Exchange:
@@ -28,3 +32,20 @@ def test_says_nothing_where_nothing_was_taken_off(tmp_path: Path):
     plain = [answered("presence", "there", exchanges=[said("verify", "yes")])]
     page = write_results(tmp_path, Examined("m", "auto", "quick", 1, {}, {}), plain).read_text()
     assert "came wrapped" not in page
+
+
+@pytest.mark.parametrize(
+    ("mistaken", "sentence", "entries"),
+    [
+        (0, "No systematic fault is shown.", 0),
+        (8, "One systematic fault is shown.", 1),  # a light one
+        (16, "One systematic fault is shown.", 1),
+    ],
+)
+def test_the_lead_counts_the_faults_that_the_section_lists(tmp_path, mistaken, sentence, entries):
+    boxes = [ELSEWHERE] * mistaken + [None] * (24 - mistaken)
+    answers = [boxed("look-alike", box) for box in boxes]
+    page = write_results(tmp_path, Examined("m", "auto", "quick", 24, {}, {}), answers).read_text()
+    assert sentence in page
+    assert page.count('<div class="fault') == entries
+    assert ("Nothing that these answers show." in page) is (entries == 0)

@@ -103,3 +103,11 @@ def test_the_scale_bar_is_as_long_as_it_says_between_two_equal_ends(size: int):
         == [heights[0]] * 2 + [heights[2]] * (size // 8 - 4) + [heights[0]] * 2 + [0] * 2
     )
     assert (heights[0], heights[2]) == pytest.approx((8.0 * size / 768, 3.0 * size / 768), abs=1.0)
+
+
+def test_the_mark_of_a_destination_is_the_same_to_all_sides():
+    drawn = painter()
+    drawn.destination(0.0, 0.0)
+    mark = drawn.image[384 - 40 : 384 + 40, 384 - 40 : 384 + 40].astype(int)
+    for turned in (mark[::-1], mark[:, ::-1], mark.transpose(1, 0, 2)):
+        assert np.abs(mark - turned).max() < 40

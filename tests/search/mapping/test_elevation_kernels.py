@@ -130,22 +130,26 @@ SLOPES, FALLS = (np.arange(33) - 16) / 16.0, 0.25 - np.arange(41) / 32.0
 SIDE_M = 1.0 / 16.0
 
 
+CAMERA_AT = (2.0, -1.0)
+
+
 def surveyed(depth: np.ndarray, quarters: int, rows: slice, columns: slice) -> list[np.ndarray]:
     """What a frame adds to a part of a map of 8 m x 8 m around the robot."""
     c, s = ((1, 0), (0, 1), (-1, 0), (0, -1))[quarters]
     across = np.column_stack([-s * SLOPES, c * SLOPES, 0.0 * SLOPES])
     down = np.column_stack([c + 0.0 * FALLS, s + 0.0 * FALLS, FALLS])
     shape = rows.stop - rows.start, columns.stop - columns.start
+    starts = columns.start, rows.start
     kinds = ((np.nan, "f4"), (0, "u1"), (0, "f4"), (0, "f4"), (np.inf, "f4"))
     maps = tuple(np.full(shape, value, kind) for value, kind in kinds)
     survey(
         depth.astype(np.float32),
         across.astype(np.float32),
         down.astype(np.float32),
-        (0.0, 0.0, 1.0),
+        (*CAMERA_AT, 1.0),
         (0.1, 4.0),
         (0.0, 1.0, 0.2),
-        (SIDE_M * columns.start - 4.0, SIDE_M * rows.start - 4.0, SIDE_M),
+        (*(SIDE_M * k + c - 4.0 for k, c in zip(starts, CAMERA_AT, strict=True)), SIDE_M),
         maps,
         (np.full(shape, -np.inf, "f4"), np.zeros(shape, "u1"), np.zeros(shape[0] * shape[1], "i4")),
     )
@@ -173,6 +177,18 @@ def test_a_part_of_the_map_holds_what_the_whole_map_holds_there(quarters: int):
     for low, high in RANDOM.integers((0, 64), (64, 128), (40, 2, 2)).transpose(0, 2, 1):
         part = slice(low[0], high[0]), slice(low[1], high[1])
         assert_part_of_whole(seen_m, quarters, part)
+
+
+@pytest.mark.parametrize("quarters", range(4))
+def test_a_drop_is_noted_where_the_line_of_sight_meets_the_height_of_the_floor(quarters: int):
+    """The ground lies 1 m below the robot's, and the camera 1 m above that."""
+    with np.errstate(divide="ignore"):
+        lower_m = np.where(FALLS < -0.5, -2.0 / FALLS, 0.0)
+    below = surveyed(np.tile(lower_m[:, None], 33), quarters, *WHOLE)[4]
+    rows, columns = np.nonzero(below < np.inf)
+    x, y = ((at + 0.5) * SIDE_M - 4.0 for at in (columns, rows))
+    ahead_m = (x, y, -x, -y)[quarters]
+    assert ahead_m.min() == pytest.approx(1.0, abs=0.1)
 
 
 @pytest.mark.parametrize("quarters", range(4))

@@ -117,6 +117,13 @@ def test_gaps_in_even_ground_are_filled_with_its_height():
     np.testing.assert_allclose(filled(ground), 2.5, atol=1e-5)
 
 
+def test_gaps_are_filled_alike_along_rows_and_columns():
+    random = np.random.default_rng(0)
+    ground = random.uniform(0.0, 1.0, (64, 160)).astype(np.float32)
+    ground[random.random(ground.shape) < 0.9] = np.nan
+    np.testing.assert_allclose(filled(ground.T), filled(ground).T, atol=1e-5)
+
+
 def test_a_gap_is_filled_between_the_lowest_and_the_highest_around_it_on_every_storey():
     random = np.random.default_rng(0)
     low = np.full((160, 160), np.nan, dtype=np.float32)

@@ -41,3 +41,8 @@ def test_each_layer_takes_what_the_one_before_gives():
         ]
         inputs = last + architecture.goal_size + sum(embedded)
         assert shapes["rnn.weight_ih_l0"][1] == inputs == architecture.recurrent_input
+
+
+def test_the_stages_of_the_backbone_have_their_published_names():
+    names = {name.split(".")[1] for name in PIRLNAV.shapes() if name.startswith("backbone.layer")}
+    assert names == {f"layer{number}" for number in (1, 2, 3, 4)}

@@ -47,6 +47,11 @@ class Estimate:
         """Whether there are enough episodes for the interval to say something."""
         return self.count >= FEWEST_WITH_INTERVAL
 
+    @property
+    def drawn_ends(self) -> tuple[float, float]:
+        """Ends of the interval in a figure: where it says nothing, the mean."""
+        return (self.low, self.high) if self.has_interval else (self.mean, self.mean)
+
 
 @dataclass(frozen=True)
 class Comparison:

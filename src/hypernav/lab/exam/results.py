@@ -211,11 +211,10 @@ def write_comparison(folder: Path, names: tuple[str, str], found: Sequence[Diffe
 def _lead(
     marks: Sequence[TypeMarks], faults: Sequence[Finding], predictions: Sequence[Prediction]
 ) -> str:
-    serious = sum(one.state is State.FAULT for one in faults)
     count = sum(one.count for one in marks)
     told = f"{count:,} questions about buildings that nobody has seen, with known answers. "
     told += {0: "No systematic fault is shown.", 1: "One systematic fault is shown."}.get(
-        serious, f"{serious} systematic faults are shown."
+        len(faults), f"{len(faults)} systematic faults are shown."
     )
     if predictions:
         first = predictions[0]

@@ -3,11 +3,13 @@
 import csv
 import re
 
+import numpy as np
 import pytest
 
 from certainty import certain
 from eval_runs import apart, record
 from hypernav.lab.evaluation.ablation.ablation_page import write_ablation
+from hypernav.lab.evaluation.ablation.figures import results_figure
 from hypernav.lab.evaluation.ablation.study import Axis, LeftOut, Study, Variant, read_results
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.run_plan import RunPlan
@@ -32,9 +34,9 @@ STUDY = Study(
 SCENES = [f"house {number}" for number in range(8)]
 
 
-def write(folder, variant, records):
+def write(folder, variant, records, wanted=8):
     configuration = RunPlan("houses-val", who=WHO).configuration([])
-    configuration["episodes"] |= {"count": len(SCENES), "scenes": len(SCENES)}
+    configuration["episodes"] |= {"count": wanted, "scenes": wanted}
     with RunStore(folder / variant.slug, configuration) as store:
         for one in records:
             store.add(one)
@@ -79,6 +81,21 @@ def test_too_few_scenes_to_show_anything_are_said_to_be_too_few(tmp_path):
     assert "With 3 scenes and 2 comparisons no corrected p-value can be below 0.5" in page
     (other,) = certain(read_results(tmp_path, STUDY)).variants
     assert certain(other.pair).spl.p_value == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize(("episodes", "has_interval"), [(4, False), (5, True)])
+def test_few_episodes_have_an_interval_nowhere(tmp_path, episodes, has_interval):
+    for variant, growth_m in ((UNCHANGED, 1.0), (WORSE, 2.0)):
+        places = enumerate(SCENES[:episodes])
+        records = [found(5.0 + growth_m * k, [scene])[0] for k, scene in places]
+        write(tmp_path, variant, records, wanted=episodes)
+    page = certain(write_ablation(tmp_path, STUDY)).read_text()
+    text = re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", page))
+    assert bool(re.search(r"\.\d+( to |–)[-+]?\d+\.\d", text)) is has_interval
+    assert ("[" in (tmp_path / "ablation.tex").read_text()) is has_interval
+    axes = results_figure(certain(read_results(tmp_path, STUDY))).axes
+    widths = [np.ptp(np.asarray(line.get_xdata())) for one in axes for line in one.lines]
+    assert any(widths) is has_interval
 
 
 def test_the_worst_comes_first(folder):

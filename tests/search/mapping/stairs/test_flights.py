@@ -81,6 +81,18 @@ def test_a_landing_is_as_high_as_it_looks(off_m: float):
     assert landing_z(ground, robot, memory.footing.z) == pytest.approx(0.0, abs=0.03)
 
 
+@pytest.mark.parametrize(("off_m", "is_its_own"), [(0.25, True), (-0.25, True), (0.4, False)])
+def test_ground_much_more_than_a_step_off_is_not_the_robot_s_landing(
+    off_m: float, is_its_own: bool
+):
+    """A mesh is off by up to a step; what is farther off is other ground, such as treads."""
+    memory = memory_after([FLOOR], Pose2(0.0, 0.0, 0.0))
+    robot = Pose2(1.5, 0.0, 0.0)
+    ground = memory.ground_around(robot.xy, down=True)
+    looks_z = 0.0 if is_its_own else off_m
+    assert landing_z(ground, robot, off_m) == pytest.approx(looks_z, abs=0.03)
+
+
 @pytest.mark.parametrize("off_m", [-0.13, 0.13])
 def test_where_the_robot_has_stood_tells_not_how_high_a_landing_is(off_m: float):
     """It walks where no image shows the ground, on a mesh that is off."""

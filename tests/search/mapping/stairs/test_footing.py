@@ -62,3 +62,18 @@ def test_ground_that_seems_somewhat_higher_or_lower_than_the_robot_is_its_floor(
     for z, is_its_own in ((0.13, True), (-0.13, True), (0.2, False), (-0.2, False)):
         footing = replace(memory.footing, floor_z=-2.6, z=z, level_z=z)
         assert footing.has_room(ground) == is_its_own
+
+
+@pytest.mark.parametrize(("area_m2", "is_floor"), [(0.8, False), (1.2, True)])
+def test_a_storey_away_a_square_metre_at_the_head_of_stairs_is_a_floor(
+    area_m2: float, is_floor: bool
+):
+    memory = Memory(MappingConfig(), CLIMBER)
+    memory.begin_search(sees_stairs=True)
+    memory.follow(view_of([FLOOR], Pose2(0.0, 0.0, 0.0), camera=CLIMBER.camera.intrinsics))
+    ground = memory.ground_around((0.0, 0.0), down=False)
+    level = ground.seen & ground.between(-0.05, 0.05)
+    level.flat[np.flatnonzero(level)[round(area_m2 / ground.grid.resolution_m**2) :]] = False
+    few = replace(ground, seen=level)
+    assert replace(memory.footing, floor_z=-2.6).has_room(few) is is_floor
+    assert not replace(memory.footing, floor_z=-1.5).has_room(few)

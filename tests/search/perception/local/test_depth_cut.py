@@ -87,6 +87,16 @@ def test_a_wall_that_goes_on_beside_the_box_is_not_the_thing():
     assert not mask[50:80, 65:95].any()
 
 
+@pytest.mark.parametrize(("side_px", "is_thing"), [(14, False), (16, True)])
+def test_a_box_over_a_wall_is_of_what_stands_before_it_unless_that_is_small(side_px, is_thing):
+    """What ends in the box may be a quarter as wide and high as the box, hardly less."""
+    low, high = (80 - side_px // 2, 45 - side_px // 2), (80 + side_px // 2, 45 + side_px // 2)
+    observation = thing_before_wall(thing_m=2.0, wall_m=2.4, box=(*low, *high))
+    mask = DepthCutSegmenter().segment(observation, Box(50.0, 15.0, 110.0, 75.0))
+    assert np.array_equal(mask, thing_pixels(observation)) is is_thing
+    assert mask[20:30, 55:65].all() == (not is_thing)
+
+
 def test_what_stands_before_a_thing_and_goes_on_below_the_box_is_not_the_thing():
     observation = thing_before_wall(thing_m=2.5, box=(50, 40, 110, 80))
     observation.depth[60:120, 70:80] = 1.5

@@ -136,6 +136,23 @@ def test_what_stands_near_by_without_depth_is_on_no_other_floor(away_m: float, h
     assert "depth" in record.reason
 
 
+@pytest.mark.parametrize(
+    ("height_px", "gap_px", "is_near"),
+    [(20, 7, True), (20, 8, False), (4, 2, True), (4, 3, False)],
+)
+def test_what_comes_within_half_its_height_right_below_it_tells_whether_it_is_near(
+    height_px: int, gap_px: int, is_near: bool
+):
+    """A quarter of that has a depth, or hardly less; of small things it is three pixels."""
+    top = 8
+    detector, floor = Shows(Box(150.0, top, 170.0, top + height_px)), new_floor()
+    seen = view_of([], ROBOT)
+    depth = np.zeros_like(seen.depth)
+    depth[top + height_px + gap_px :] = 2.0
+    perception(detector).look(replace(seen, depth=depth), GOAL, floor)
+    assert (floor.search.seen_off_floor is None) is is_near
+
+
 def test_what_hangs_near_by_without_depth_is_on_no_other_floor():
     robot, floor = Pose2(0.0, 0.0, 0.0), new_floor()
     detector = detector_of(2.0, 1.9, side_m=0.2)

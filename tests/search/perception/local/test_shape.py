@@ -126,6 +126,7 @@ def test_a_mask_that_falls_short_of_its_box_by_a_tenth_shows_no_end_there(
         ("bed", RACK, False),
         ("toilet", RACK, False),
         ("potted plant", CHAIR, True),
+        ("refrigerator", ((3.0, 2.7, 0.0), (3.7, 3.4, 1.08)), True),  # 2 cm too low
     ],
 )
 def test_names_fit_things_of_their_size(name: str, thing: SolidBox, fits: bool):

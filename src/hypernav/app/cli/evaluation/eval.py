@@ -160,9 +160,8 @@ def duration(seconds: float) -> str:
 
 
 def _interval(estimate: Estimate, over: str, factor: float = 1.0, unit: str = "") -> str:
-    if not over or not estimate.has_interval:
-        return ""
-    return f"({interval(estimate, factor)}{unit} with 95 % confidence, over {over})"
+    words = f"({{}}{unit} with 95 % confidence, over {over})"
+    return interval(estimate, factor, words) if over else ""
 
 
 _LINE_EVERY_S = 60.0

@@ -13,6 +13,7 @@ from hypernav.app.cli.robot import Report
 from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, OutputError, RunFolderError
 from hypernav.lab.evaluation.field_study import StudyRow, TrialResult, study_rows
+from hypernav.lab.evaluation.report.report_text import interval
 from hypernav.robot.field_trial import FieldTrial, read_trial
 
 _COLUMNS = (
@@ -81,7 +82,7 @@ def _table(rows: Sequence[StudyRow]) -> Table:
             f"{row.found} of {row.count}",
             f"{100 * row.success.mean:.1f} %",
             f"{row.spl.mean:.3f}",
-            f"{row.spl.low:.3f} to {row.spl.high:.3f}",
+            interval(row.spl, words="{}"),
             f"{row.length_m:.1f} m",
             f"{row.shortest_m:.1f} m",
         )

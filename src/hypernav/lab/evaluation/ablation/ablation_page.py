@@ -177,9 +177,9 @@ def _lead(results: StudyResults) -> str:
         f"{number_of(len(results.variants), 'variant')} of the preset "
         f"{run.who['preset']} searched for the same goals as the unchanged method, in "
         f"{number_of(run.wanted, 'episode')} of {run.dataset}. Unchanged,{done} it "
-        f"finds {report_text.percent(summary.success)} "
-        f"({report_text.interval(summary.success, 100.0)} %) of its goals with an SPL of "
-        f"{summary.spl.mean:.3f} ({report_text.interval(summary.spl)})."
+        f"finds {report_text.percent(summary.success)}"
+        f"{report_text.interval(summary.success, 100.0, ' ({} %)')} of its goals with an SPL of "
+        f"{summary.spl.mean:.3f}{report_text.interval(summary.spl)}."
     )
 
 

@@ -79,8 +79,8 @@ def _panel(axes: "Axes", axis: Axis, results: StudyResults, *, is_success: bool)
 
 def _measure(result: VariantResult, factor: float, *, is_success: bool) -> Estimate:
     estimate = result.summary.success if is_success else result.summary.spl
-    values = (factor * estimate.mean, factor * estimate.low, factor * estimate.high)
-    return Estimate(*values, estimate.count)
+    low, high = estimate.drawn_ends
+    return Estimate(factor * estimate.mean, factor * low, factor * high, estimate.count)
 
 
 def _line(axes: "Axes", estimate: Estimate, name: str, place: int) -> None:
@@ -187,7 +187,8 @@ def _whiskers(
     for place, (comparison, p_value) in enumerate(zip(comparisons, p_values, strict=True)):
         gap = comparison.difference
         color = palette.css(_color(gap.mean, p_value))
-        axes.plot([factor * gap.low, factor * gap.high], [place, place], color=color, linewidth=2.2)
+        ends = [factor * end for end in gap.drawn_ends]
+        axes.plot(ends, [place, place], color=color, linewidth=2.2)
         axes.plot([factor * gap.mean], [place], "o", color=color, markersize=5.5)
 
 

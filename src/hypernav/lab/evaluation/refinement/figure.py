@@ -28,7 +28,7 @@ def shares_figure(rows: Sequence[Row]) -> "Figure":
             share = row.measures[name].share
             is_raw = row.mask is MaskSource.RAW
             color = palette.css(palette.FAILURE if is_raw else palette.EXCLUDED)
-            ends = [100.0 * share.low, 100.0 * share.high]
+            ends = [100.0 * end for end in share.drawn_ends]
             axes.plot(ends, [place, place], color=color, linewidth=2.2)
             axes.plot([100.0 * share.mean], [place], "o", color=color, markersize=5.5)
     panels[0].set_yticks(

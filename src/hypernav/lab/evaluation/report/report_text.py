@@ -65,14 +65,11 @@ def lead(runs: Sequence[RunData], summaries: Sequence[Summary]) -> str:
     """Main result, in a sentence or two."""
     parts = []
     for run, summary in zip(runs, summaries, strict=True):
-        rate, spl = "", ""
-        if summary.success.has_interval:
-            rate = f" (95 % interval {interval(summary.success, 100.0)} %)"
-            spl = f" ({interval(summary.spl)})"
         parts.append(
             f"{run.name} found its goal in {percent(summary.success)} of "
-            f"{number_of(summary.success.count, 'episode')}{rate} with an SPL of "
-            f"{summary.spl.mean:.3f}{spl}"
+            f"{number_of(summary.success.count, 'episode')}"
+            f"{interval(summary.success, 100.0, ' (95 % interval {} %)')} with an SPL of "
+            f"{summary.spl.mean:.3f}{interval(summary.spl)}"
         )
     return "; ".join(parts) + "."
 
@@ -311,10 +308,14 @@ def percent(estimate: Estimate) -> str:
     return f"{100 * estimate.mean:.1f} %"
 
 
-def interval(estimate: Estimate, factor: float = 1.0) -> str:
-    """The interval, in the number's own digits."""
+def interval(estimate: Estimate, factor: float = 1.0, words: str = " ({})") -> str:
+    """The interval in these words and the number's own digits; empty if it says nothing."""
+    if not estimate.has_interval:
+        return ""
     digits = 1 if factor > 1.0 else 3
-    return f"{factor * estimate.low:.{digits}f} to {factor * estimate.high:.{digits}f}"
+    return words.format(
+        f"{factor * estimate.low:.{digits}f} to {factor * estimate.high:.{digits}f}"
+    )
 
 
 def p_value(value: float) -> str:

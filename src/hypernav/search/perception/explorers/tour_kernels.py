@@ -51,7 +51,7 @@ def soonest_tour(first, legs, unseen):
     stops = first.size
     sets = 1 << stops
     cost = np.full((sets, stops), np.inf)
-    before = np.full((sets, stops), -1, dtype=np.int64)
+    before = np.empty((sets, stops), dtype=np.int64)
     for stop in range(stops):
         cost[1 << stop, stop] = first[stop] * unseen[0]
     for done in range(1, sets):

@@ -229,12 +229,12 @@ def _level_share(part: _Part) -> float:
     points = part.points(grid_rows.ravel(), grid_columns.ravel()).reshape(*depth.shape, 3)
     down, right = np.diff(points, axis=0)[:, :-1], np.diff(points, axis=1)[:-1]
     normals = np.cross(right, down)
-    length = np.linalg.norm(normals, axis=2)
     valid = part.mask[window] & is_measured(depth)
-    valid = valid[:-1, :-1] & valid[1:, :-1] & valid[:-1, 1:] & (length > 0.0)
+    valid = valid[:-1, :-1] & valid[1:, :-1] & valid[:-1, 1:]
     if not valid.any():
         return 0.0
-    return float((np.abs(normals[valid][:, 2]) > _LEVEL * length[valid]).mean())
+    normals = normals[valid]
+    return float((np.abs(normals[:, 2]) > _LEVEL * np.linalg.norm(normals, axis=1)).mean())
 
 
 def _normal_of_flat(points: Float64[np.ndarray, "n 3"]) -> Float64[np.ndarray, "3"] | None:

@@ -235,13 +235,17 @@ def test_a_model_that_only_repeats_itself_does_not_think():
 
 def test_what_is_cut_at_any_length_is_no_answer():
     """A template that opens the thoughts, and thoughts that are longer than every probe."""
+    asked = list[int]()
 
     def think_on(talk: Talk) -> None:
+        asked.append(talk.body["max_tokens"])
         message = {"role": "assistant", "content": "Okay. The sofa: [100, 200, 600, 700]"}
         talk.reply({"choices": [{"message": message, "finish_reason": "length"}]})
 
     with FaultyServer(think_on) as server:
         assert asking(think_on, server).ask(BOXES).fault is Fault.CUT
+    probes, rooms = [1024, 4096], [4096, 16384]  # with the last room the answer is given up
+    assert asked == [300 + tokens for tokens in (0, *probes, *rooms)]
 
 
 @pytest.mark.parametrize("kind", ["reasoning_text", "thought", "summary_text", "reasoning"])
