@@ -4,8 +4,9 @@ A file there is one table: its ``columns``, and ``rows`` that each name a comman
 at, the day, the number of searches and the values. What a field means: `Table`, `Column`, `Row`.
 
 A page has a table where it has the line ``<!-- table: NAME -->``, and one value of a table where
-its text has ``{{ TABLE.ROW.COLUMN }}``, or ``{{ TABLE.ROW.COLUMN.interval }}``. Pages of the site
-are filled in when it is built; `write_pages` writes tables that show without that.
+its text has ``{{ TABLE.ROW.COLUMN }}``, ``{{ TABLE.ROW.COLUMN.interval }}`` or the row's ``n`` or
+``date``. Pages of the site are filled in when it is built; `write_pages` writes tables that show
+without that.
 """
 
 import datetime
@@ -281,6 +282,8 @@ class Results:
             row = table.row(row_name)
             if column_name == "n" and row.n is not None:
                 return f"{row.n:,}"
+            if column_name == "date" and row.date is not None:
+                return f"{row.date}"
             column = table.column(column_name)
         except KeyError as error:
             raise ResultsError(f"{{{{ {asked} }}}}: table '{name}' has no {error}") from error

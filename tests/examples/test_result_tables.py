@@ -76,9 +76,10 @@ def test_rows_of_two_commits_are_not_compared(results):
 
 
 def test_a_page_gets_its_tables_their_sources_and_its_values(results):
-    page = "{{ robots.one.spl }}, {{ robots.one.spl.interval }}, {{robots.two.times}}\n\n"
+    page = "{{ robots.one.spl }}, {{ robots.one.spl.interval }}, {{robots.two.times}}, "
+    page += "{{ robots.one.n }}, {{ robots.one.date }}\n\n"
     values, _, drawn = results().page(page + "<!-- table: robots -->\n").partition("\n\n")
-    assert values == "0.400, 0.350 to 0.450, 1.50"
+    assert values == "0.400, 0.350 to 0.450, 1.50, 1,000, 2026-11-29"
     assert drawn.startswith("| robot | SPL |")
     assert "    `one` (n = 1,000): commit `abcdef1`, 2026-11-29\n" in drawn
     assert "    hypernav eval houses-val\n" in drawn

@@ -1,1 +1,1 @@
-"""The top-down map from depth images, what is derived from it, and the robot's memory."""
+"""The top-down map from depth images, and what is derived from it."""
