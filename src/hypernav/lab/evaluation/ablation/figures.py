@@ -10,7 +10,7 @@ from hypernav.io.writing import write_whole
 from hypernav.lab.evaluation.ablation.study import Axis, StudyResults, VariantResult
 from hypernav.lab.evaluation.report import report_text
 from hypernav.lab.evaluation.report.report_text import SIGNIFICANT, drawn
-from hypernav.lab.evaluation.statistics import Comparison, Estimate
+from hypernav.lab.evaluation.statistics import FEWEST_WITH_INTERVAL, Comparison, Estimate
 from hypernav.search.drawing import palette
 
 if TYPE_CHECKING:
@@ -42,7 +42,8 @@ def quality_curves(results: StudyResults) -> "Figure":
         left.legend(fontsize=9, loc="lower right", edgecolor="none")
     figure.suptitle(
         "Goals found (SR) and how direct the paths to them were (SPL; 1 is the shortest path): "
-        f"means with 95 % intervals over {report_text.drawn(results.baseline.run)}",
+        f"means with 95 % intervals over {report_text.drawn(results.baseline.run)}, "
+        f"from {FEWEST_WITH_INTERVAL} episodes on",
         fontsize=10,
     )
     return figure
@@ -170,7 +171,7 @@ def _differences(results: StudyResults) -> "Figure":
     left.set_ylim(len(rows) - 0.5, -0.5)
     figure.suptitle(
         "Each variant minus the unchanged method, with 95 % intervals over "
-        f"{drawn(results.baseline.run)}; coloured where corrected p < {SIGNIFICANT:g}",
+        f"{drawn(results.baseline.run)} from {FEWEST_WITH_INTERVAL} episodes on; coloured where corrected p < {SIGNIFICANT:g}",
         fontsize=10,
     )
     return figure

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from hypernav.lab.evaluation.refinement.area_record import MaskSource
 from hypernav.lab.evaluation.refinement.summary import MEASURES, Row, drawn_in
+from hypernav.lab.evaluation.statistics import FEWEST_WITH_INTERVAL
 from hypernav.search.drawing import palette
 
 if TYPE_CHECKING:
@@ -36,6 +37,8 @@ def shares_figure(rows: Sequence[Row]) -> "Figure":
     )
     panels[0].set_ylim(len(rows) - 0.5, -0.5)
     figure.suptitle(
-        f"Shares with 95 % intervals over {drawn_in(rows)}; less is better", fontsize=10
+        f"Shares with 95 % intervals over {drawn_in(rows)} from {FEWEST_WITH_INTERVAL} episodes on; "
+        "less is better",
+        fontsize=10,
     )
     return figure

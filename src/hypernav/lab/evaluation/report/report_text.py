@@ -10,7 +10,7 @@ from hypernav.lab.evaluation import statistics
 from hypernav.lab.evaluation.failures import MISPLACED_M, Failure
 from hypernav.lab.evaluation.report.run_data import RunData
 from hypernav.lab.evaluation.report.tables import Pair
-from hypernav.lab.evaluation.statistics import Estimate, Summary
+from hypernav.lab.evaluation.statistics import FEWEST_WITH_INTERVAL, Estimate, Summary
 from hypernav.simulator.houses.building import NOUNS
 from hypernav.simulator.worlds.config import NoiseConfig
 
@@ -122,7 +122,8 @@ def warnings(runs: Sequence[RunData]) -> list[str]:
                 f"{run.name}: {apart} episodes ended by a model or simulator outage are counted "
                 "apart and excluded from all rates. Running the command again repeats them."
             )
-        if len({record.scene_id for record in run.counted}) == 1:
+        is_one = len({record.scene_id for record in run.counted}) == 1
+        if is_one and len(run.counted) >= FEWEST_WITH_INTERVAL:
             found.append(
                 f"{run.name} has a single scene: its intervals say nothing about other scenes."
             )
