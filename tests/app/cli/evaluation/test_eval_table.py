@@ -31,7 +31,7 @@ def test_nothing_is_said_where_all_count():
 
 def test_the_interval_is_that_of_the_report_whatever_the_order():
     goals = [record(str(k), "scene", path_length_m=4.0 + k) for k in range(8)]
-    expected = f"({interval(summarise(goals).spl)} with 95 % confidence, over episodes)"
+    expected = interval(summarise(goals).spl, words="({} with 95 % confidence, over episodes)")
     for order in (goals, goals[::-1]):
         (line,) = [line for line in lines(*order) if "SPL" in line]
         assert line.endswith(expected)

@@ -171,7 +171,8 @@ def _differences(results: StudyResults) -> "Figure":
     left.set_ylim(len(rows) - 0.5, -0.5)
     figure.suptitle(
         "Each variant minus the unchanged method, with 95 % intervals over "
-        f"{drawn(results.baseline.run)} from {FEWEST_WITH_INTERVAL} episodes on; coloured where corrected p < {SIGNIFICANT:g}",
+        f"{drawn(results.baseline.run)} from {FEWEST_WITH_INTERVAL} episodes on; "
+        f"coloured where corrected p < {SIGNIFICANT:g}",
         fontsize=10,
     )
     return figure

@@ -37,8 +37,8 @@ def shares_figure(rows: Sequence[Row]) -> "Figure":
     )
     panels[0].set_ylim(len(rows) - 0.5, -0.5)
     figure.suptitle(
-        f"Shares with 95 % intervals over {drawn_in(rows)} from {FEWEST_WITH_INTERVAL} episodes on; "
-        "less is better",
+        f"Shares with 95 % intervals over {drawn_in(rows)} "
+        f"from {FEWEST_WITH_INTERVAL} episodes on; less is better",
         fontsize=10,
     )
     return figure
