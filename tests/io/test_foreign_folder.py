@@ -128,6 +128,23 @@ def test_no_descriptor_is_left_open(folder):
     assert len(os.listdir("/dev/fd")) == before
 
 
+def test_a_file_gets_its_name_once_its_content_is_on_the_disk(folder, monkeypatch):
+    sync, replace, done = os.fsync, os.replace, list[str | int]()
+
+    def noted_sync(descriptor):
+        sync(descriptor)
+        done.append(os.fstat(descriptor).st_size)
+
+    def noted_replace(old, new, **where):
+        replace(old, new, **where)
+        done.append(new)
+
+    monkeypatch.setattr(os, "fsync", noted_sync)
+    monkeypatch.setattr(os, "replace", noted_replace)
+    folder.write("images/a", bytes(300_000))
+    assert done == [300_000, "a"]
+
+
 WRITER = """
 import itertools, sys
 from pathlib import Path

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from box_scenes import room_glb
+from full_disks import full_disk
 from hypernav.app.build.memories.memory_view import ways
 from hypernav.app.cli.main import main
 from hypernav.core.errors import OutputError
@@ -351,6 +352,17 @@ def test_nothing_is_said_to_be_forgotten_that_could_not_be_saved(home, monkeypat
     said = capsys.readouterr()
     assert said.out == ""
     assert "No space left on device); what was saved before is whole; free some space" in said.err
+
+
+@pytest.mark.parametrize("most", [0, 2000])
+def test_a_save_into_files_of_a_limited_size_ends_in_one_line(home, capsys, most):
+    before = files_of(home)
+    with full_disk(most):
+        assert hypernav("memory", home, "--forget-images") == 2
+    said = capsys.readouterr()
+    assert (said.out, said.err.count("\n")) == ("", 1)
+    assert "cannot be written (File too large)" in said.err
+    assert before.items() <= files_of(home).items()
 
 
 @pytest.fixture

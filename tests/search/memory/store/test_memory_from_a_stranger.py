@@ -3,6 +3,7 @@
 import hashlib
 import io
 import json
+import math
 import os
 import shutil
 import struct
@@ -88,7 +89,9 @@ def test_no_pipe_in_a_memory_is_waited_for(home, name, capsys):
     (home / name).unlink(missing_ok=True)
     os.mkfifo(home / name)
     assert command("memory", home) == 2
-    assert "is a pipe, expected a file" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "is a pipe, expected a file" in said
 
 
 @pytest.mark.parametrize("name", [*NAMES, "memory.json", "floor-1/state-1.npz"])
@@ -261,6 +264,7 @@ def of_index(**values: Any) -> Callable[[dict[str, Any]], None]:
         (many_searches, r"history: .*at most 1000"),
         (long_label, r"floors\.0\.things\.0\.label: .*at most 32768"),
         (of_thing(missed=10**400), r"things\.0\.missed"),
+        (of_thing(missed=math.inf), r"things\.0\.missed"),
         (of_thing(missed=10**10), r"things\.0\.missed: .*less than or equal to 1000000000"),
         (of_thing(score=-1e300), r"things\.0\.score"),
         (of_thing(score=1.1), r"things\.0\.score"),
@@ -276,7 +280,7 @@ def of_index(**values: Any) -> Callable[[dict[str, Any]], None]:
 def test_an_index_beyond_what_is_written_is_refused(home, change, told):
     facts = index_of(home)
     change(facts)
-    (home / INDEX_NAME).write_text(json.dumps(facts))
+    (home / INDEX_NAME).write_text(json.dumps(facts).replace("Infinity", "1e400"))
     before = files_of(home)
     with pytest.raises(MemoryFolderError, match=rf"is broken \(.*{told}"):
         opened(home)
@@ -295,12 +299,17 @@ def test_counts_at_their_bound_go_on_from_there(home):
 
 def packed(arrays: dict[str, np.ndarray], method: int = zipfile.ZIP_DEFLATED) -> bytes:
     """Arrays as NumPy writes them, however packed."""
+    members = {name: io.BytesIO() for name in arrays}
+    for name, array in arrays.items():
+        np.save(members[name], array)
+    return zip_of({name: one.getvalue() for name, one in members.items()}, method)
+
+
+def zip_of(members: dict[str, bytes], method: int = zipfile.ZIP_DEFLATED) -> bytes:
     data = io.BytesIO()
     with zipfile.ZipFile(data, "w", method) as archive:
-        for name, array in arrays.items():
-            member = io.BytesIO()
-            np.save(member, array)
-            archive.writestr(f"{name}.npy", member.getvalue())
+        for name, content in members.items():
+            archive.writestr(f"{name}.npy", content)
     return data.getvalue()
 
 
@@ -314,6 +323,15 @@ def test_a_map_packed_in_another_way_is_damaged(home, method, is_broken):
         (line,) = memory.left_out
         assert line.startswith("the map of floor 1 is damaged (")
         memory.save()
+
+
+@pytest.mark.parametrize(
+    "member", [b"no magic and no header", b"\x93NUMPY\x01\x00\x0a\x00{'descr': 1}"]
+)
+def test_a_map_with_a_member_that_is_no_array_is_damaged(home, member):
+    with_state(home, zip_of({"trajectory": member}))
+    with opened(home) as memory:
+        assert memory.left_out[0].startswith("the map of floor 1 is damaged (trajectory.npy is no")
 
 
 def test_a_trajectory_longer_than_any_search_is_damaged(home):
