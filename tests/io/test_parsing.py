@@ -53,6 +53,8 @@ def test_json_survives(value):
         ("a: 2001-99-99", "a value is impossible"),
         ("a: 0x_", "a value is impossible"),
         ("a: =", "could not determine"),
+        (r'"a\ud800": 1', "surrogates"),
+        (r'a: {b: ["\ud800"]}', "surrogates"),
     ],
 )
 def test_yaml_that_means_too_much_or_nothing_is_refused(text, words):

@@ -72,7 +72,8 @@ def parse_yaml(text: str) -> Any:
     tags, since a value's type follows from its form.
 
     Raises:
-        yaml.YAMLError: The text is too long, nested too deeply, not valid, or repeats a key.
+        yaml.YAMLError: The text is too long, nested too deeply, not valid, repeats a key, or holds
+            half of a surrogate pair.
     """
     if len(text) > MOST_CHARACTERS:
         raise yaml.YAMLError(
@@ -107,6 +108,8 @@ class _Loader(yaml.SafeLoader):
                 None, None, f"more than {MOST_LEVELS} levels are not read", event.start_mark
             )
         node = super().compose_node(parent, index)
+        if isinstance(node, yaml.ScalarNode):
+            node.value.encode()  # raises a ValueError for half of a surrogate pair
         self._level -= 1
         return node
 

@@ -338,6 +338,8 @@ _FLAGS = (
     *("looks_at_colours", "looks_closer", "gives_masks"),
     *("answers_at_once", "wants_named_things"),
 )
+_VALUES = frozenset({*_FLAGS, "warning", "last_step", "grid", "embodiment"})
+"""Attributes that are no methods."""
 _ALL: dict[str, Check] = {
     "take_report": _report,
     "warning": _of(str),
@@ -503,7 +505,7 @@ class _Shell:
             value = getattr(self._component, attribute, _MISSING)
         if value is _MISSING:
             raise AttributeError(f"{self._name} has no {attribute}")
-        if not callable(value):
+        if attribute in _VALUES or not callable(value):
             return self._checked(attribute, value)
         return update_wrapper(partial(self._call, attribute), value)  # with its signature
 

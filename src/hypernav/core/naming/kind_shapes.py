@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from importlib.resources import files
 from typing import Literal
 
-from hypernav.core.naming.labels import canonical
+from hypernav.core.naming.labels import canonical, names_of
 
 Support = Literal["floor", "flat", "on", "wall", "ceiling", ""]
 Face = Literal["level", "upright", ""]
@@ -42,7 +42,7 @@ def kind_shape(name: str) -> KindShape | None:
 
     A synonym counts ("couch" for "sofa"), and so does the head noun ("dining chair" for "chair").
     """
-    words = canonical(name).split()
+    words = canonical(name).split()[-_MOST_WORDS:]
     tails = (canonical(" ".join(words[k:])) for k in range(len(words)))
     return next((KINDS[tail] for tail in tails if tail in KINDS), None)
 
@@ -70,3 +70,4 @@ def _range(text: str) -> tuple[float, float]:
 
 KINDS = _parsed(files("hypernav.core.naming").joinpath("kind_shapes.txt").read_text("utf-8"))
 """The table: under each place the kinds with height, longer extent, and face."""
+_MOST_WORDS = max(len(name.split()) for kind in KINDS for name in names_of(kind))

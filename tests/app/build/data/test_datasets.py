@@ -1,11 +1,12 @@
 import json
+from pathlib import Path
 
 import pytest
 
 from eval_runs import spec, write_room
 from hypernav.app.build.data.datasets import canonical_name, fingerprint, load_episodes, select
 from hypernav.app.build.data.scenes import load_scene
-from hypernav.core.errors import ConfigError, EpisodeError, SceneError
+from hypernav.core.errors import ComponentError, ConfigError, EpisodeError, SceneError
 from hypernav.simulator.worlds.scenes.loading import read_scene
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from small_worlds import small_config
@@ -65,6 +66,19 @@ def test_a_data_set_that_does_not_exist_is_named_with_those_that_do(name, words)
 def test_a_scene_that_does_not_exist_is_named():
     with pytest.raises(SceneError, match=r"nowhere\.glb"):
         load_episodes("scene:nowhere.glb")
+
+
+def test_an_own_episode_that_begins_nowhere_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    (tmp_path / "own_episodes.py").write_text(
+        "from hypernav import Episode, Goal, Pose2\n\n"
+        "def nowhere(request):\n"
+        "    return [Episode('builtin', 'first', Goal('bed'), Pose2(1.0, float('nan'), 0.0))]\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(ComponentError, match=r"own_episodes:nowhere: .* 'first' with the start"):
+        load_episodes("own_episodes:nowhere")
 
 
 def test_starts_must_be_a_number(room):

@@ -3,6 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hypernav.core.errors import SceneError
 from hypernav.simulator.worlds.scenes.loading import read_scene
 from hypernav.simulator.worlds.scenes.scene import Scene
 
@@ -70,21 +71,45 @@ def test_indices_that_count_back_are_those_of_their_own_line(tmp_path: Path) -> 
 @pytest.mark.parametrize("corners", [3, 4])
 def test_faces_with_numbers_of_objects_are_objects(tmp_path: Path, corners: int) -> None:
     """As in Replica's ``mesh_semantic.ply``, whose faces are quads."""
+    path = tmp_path / "a.ply"
+    path.write_bytes(numbered_ply([7, 11], corners))
+    found = boxes(read_scene(path))
+    np.testing.assert_allclose(found["object 7"], [0, 0, 0, 1, 1, 0])
+    np.testing.assert_allclose(found["object 11"], [5, 0, 0, 6, 1, 0])
+
+
+def numbered_ply(numbers: list[int], corners: int = 3) -> bytes:
+    """Faces with numbers of objects, by turns near the origin and 5 m beside it."""
     x, y = [0, 1, 1, 0, 5, 6, 6, 5], [0, 0, 1, 1, 0, 0, 1, 1]
     vertices = np.zeros(8, dtype=[("x", "<f4"), ("y", "<f4"), ("z", "<f4")])
     vertices["x"], vertices["y"] = x, y
     face = [("n", "u1"), ("vertices", "<i4", (corners,)), ("object_id", "<i4")]
-    faces = np.array([(corners, k + np.arange(corners), 7 + k) for k in (0, 4)], dtype=face)
+    near = [(corners, k % 2 * 4 + np.arange(corners), n) for k, n in enumerate(numbers)]
+    faces = np.array(near, dtype=face)
     header = (
         "ply\nformat binary_little_endian 1.0\nelement vertex 8\n"
-        "property float x\nproperty float y\nproperty float z\nelement face 2\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        f"element face {len(numbers)}\n"
         "property list uchar int vertex_indices\nproperty int object_id\nend_header\n"
     )
-    path = tmp_path / "a.ply"
-    path.write_bytes(header.encode() + vertices.tobytes() + faces.tobytes())
-    found = boxes(read_scene(path))
-    np.testing.assert_allclose(found["object 7"], [0, 0, 0, 1, 1, 0])
-    np.testing.assert_allclose(found["object 11"], [5, 0, 0, 6, 1, 0])
+    return header.encode() + vertices.tobytes() + faces.tobytes()
+
+
+@pytest.mark.parametrize("name", ["a.obj", "b.obj", "c.ply"])
+def test_too_many_objects_or_materials_are_refused(tmp_path: Path, name: str) -> None:
+    word = {"a.obj": "o", "b.obj": "usemtl"}.get(name, "")
+    lines = "".join(f"{word} n{k}\nf 1 2 3\n" for k in range(20_001))
+    content = (SQUARE + lines).encode() if word else numbered_ply(list(range(20_001)))
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(SceneError, match="more than 20,000 objects or materials"):
+        read_scene(tmp_path / name)
+
+
+def test_the_memory_of_polygons_is_counted(tmp_path: Path) -> None:
+    path = tmp_path / "a.obj"
+    path.write_text(SQUARE + "f" + " 1" * 5_100_000 + "\n")
+    with pytest.raises(SceneError, match="its polygons would take"):
+        read_scene(path)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])

@@ -5,7 +5,8 @@ import hashlib
 import json
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, astuple
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,9 @@ def load_episodes(
         if others := [one for one in episodes if not isinstance(one, Episode)]:
             said = f"{others[0]!r:.80} as an Episode"
             raise ComponentError(f"{dataset}: its function returned {said}")
+        if lost := [one for one in episodes if not all(map(isfinite, astuple(one.start)))]:
+            said = f"{lost[0].episode_id!r:.80} with the start {lost[0].start}"
+            raise ComponentError(f"{dataset}: its function returned the episode {said}")
     return episodes
 
 

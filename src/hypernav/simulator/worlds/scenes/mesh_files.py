@@ -25,19 +25,20 @@ from trimesh.visual.material import PBRMaterial
 
 from hypernav.core.errors import SceneError
 from hypernav.core.naming.words import composed
-from hypernav.io.reading import MOST_PIXELS, image_size, path_below, read_file, text_of
+from hypernav.io.reading import MOST_PIXELS, Allowance, image_size, path_below, read_file, text_of
 from hypernav.simulator.worlds.config import Axis
 from hypernav.simulator.worlds.scenes.mesh_parts import TO_Z_UP, MeshPart, triangles_of_polygons
 from hypernav.simulator.worlds.scenes.scene import Material
 
-_NAME_LINE = re.compile(rb"^[ \t]*([og])(?:[ \t]+([^\r\n]*?))?[ \t]*\r?$", re.MULTILINE)
+_NAME_LINE = re.compile(rb"^[ \t]*(o|g|usemtl)(?:[ \t]+([^\r\n]*?))?[ \t]*\r?$", re.MULTILINE)
 _RELATIVE = re.compile(rb"^[ \t]*f[ \t][^\r\n]*?[ \t/]-", re.MULTILINE)
 _INDEX = re.compile(rb"-\d+")
 _POLYGON = re.compile(rb"^[ \t]*f[ \t]+(\S+(?:[ \t]+\S+){3,})[ \t]*\r?$", re.MULTILINE)
 _VERTEX = re.compile(rb"^[ \t]*v[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE)
 _MARK = re.compile(r"object (\d+) ")
 _LOGGER = logging.getLogger(__name__)
-_MOST_BYTES = 500_000_000
+_MOST_BYTES, _MOST_OBJECTS = 500_000_000, 20_000
+_BYTES_PER_CORNER = 400
 _OBJECT_NUMBERS = ("object_id", "objectId", "instance_id")
 """Properties of faces that say which object of a scan they belong to, as in Replica."""
 _BROKEN = (
@@ -75,20 +76,28 @@ class ObjText:
         """The text of a file.
 
         Objects are what ``o`` names; if it names no more than one, what ``g`` names.
+
+        Raises:
+            ValueError: It has too many objects or materials.
+            OSError: Its polygons would take too much memory.
         """
         if _RELATIVE.search(content):
             content = _with_absolute_indices(content)
         content = _with_triangles(content)
-        named: dict[bytes, dict[bytes, int]] = {b"o": {}, b"g": {}}
+        named: dict[bytes, dict[bytes, int]] = {b"o": {}, b"g": {}, b"usemtl": {}}
         for line in _NAME_LINE.finditer(content):
             numbers = named[line[1]]
-            numbers.setdefault(line[2] or b"", len(numbers))
+            if len(numbers) <= _MOST_OBJECTS:
+                numbers.setdefault(line[2] or b"", len(numbers))
         letter = b"g" if len(named[b"o"]) <= 1 and named[b"g"] else b"o"
         numbers = named[letter]
+        _check_count(max(len(numbers), len(named[b"usemtl"])))
         if not numbers:
             return ObjText(content)
 
         def numbered(line: re.Match[bytes]) -> bytes:
+            if line[1] == b"usemtl":
+                return line[0]
             return b"o object %d " % numbers[line[2] or b""] if line[1] == letter else b""
 
         names = (composed(name.decode("utf-8", errors="replace")) for name in numbers)
@@ -98,6 +107,14 @@ class ObjText:
         """The object that trimesh's name of a geometry means; itself for a file without names."""
         mark = _MARK.match(f"{geometry.replace('_', ' ')} ") if self.names else None
         return geometry if mark is None else self.names[int(mark[1])] or geometry
+
+
+def _check_count(count: int) -> None:
+    # Each costs trimesh the time of a thousand triangles, and a material that of all before it.
+    if count > _MOST_OBJECTS:
+        raise ValueError(
+            f"it has more than {_MOST_OBJECTS:,} objects or materials, which are not read"
+        )
 
 
 def _with_absolute_indices(content: bytes) -> bytes:
@@ -115,6 +132,10 @@ def _with_absolute_indices(content: bytes) -> bytes:
 
 def _with_triangles(content: bytes) -> bytes:
     """The text with triangles in place of polygons, of which trimesh makes fans."""
+    corner_count = sum(
+        line[1].count(b" ") + line[1].count(b"\t") + 1 for line in _POLYGON.finditer(content)
+    )
+    Allowance().spend(_BYTES_PER_CORNER * corner_count, "its polygons")
     polygons = [line[1].split() for line in _POLYGON.finditer(content)]
     if not polygons:
         return content
@@ -185,12 +206,16 @@ def read_mesh(path: Path, *, up: Axis) -> tuple[list[MeshPart], list[Material]]:
     content = read_file(path, most=_MOST_BYTES)
     name_of = str
     options: dict[str, Any] = {"maintain_order": True}
-    if suffix == ".obj":
-        text = ObjText.of(_in_utf8(content))
-        content, name_of = text.content, text.name_of
-        # Order kept, every object would hold the vertices of all.
-        options = {"split_objects": True} if text.names else options
+    upright = np.eye(4)
+    upright[:3, :3] = TO_Z_UP[up]
+    parts: list[MeshPart] = []
+    materials: list[Material] = []
     try:
+        if suffix == ".obj":
+            text = ObjText.of(_in_utf8(content))
+            content, name_of = text.content, text.name_of
+            # Order kept, every object would hold the vertices of all.
+            options = {"split_objects": True} if text.names else options
         loaded = trimesh.load_scene(
             io.BytesIO(content),
             file_type=suffix[1:],
@@ -198,22 +223,18 @@ def read_mesh(path: Path, *, up: Axis) -> tuple[list[MeshPart], list[Material]]:
             process=False,
             **options,
         )
+        with np.errstate(all="ignore"):  # non-finite corners are left out later
+            for name, mesh in _meshes(loaded):
+                placed = mesh.copy()
+                placed.apply_transform(upright @ loaded.graph[name][0])
+                node, scanned = name_of(name), suffix == ".ply"
+                part = _part(node, placed, len(materials))
+                parts += _objects_of_faces(part, mesh) if scanned else [part]
+                materials.append(_material(node, placed, scanned=scanned))
     except _BROKEN as error:
         raise SceneError(
             f"{path}: cannot be read as a mesh ({error}); export the file again"
         ) from error
-    upright = np.eye(4)
-    upright[:3, :3] = TO_Z_UP[up]
-    parts: list[MeshPart] = []
-    materials: list[Material] = []
-    with np.errstate(all="ignore"):  # non-finite corners are left out later
-        for name, mesh in _meshes(loaded):
-            placed = mesh.copy()
-            placed.apply_transform(upright @ loaded.graph[name][0])
-            node, scanned = name_of(name), suffix == ".ply"
-            part = _part(node, placed, len(materials))
-            parts += _objects_of_faces(part, mesh) if scanned else [part]
-            materials.append(_material(node, placed, scanned=scanned))
     return parts, materials
 
 
@@ -250,8 +271,13 @@ def _objects_of_faces(part: MeshPart, mesh: trimesh.Trimesh) -> list[MeshPart]:
         return [part]
     # trimesh divides quads into their first triangles and, behind these, their second ones.
     numbers = np.tile(numbers, triangles // polygons)
-    named = [(f"object {k}", numbers == k) for k in np.unique(numbers).tolist()]
-    return [replace(part.of_faces(own), node=name, descriptive_name=name) for name, own in named]
+    order = np.argsort(numbers, kind="stable")
+    values, first = np.unique(numbers[order], return_index=True)
+    _check_count(len(values))
+    named = {f"object {k}": own for k, own in zip(values, np.split(order, first[1:]), strict=True)}
+    return [
+        replace(part.of_faces(own), node=name, descriptive_name=name) for name, own in named.items()
+    ]
 
 
 def _part(name: str, mesh: trimesh.Trimesh, material: int) -> MeshPart:

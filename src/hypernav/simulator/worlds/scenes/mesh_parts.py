@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from types import MappingProxyType
 
 import numpy as np
-from jaxtyping import Bool, Float, Float32, Float64, Int32, Int64, UInt8
+from jaxtyping import Bool, Float, Float32, Float64, Int, Int32, Int64, UInt8
 
 from hypernav.core.errors import SceneError
 from hypernav.core.naming.labels import ObjectLabel
@@ -133,8 +133,8 @@ class MeshPart:
     colors: UInt8[np.ndarray, "faces 3 3"] | None = None
     normals: Float32[np.ndarray, "faces 3 3"] | None = None
 
-    def of_faces(self, keep: Bool[np.ndarray, "faces"]) -> "MeshPart":
-        """The part with only some of its triangles."""
+    def of_faces(self, keep: Bool[np.ndarray, "faces"] | Int[np.ndarray, "kept"]) -> "MeshPart":
+        """The part with only some of its triangles, which a mask or their numbers say."""
         return replace(
             self,
             faces=self.faces[keep],

@@ -323,6 +323,13 @@ def test_the_key_comes_from_the_environment(server: ScriptedServer):
     assert both.ask(WHICH).value == "7"
 
 
+@pytest.mark.parametrize("key", ["line\n", "Schlüssel", "\udcff"])
+def test_a_key_that_no_request_can_carry_is_refused_and_not_shown(key: str):
+    with pytest.raises(ConfigError, match="characters that HTTP does not allow") as caught:
+        OpenAiChat("http://localhost:1/v1", "m", environment={"HYPERNAV_API_KEY": key})
+    assert key not in str(caught.value)
+
+
 def test_the_key_never_shows(server: ScriptedServer, caplog: pytest.LogCaptureFixture):
     caplog.set_level(logging.DEBUG)
     server.personality = Personality(key="right")

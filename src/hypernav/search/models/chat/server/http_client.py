@@ -66,7 +66,7 @@ class HttpClient:
         """Prepare; nothing is sent yet.
 
         Raises:
-            ConfigError: The URL is malformed, or holds a password.
+            ConfigError: The URL is malformed or holds a password, or no request can carry the key.
         """
         self.url, self._query = _checked(url)
         self._key = _key_for(self.url, environment)
@@ -230,8 +230,10 @@ def _checked(url: str) -> tuple[str, str]:
 
 
 def _key_for(url: str, environment: Mapping[str, str]) -> str:
-    own = environment.get("HYPERNAV_API_KEY", "")
+    key = environment.get("HYPERNAV_API_KEY", "")
     parts = urlsplit(url)
-    if own or not (parts.scheme == "https" or is_loopback(parts.hostname or "")):
-        return own
-    return environment.get("OPENAI_API_KEY", "")
+    if not key and (parts.scheme == "https" or is_loopback(parts.hostname or "")):
+        key = environment.get("OPENAI_API_KEY", "")
+    if not (key.isascii() and key.isprintable()):
+        raise ConfigError("the key in the environment holds characters that HTTP does not allow")
+    return key
