@@ -44,7 +44,7 @@ PERMANENT: dict[str, tuple[Any, type[Exception], str]] = {
     "a proxy whose provider refuses": (
         {"error": {"message": "Provider returned error", "code": 400}},
         ModelRejectedError,
-        "answered 200 with an error: Provider returned error",
+        "answered 2.. with an error: Provider returned error",
     ),
     "the reason in OpenRouter's layers (open-webui/computer#293)": (
         {
@@ -81,11 +81,12 @@ PERMANENT: dict[str, tuple[Any, type[Exception], str]] = {
 }
 
 
+@pytest.mark.parametrize("status", [200, 299])
 @pytest.mark.parametrize("name", PERMANENT)
-def test_an_error_in_a_good_reply_is_said_at_once(name: str):
+def test_an_error_in_a_good_reply_is_said_at_once(name: str, status: int):
     body, kind, words = PERMANENT[name]
     limits = {"max_tokens": 5, "temperature": 0.0}
-    with FaultyServer(lambda talk: talk.reply(body)) as server:
+    with FaultyServer(lambda talk: talk.reply(body, status)) as server:
         config = QUICK.model_copy(
             update={"patience_s": 60.0, "temperature": None, "seed": None, "extra_body": limits}
         )
@@ -197,6 +198,12 @@ def test_words_that_only_resemble_those_are_asked_again(body: Any):
             talk.say("a bed")
 
     assert asked(act) == (None, 2)
+
+
+@pytest.mark.parametrize("status", [408, 429, 499])
+def test_a_status_that_says_to_ask_again_counts_for_more_than_a_code_in_the_body(status: int):
+    caught, _ = asked(lambda talk: talk.reply({"error": {"message": "no", "code": 401}}, status))
+    assert isinstance(caught, ModelUnavailableError)
 
 
 def test_an_answer_that_is_not_json_is_shown():

@@ -265,8 +265,8 @@ def error_in_body(reply: Reply, body: object, where: str) -> ChatError | None:
     what = f"{where} answered {reply.status} with an error"
     if not isinstance(body, dict | list):  # words alone count only where they say what is wrong
         said = _text(reply).strip()
-        is_known = _meaning(reply.status, body, said) in _ADVICE_BY_STATUS.keys() | {404}
-        return _error(reply.status, said, what, reply, body) if is_known else None
+        is_known = _meaning(200, body, said) in _ADVICE_BY_STATUS.keys() | {404}
+        return _error(200, said, what, reply, body) if is_known else None
     fields: dict[str, Any] = body if isinstance(body, dict) else {}
     choices = fields.get("choices")
     choice = choices[0] if isinstance(choices, list) and choices else None
@@ -279,7 +279,7 @@ def error_in_body(reply: Reply, body: object, where: str) -> ChatError | None:
     if not told:
         return None
     said = _message(told) or shortened(json.dumps(told), LONGEST_MESSAGE)
-    return _error(reply.status, said, what, reply, told)
+    return _error(200, said, what, reply, told)
 
 
 def _is_without_answer(choice: object) -> bool:
@@ -291,15 +291,15 @@ def _is_without_answer(choice: object) -> bool:
     return is_empty or choice.get("finish_reason") == "error"
 
 
-def _error(status: int, said: str, what: str, reply: Reply, body: object) -> ChatError:
+def _error(http_status: int, said: str, what: str, reply: Reply, body: object) -> ChatError:
     message, said = f"{what}: {shortened(said, LONGEST_MESSAGE)}", said[:_MOST_WORDS]
     if _NO_VISION.search(said):  # llama.cpp answers 500, OpenRouter 404, LM Studio 200
         return ModelSetupError(message, remedy=_CHOOSE_ANOTHER)
-    status = _meaning(status, body, said)
+    status = _meaning(http_status, body, said)
     remedy = next((advice for pattern, advice in _ADVICE if pattern.search(said)), "")
     remedy = remedy or _ADVICE_BY_STATUS.get(status, "")
     if status in _REFUSING_STATUSES:
-        return RefusedError(message, status=reply.status, remedy=remedy)
+        return RefusedError(message, status=http_status, remedy=remedy)
     if status in _RETRYABLE_STATUSES or status >= 500 or status < 200:
         return RetryLaterError(message, _retry_after(reply), status=status, remedy=remedy)
     if status < 400:
@@ -333,7 +333,7 @@ def _meaning(status: int, body: object, said: str) -> int:
         return 401
     if _WRONG_MODEL.search(words) or _WRONG_ADDRESS.search(words):
         return 404
-    if 200 <= status < 300:
+    if status == 200:
         return 503 if _PASSING.search(words) else 400
     return status
 
