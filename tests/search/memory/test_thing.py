@@ -52,6 +52,14 @@ def test_no_thing_is_surer_than_one_of_full_score_that_each_image_shows(
     assert other.chance <= MOST_CHANCE + 1e-9
 
 
+@pytest.mark.parametrize(("score", "missed"), [(0.0, 1), (0.6, 1), (0.9, 3)])
+def test_the_surer_a_thing_was_the_more_misses_it_takes_until_it_is_gone(score: float, missed: int):
+    """What was never missed is not gone, however doubtful it is."""
+    thing = replace(CUP, score=score)
+    assert not replace(thing, missed=missed - 1).is_gone
+    assert replace(thing, missed=missed).is_gone
+
+
 def test_a_view_ends_the_misses_and_they_are_remembered():
     known = [
         replace(CUP, seen=2, missed=3, overlooked=4, first_search=2),

@@ -15,8 +15,8 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.search.mapping.grid_kernels import travel_cells
 from hypernav.search.planning.bump_sensor import bumped_points
 from hypernav.search.planning.config import PlanningConfig
-from hypernav.search.planning.costmap import Costmap
-from hypernav.search.planning.follower import PathFollower, Route
+from hypernav.search.planning.costmap import SURROUNDINGS_M, Costmap
+from hypernav.search.planning.follower import PathFollower, Route, _surroundings
 from hypernav.search.planning.navigator import Navigator
 from hypernav.search.planning.planner import PlannedPath, Planner
 from random_rooms import DrivenRobot, random_clutter, random_rooms
@@ -54,6 +54,16 @@ class Driver:
     def towards(self, grid, robot, goal):
         action, self.route = self._navigator.towards(self.route, grid, robot, goal)
         return action
+
+
+def test_the_robot_looks_equally_far_to_all_sides():
+    robot = Pose2(0.3, -0.2, 0.0)
+    wide = drawn(("." * 24 + "\n") * 24, scale=10, origin=(-6.0, -6.0))
+    costmap = Costmap.of(wide, CONFIG, robot.xy, CLEARANCE_M)
+    costs, corner = _surroundings(costmap, robot)
+    reach = np.subtract(costmap.grid.cell_of(*robot.xy), corner)
+    assert (reach * costmap.grid.resolution_m).tolist() == pytest.approx([SURROUNDINGS_M] * 2)
+    assert costs.shape == tuple(2 * reach + 1)
 
 
 @pytest.mark.parametrize(

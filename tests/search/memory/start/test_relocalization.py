@@ -15,8 +15,13 @@ from hypernav.search.memory.floor import counted_from
 from hypernav.search.memory.memory import Memory
 from hypernav.search.memory.start.relocalization import (
     Relocalization,
+    _candidates,
+    _coarse,
+    _counts,
     _Fields,
     _Kinds,
+    _Seen,
+    _turned,
     relocalized,
 )
 
@@ -169,3 +174,30 @@ def test_floor_that_is_seen_in_an_obstacle_speaks_against_a_place_but_on_its_edg
     against = np.argwhere(by_floor < 0.0)
     assert (np.ptp(against, axis=0) + 1).tolist() == [8, 16]
     assert len(against) == 8 * 16
+
+
+def test_places_that_come_into_question_are_the_best_around_at_their_heading(monkeypatch):
+    """Of 40 cm to all sides, by the comparison on large cells; other candidates are for nothing."""
+    monkeypatch.setattr("hypernav.search.memory.start.relocalization._CANDIDATES", 200)
+    random = np.random.default_rng(0)
+    tall = random.random((120, 160)) < 0.02
+    cells = np.where(tall, Cell.OCCUPIED, Cell.FREE).astype(np.uint8)
+    grid = OccupancyGrid(cells, 0.05, (-4.0, -3.0))
+    fields = _Fields(_Kinds(grid, tall, np.zeros_like(tall)), math.sqrt(2.0))
+    seen = _Seen(*random.uniform(-1.0, 1.0, (3, 40, 2)))
+    reach = math.ceil(seen.reach_m / 0.2)
+    side, coarse = 2 * reach + 1, [_coarse(one) for one in fields.by_kind]
+    found = _candidates(fields, seen)
+    assert len(found) == 200
+    for x, y, yaw in found:
+        column, row = np.round((np.array([x, y]) - fields.origin) / 0.2 - 0.5).astype(int) - reach
+        drawn = [_counts(_turned(one, yaw), 0.2, reach) for one in seen.kinds]
+        fits = {
+            (i, j): sum(
+                np.vdot(field[i : i + side, j : j + side], counts)
+                for field, counts in zip(coarse, drawn, strict=True)
+            )
+            for i in range(max(row - 2, 0), min(row + 3, coarse[0].shape[0] - side + 1))
+            for j in range(max(column - 2, 0), min(column + 3, coarse[0].shape[1] - side + 1))
+        }
+        assert fits[row, column] == pytest.approx(max(fits.values()))

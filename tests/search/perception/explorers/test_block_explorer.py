@@ -5,6 +5,7 @@ import numpy as np
 
 from certainty import certain
 from exploration_views import exploration_view
+from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.overview import BlockChoice
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
@@ -87,6 +88,11 @@ def test_the_chosen_block_is_the_destination():
     block = next(b for b in destination.blocks if b.number == 1)
     assert destination.xy == block.destination
     assert destination.reason == "because"
+
+
+def test_only_a_reasoner_that_answers_at_once_is_asked_again_on_the_way():
+    assert answers_at_once(blocks_explorer(GeometricReasoner(ExchangeLog())))
+    assert not answers_at_once(blocks_explorer(InOrder()))
 
 
 def test_a_visited_block_is_excluded_and_asked_about_again():

@@ -239,9 +239,10 @@ def test_several_models_need_a_name(server: ScriptedServer):
     server.personality = Personality(models=("a", "b"))
     with pytest.raises(ModelSetupError, match=r"several models \(a, b\); name one"):
         chat(server).ask(OPEN)
-    server.personality = Personality(models=())
-    with pytest.raises(ModelSetupError, match="lists no model"):
-        chat(server).ask(OPEN)
+    for unnamed in ((), ("",)):
+        server.personality = Personality(models=unnamed)
+        with pytest.raises(ModelSetupError, match="lists no model"):
+            chat(server).ask(OPEN)
 
 
 @pytest.mark.parametrize("status", [301, 307, 401, 402, 403, 404, 405, 410, 451])
