@@ -79,6 +79,16 @@ def test_spl_is_not_rounded_before_its_mean(tmp_path: Path) -> None:
     assert [one["spl"] for one in overview(tmp_path).searches] == [0.6865036832468938]
 
 
+def test_an_ablation_is_shown_by_its_variants(tmp_path: Path) -> None:
+    write_run(tmp_path / "abl" / "unchanged", "hypernav", record("0"))
+    whole = json.loads((tmp_path / "abl" / "unchanged" / "run.json").read_text())
+    whole["configuration"]["study"] = {"variants": ["unchanged"]}
+    (tmp_path / "abl" / "run.json").write_text(json.dumps(whole))
+    found = overview(tmp_path)
+    assert [one["name"] for one in found.runs] == ["abl/unchanged"]
+    assert found.left_out == []
+
+
 def test_a_run_says_which_of_its_values_are_not_the_usual_ones(tmp_path: Path) -> None:
     for name, agent, steps in (("a", "hypernav", 40), ("b", "frontier", 40), ("c", "vlfm", 10)):
         search = {"endurance_steps": steps, "max_steps": 500}
@@ -185,6 +195,7 @@ def test_two_runs_are_compared_by_a_click(root: Path, browser: webdriver.Chrome)
     assert "2 searches that both have made" in chosen.text
     assert "100.0 %" in chosen.text
     assert "50.0 %" in chosen.text
+    assert "−50.0 points" in chosen.text
     assert "Only ours found (1)" in chosen.text
     browser.refresh()  # what was chosen stays
     assert "Only ours found (1)" in browser.find_element(By.ID, "chosen").text

@@ -197,13 +197,13 @@ def headline(result: Mapping[str, Any]) -> Headline:
     if outcome == "found":
         outcome = "wrong_place"
     text, detail = _ENDINGS.get(outcome, (f"Ended: {outcome.replace('_', ' ') or 'unknown'}", ""))
-    if outcome == "not_found" and _is_out_of_steps(result):
+    if outcome == "not_found" and result.get("holds_goal") is False:
+        detail = "Nothing in the building answers to it."
+    elif outcome == "not_found" and _is_out_of_steps(result):
         detail = f"It was still looking when all {result['steps']} steps were used."
     if outcome == "not_found" and _is_finite(result.get("distance_to_goal_m")):
         away = number(result["distance_to_goal_m"], 1, "m")
         detail += f" It ended {away} of path from the nearest one."
-    if result.get("holds_goal") is False:
-        detail += " Nothing in the building answers to it."
     if result.get("detail"):
         detail = f"{detail} {result['detail']}"
     tone: Tone = "neutral" if outcome in _NEUTRAL else "bad"

@@ -60,8 +60,11 @@ def overview(root: Path) -> Overview:
     found = Overview([], [], [])
     folders = sorted(run_folders(root), key=_changed, reverse=True)
     for folder in folders:
+        is_run = (folder / RUN_FILE).exists()
         try:
-            run, searches = _run(folder) if (folder / RUN_FILE).exists() else _search(folder)
+            if is_run and "study" in read_configuration(folder):
+                continue  # an ablation, whose variants are runs of their own
+            run, searches = _run(folder) if is_run else _search(folder)
         except RunFolderError as error:
             found.left_out.append(str(error))
             continue

@@ -66,7 +66,7 @@
     ["name", "Run"], ["when", "Changed"], ["agent", "Agent"], ["differs", "Differs in"], ["of", "Data"], ["commit", "Commit"],
     ["done", "Searches", (run) => `${run.done}${run.wanted && run.wanted !== run.all ? ` (${run.all} of ${run.wanted} done)` : ""}`],
     ["success", "Success", (run) => percent(run.success)], ["spl", "SPL", (run) => decimal(run.spl, 3)],
-    ["steps", "Steps", (run) => decimal(run.steps, 0)], ["ended", "State"],
+    ["steps", "Steps", (run) => decimal(run.steps, 0)], ["ended", "State", (run) => run.ended.split(":")[0]],
   ].filter(isUsed);
   const SEARCH_COLUMNS = [
     ["goal", "Goal"], ["building", "Building"], ["name", "Run"], ["agent", "Agent"], ["differs", "Differs in"], ["outcome", "Outcome"],
@@ -135,7 +135,7 @@
       return shown;
     }
     const [left, right] = [0, 1].map((side) => summary(pairs.map((pair) => pair[side])));
-    const line = (words, x, y, said) => made("tr", {}, made("th", { scope: "row" }, words), made("td", { "data-name": first.name }, said(x)), made("td", { "data-name": second.name }, said(y)), made("td", { "data-name": "difference" }, `${y - x >= 0 ? "+" : "−"}${said(Math.abs(y - x))}`));
+    const line = (words, x, y, said) => made("tr", {}, made("th", { scope: "row" }, words), made("td", { "data-name": first.name }, said(x)), made("td", { "data-name": second.name }, said(y)), made("td", { "data-name": "difference" }, `${y - x >= 0 ? "+" : "−"}${said(Math.abs(y - x)).replace("%", "points")}`));
     shown.append(made("p", { class: "small" }, `${pairs.length} search${pairs.length === 1 ? "" : "es"} that both have made:`), made("table", {},
       made("thead", {}, made("tr", {}, ...["", first.name, second.name, "difference"].map((words) => made("th", { scope: "col" }, words)))),
       made("tbody", {}, line("Success", left.success, right.success, percent), line("SPL", left.spl, right.spl, (x) => decimal(x, 3)), line("Steps", left.steps, right.steps, (x) => decimal(x, 0)))));
@@ -159,7 +159,7 @@
     before = now;
     const parts = [];
     if (chosenRuns.length === 2) parts.push(comparison(...chosenRuns, rows));
-    else if (chosenRuns.length) parts.push(made("p", {}, `Chosen: ${chosenRuns[0].name}. Click another run to compare the two.`));
+    else if (chosenRuns.length) parts.push(made("p", {}, `Chosen: ${chosenRuns[0].name} (${chosenRuns[0].ended}). Click another run to compare the two.`));
     if (chosenSearches.length) parts.push(made("div", { class: "pair" }, ...chosenSearches.map(card)));
     byId("chosen").hidden = !parts.length;
     byId("chosen").replaceChildren(...parts);
