@@ -13,12 +13,12 @@ interval in every second case though nothing has changed.
 import argparse
 import datetime
 import hashlib
-import importlib
 import math
 import shlex
 import shutil
 import subprocess
 import sys
+from bisect import bisect
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,16 +28,21 @@ from result_tables import DATA, Cell, Column, Results, ResultsError, Row, Table,
 
 from hypernav.app.build.data.datasets import load_episodes
 from hypernav.app.cli.evaluation.eval import folder_name
+from hypernav.core.episode import Episode
 from hypernav.core.errors import HyPerNavError
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.record import EpisodeRecord
 from hypernav.lab.evaluation.report import tables
 from hypernav.lab.evaluation.report.run_data import RunData, load_runs
 from hypernav.lab.evaluation.statistics import Estimate, mean_with_interval, ratio_with_interval
+from hypernav.simulator.houses.building import Building
+from hypernav.simulator.houses.house_cache import cached_building
 
 ROOT = Path(__file__).parents[1]
 RUNS = ROOT / "runs" / "results"
 _PROGRAMS = {"hypernav": (sys.executable, "-m", "hypernav"), "python": (sys.executable,)}
+_ABOVE_FLOOR_M = 0.3
+"""Height above a floor below which things that stand on it begin, metres."""
 _WRONG = (Failure.FALSE_DETECTION, Failure.LANGUAGE)
 
 
@@ -237,11 +242,23 @@ def _part_of(run: RunData, part: str) -> list[EpisodeRecord]:
         return run.records
     if part == "later":
         return [record for record in run.records if record.goal_number > 1]
-    sys.path.insert(0, str(ROOT / "benchmarks"))
-    direction = importlib.import_module("over_stairs").direction
     where = {(one.scene_id, one.episode_id): direction(one) for one in load_episodes(run.dataset)}
     wanted = ("above", "below") if part == "other" else (part,)
     return [record for record in run.records if where[record.key] in wanted]
+
+
+def direction(episode: Episode) -> str:
+    """Where the goal of a search in a generated building is, seen from its start."""
+    scene = cached_building(Building("storeys", int(episode.scene_id.split(":")[1])))
+    goal_z = next(
+        one.box_min[2]
+        for one in scene.instances
+        if one.label is not None and one.label.satisfies(episode.goal)
+    )
+    start, goal = (
+        bisect(scene.storeys, z + _ABOVE_FLOOR_M) for z in (episode.start_z or 0.0, goal_z)
+    )
+    return "same" if goal == start else "above" if goal > start else "below"
 
 
 def _mean_of(value: Callable[[EpisodeRecord], float]) -> Callable[[RunData], Estimate]:

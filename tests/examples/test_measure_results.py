@@ -3,13 +3,14 @@
 import datetime
 import importlib
 import json
-import sys
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 from eval_runs import SMALL, record, spec, write_room
+from hypernav.core.naming.labels import ObjectLabel
 from hypernav.lab.evaluation.failures import Failure
 
 SCRIPTS = Path(__file__).parents[2] / "scripts"
@@ -109,14 +110,27 @@ def test_goals_on_other_floors_are_those_above_and_below(modules, tmp_path, monk
     write_run(tmp_path / "a", [0.2, 0.4, 0.6])
     (run,) = measure.load_runs([tmp_path / "a"])
     where = {"house 0": "same", "house 1": "above", "house 2": "below"}
-    over_stairs = SimpleNamespace(direction=lambda episode: where[episode.scene_id])
-    monkeypatch.setitem(sys.modules, "over_stairs", over_stairs)
+    monkeypatch.setattr(measure, "direction", lambda episode: where[episode.scene_id])
     monkeypatch.setattr(measure, "load_episodes", lambda name: [spec("0", one) for one in where])
     spl = {
         part: [one.spl for one in measure._part_of(run, part)]
         for part in ("", "same", "above", "other")
     }
     assert spl == {"": [0.2, 0.4, 0.6], "same": [0.2], "above": [0.4], "other": [0.4, 0.6]}
+
+
+@pytest.mark.parametrize(
+    ("start_z", "goal_z", "where"),
+    [(0.0, 0.4, "same"), (3.1, 2.98, "same"), (3.0, 0.0, "below"), (0.0, 6.7, "above")],
+)
+def test_where_a_goal_is_counts_from_the_floor_of_the_start(
+    start_z, goal_z, where, modules, monkeypatch
+):
+    measure, _ = modules
+    bed = SimpleNamespace(label=ObjectLabel("bed"), box_min=(0.0, 0.0, goal_z))
+    scene = SimpleNamespace(storeys=(0.0, 3.0, 6.1), instances=[bed])
+    monkeypatch.setattr(measure, "cached_building", lambda building: scene)
+    assert measure.direction(replace(spec("0", "storeys:7"), start_z=start_z)) == where
 
 
 @pytest.mark.parametrize(
