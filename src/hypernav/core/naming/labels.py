@@ -16,7 +16,6 @@ from hypernav.core.naming.words import caseless, first_sentence, noun_phrase, wi
 
 _ALIKE: tuple[tuple[str, ...], ...] = (
     ("stove", "oven", "range"),
-    ("toilet", "lavatory", "wc"),
     ("bath", "bathtub"),
     ("sink", "washbasin", "basin"),
     ("cabinet", "cupboard"),
@@ -85,6 +84,7 @@ for _wider, _kinds in _KINDS.items():
 
 _SYNONYMS: tuple[tuple[str, ...], ...] = (
     ("sofa", "couch", "settee", "loveseat"),
+    ("toilet", "lavatory", "wc", "water closet", "loo"),
     ("tv", "television", "television set", "tv monitor", "tvmonitor", "tv set", "telly"),
     ("refrigerator", "fridge"),
     ("potted plant", "plant", "house plant", "houseplant", "indoor plant", "pottedplant"),
@@ -100,7 +100,7 @@ _SYNONYMS: tuple[tuple[str, ...], ...] = (
     ("bicycle", "bike"),
     ("bookshelf", "bookcase", "book shelf"),
     ("picture", "painting"),
-    ("armchair", "arm chair", "easy chair"),
+    ("armchair", "arm chair", "easy chair", "fauteuil"),
     ("dresser", "chest of drawers"),
     ("washing machine", "washer", "clothes washer"),
     ("clothes dryer", "tumble dryer", "dryer"),
@@ -115,6 +115,14 @@ _SYNONYMS: tuple[tuple[str, ...], ...] = (
     ("stove", "cooker"),
 )
 _CANONICAL = {name: group[0] for group in _SYNONYMS for name in group}
+_SINGULARS = (
+    (re.compile(r"(ch|sh|ss|x)es$"), r"\1"),
+    (re.compile(r"(shel|lea|loa|scar)ves$"), r"\1f"),
+    (re.compile(r"knives$"), "knife"),
+    (re.compile(r"(\w\w[^aeioukv\W])ies$"), r"\1y"),
+    (re.compile(r"(\w[^s\W])s$"), r"\1"),
+)
+"""Ends of plurals, and what the singular has there; the first that fits."""
 _ARTICLE = re.compile(r"^(?:please )?(?:find |go to )?(?:the |a |an |my |some )?")
 _IN_ROOM = re.compile(r" (?:(?:in|inside) (?:the |a |an |my )?|of (?:the|my) )(.+)$")
 """After "of" a room has an article: "the door of the kitchen", but a "chest of drawers"."""
@@ -137,15 +145,14 @@ def normalise(name: str) -> str:
 def canonical(name: str) -> str:
     """One name for all names that mean the same: "couch" and "settee" give "sofa".
 
-    A plural is read as its singular if the singular is a known name.
+    A plural is read as its singular.
     """
     name = normalise(name)
     if name in _CANONICAL:
         return _CANONICAL[name]
-    if name.endswith("s") and not name.endswith("ss") and len(name) > 3:
-        singular = name[:-1]
-        return _CANONICAL.get(singular, singular)
-    return name
+    plural = next((end for end in _SINGULARS if end[0].search(name)), None)
+    singular = name if plural is None else plural[0].sub(plural[1], name)
+    return _CANONICAL.get(singular, singular)
 
 
 def names_of(name: str) -> list[str]:
