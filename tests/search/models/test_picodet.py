@@ -101,7 +101,7 @@ def test_a_network_gone_mad_gives_no_box_outside_the_image(test_data: Path, loun
 def test_another_network_or_list_of_classes_is_refused(test_data: Path):
     models = test_data / "models"
     with pytest.raises(
-        ModelError, match=r"is not a PicoDet with 80 classes.*; begin with yolox: or"
+        ModelError, match=r"is not a PicoDet with 80 classes.*; begin with yolox:, yolov8: or"
     ):
         PicodetDetector(models / "yolox_nano.onnx")
     with pytest.raises(ModelError, match="2 classes"):

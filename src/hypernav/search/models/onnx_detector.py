@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import ClassVar
 
+import cv2
 import numpy as np
 from jaxtyping import Float32, Float64, Int64, UInt8
 from pydantic import Field
@@ -150,6 +151,16 @@ class OnnxDetector(ABC):
     def _output_shapes(self) -> list[tuple[int, ...]]:
         """Shapes of the outputs for the input's size."""
 
+    def _in_the_corner(
+        self, rgb: UInt8[np.ndarray, "height width 3"]
+    ) -> tuple[UInt8[np.ndarray, "input_height input_width 3"], float]:
+        """The image in the upper left of the input, as large as it fits, and its scale."""
+        ratio = min(self._height / rgb.shape[0], self._width / rgb.shape[1])
+        size = (max(int(rgb.shape[1] * ratio), 1), max(int(rgb.shape[0] * ratio), 1))
+        canvas = np.full((self._height, self._width, 3), _GREY, dtype=np.uint8)
+        canvas[: size[1], : size[0]] = cv2.resize(rgb, size, interpolation=cv2.INTER_LINEAR)
+        return canvas, ratio
+
     def _run(
         self, blob: Float32[np.ndarray, "1 3 input_height input_width"]
     ) -> list[Float32[np.ndarray, "..."]]:
@@ -180,8 +191,8 @@ class OnnxDetector(ABC):
             raise ModelError(
                 f"{self.path} is not a {self.family} with {len(self.config.classes)} classes: "
                 f"expected {_shapes(expected)} for an input of {self._width}×{self._height}, "
-                f"found {_shapes(found)}; begin with yolox: or picodet: as the file is, "
-                "or name its classes in onnx_detector.classes"
+                f"found {_shapes(found)}; begin with yolox:, yolov8: or picodet: as the file "
+                "is, export it without suppression, or name its classes in onnx_detector.classes"
             )
 
 

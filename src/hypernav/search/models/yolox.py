@@ -4,13 +4,11 @@ Source: Ge et al., "YOLOX: Exceeding YOLO Series in 2021", and the reference cod
 Megvii-BaseDetection/YOLOX (``yolox/data/data_augment.py::preproc``, ``yolox/utils/demo_utils.py``).
 """
 
-import cv2
 import numpy as np
 from jaxtyping import Float32, Float64, UInt8
 
 from hypernav.search.models.onnx_detector import OnnxDetector, RawBoxes
 
-_PADDING = 114
 _STRIDES = (8, 16, 32)
 
 
@@ -29,12 +27,8 @@ class YoloxDetector(OnnxDetector):
         self, rgb: UInt8[np.ndarray, "height width 3"]
     ) -> tuple[Float32[np.ndarray, "1 3 input_height input_width"], float, float]:
         """The image in the upper left of the input, in BGR from 0 to 255."""
-        ratio = min(self._height / rgb.shape[0], self._width / rgb.shape[1])
-        size = (max(int(rgb.shape[1] * ratio), 1), max(int(rgb.shape[0] * ratio), 1))
-        canvas = np.full((self._height, self._width, 3), _PADDING, dtype=np.uint8)
-        resized = cv2.resize(rgb, size, interpolation=cv2.INTER_LINEAR)
-        canvas[: size[1], : size[0]] = resized[..., ::-1]
-        blob = np.ascontiguousarray(canvas.transpose(2, 0, 1)[None], dtype=np.float32)
+        canvas, ratio = self._in_the_corner(rgb)
+        blob = np.ascontiguousarray(canvas[..., ::-1].transpose(2, 0, 1)[None], dtype=np.float32)
         return blob, ratio, ratio
 
     def _decode(self, outputs: list[Float32[np.ndarray, "..."]]) -> RawBoxes:

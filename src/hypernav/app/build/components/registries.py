@@ -35,6 +35,13 @@ DETECTORS: Registry[Factory] = Registry(
             section="onnx_detector",
         ),
         Entry(
+            "yolov8",
+            "hypernav.search.models.yolov8:Yolov8Detector",
+            form="yolov8:PATH.onnx",
+            words="YOLOv8 ({files})",
+            section="onnx_detector",
+        ),
+        Entry(
             "picodet",
             "hypernav.search.models.picodet:PicodetDetector",
             form="picodet:PATH.onnx",

@@ -109,8 +109,8 @@ def _calibrate(options: ExamOptions) -> int:
     if not isinstance(detector, OnnxDetector):
         raise ConfigError(
             "--calibrate measures one network of a closed list: name it with --detector "
-            "yolox:FILE or picodet:FILE; of other detectors an exam without --calibrate tells "
-            "what scores are worth (exam.json)"
+            "yolox:FILE, yolov8:FILE or picodet:FILE; of other detectors an exam without "
+            "--calibrate tells what scores are worth (exam.json)"
         )
     console = Terminal(soft_wrap=True)
     measured = measure(detector, config, options.size, lambda scene: console.print(scene))
