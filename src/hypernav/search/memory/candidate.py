@@ -1,6 +1,7 @@
 """Candidates for the goal, and the evidence for and against them, as values."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -26,6 +27,11 @@ _SAME_POSITION_M = 0.4
 _ANOTHER_SIDE_DEG = 45.0
 _SAME_VIEW = 0.5
 """Views share their errors below this many eighths of a circle, or halvings of the distance."""
+
+
+def log_odds_by(weights: Iterable[float]) -> float:
+    """Log-odds that something is the goal, by the weights of all looks at it."""
+    return _PRIOR + min(sum(weights), _MOST_BY_LOOKS)
 
 
 @dataclass(frozen=True)
@@ -167,8 +173,7 @@ class Candidate:
     @property
     def log_odds(self) -> float:
         """Natural logarithm of the odds that it is the goal, by all looks at it and its form."""
-        by_looks = min(sum(one.weight for one in self.looks), _MOST_BY_LOOKS)
-        return _PRIOR + by_looks + self.form
+        return log_odds_by(one.weight for one in self.looks) + self.form
 
     @property
     def chance(self) -> float:

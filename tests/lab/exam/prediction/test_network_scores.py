@@ -8,7 +8,7 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.lab.exam.prediction.calibration import NO_BOX, log_odds_of
+from hypernav.lab.exam.prediction.calibration import NO_BOX, log_odds_of, shift_of_looks
 from hypernav.lab.exam.prediction.network_scores import Tally
 from hypernav.search.models.onnx_detector import OnnxDetector, OnnxDetectorConfig
 
@@ -80,3 +80,23 @@ def test_scores_that_come_as_often_of_both_are_worth_nothing_and_misses_speak_ag
     assert worth == pytest.approx(np.log(3.0), abs=0.1)
     assert missed == pytest.approx(-np.log(3.0), abs=0.1)
     assert log_odds_of([(0.9, True)] * 40) == ((), 0.0)
+
+
+def test_looks_at_a_thing_count_from_the_first_box_on():
+    looks = tallied().looks_at_things(lambda score: score)
+    assert sorted(looks) == [([0.6, 0.4], False), ([0.9, 0.7, NO_BOX, NO_BOX], True)]
+
+
+def things(rights: int, wrongs: int, weights: list[float]) -> list[tuple[list[float], bool]]:
+    return [(weights, True)] * rights + [(weights, False)] * wrongs
+
+
+def test_looks_that_err_together_are_worth_less_than_each_alone():
+    alone = shift_of_looks(things(80, 20, [1.4 + np.log(4.0)]))
+    assert alone == pytest.approx(0.0, abs=1e-3)
+    assert shift_of_looks(things(80, 20, [1.4 + np.log(4.0), 0.7, 0.7])) < -0.3
+
+
+def test_a_network_that_names_everything_is_believed_less():
+    seldom, often = (shift_of_looks(things(20, wrongs, [1.0, 1.0])) for wrongs in (10, 200))
+    assert often < seldom - 0.5

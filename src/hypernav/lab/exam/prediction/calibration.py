@@ -11,11 +11,14 @@ from scipy.optimize import isotonic_regression
 from hypernav.app.build.components.exam_file import Calibration
 from hypernav.core.config import Curve
 from hypernav.lab.exam.questions import Answered
+from hypernav.search.memory.candidate import log_odds_by
 
 _ELSEWHERE_IOU = 0.1
 """Overlap with the true box below which a box was drawn somewhere and does not lead to the goal."""
 _LEAST = 8
 """Least number of answers with the goal there, and without it, to judge probabilities by."""
+_SHIFTS = np.linspace(-3.0, 3.0, 241)
+"""Shifts of the weight of a look that are compared."""
 NO_BOX = -1.0
 """Score of an answer without a box: less than that of any box."""
 
@@ -48,6 +51,27 @@ def log_odds_of(told: Sequence[tuple[float, bool]]) -> tuple[Curve, float]:
     half = 0.5 / min(counts[True], counts[False])
     yes, no = (none[is_so] / counts[is_so] + half for is_so in (True, False))
     return curve, round(math.log(yes / no), 3)
+
+
+def shift_of_looks(things: Sequence[tuple[Sequence[float], bool]]) -> float:
+    """What to add to the weight of every look, so that the odds of things come out right.
+
+    Looks at one thing share their errors, and the more a network names, the less a name is worth.
+    So each look that `log_odds_of` weighs alone is weighed once more together with those before it.
+
+    Args:
+        things: For each thing the weights of the looks at it, from the first box on, and whether it
+            is what it was taken for.
+    """
+    sums = np.concatenate([np.cumsum(weights) for weights, _ in things])
+    looks = np.concatenate([np.arange(1.0, len(weights) + 1.0) for weights, _ in things])
+    signs = np.concatenate([np.full(len(weights), 1.0 if so else -1.0) for weights, so in things])
+
+    def loss(shift: float) -> float:
+        odds = [log_odds_by([total]) for total in (sums + shift * looks).tolist()]
+        return float(np.logaddexp(0.0, -signs * odds).sum())
+
+    return min(_SHIFTS.tolist(), key=loss)
 
 
 def _yes(answered: Answered) -> float:

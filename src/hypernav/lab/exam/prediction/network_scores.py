@@ -8,11 +8,13 @@ import math
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from itertools import dropwhile
 
 import numpy as np
 
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.build.worlds import open_world
+from hypernav.core.config import along
 from hypernav.core.episode import Episode
 from hypernav.core.errors import GoalError, ModelError, StartError
 from hypernav.core.geometry.boxes import Detection
@@ -22,7 +24,7 @@ from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import Observation
 from hypernav.core.world import Simulator
 from hypernav.lab.exam.bank import Bank, ExamSize
-from hypernav.lab.exam.prediction.calibration import NO_BOX, log_odds_of
+from hypernav.lab.exam.prediction.calibration import NO_BOX, log_odds_of, shift_of_looks
 from hypernav.search.models.closed_set import class_for
 from hypernav.search.models.onnx_detector import OnnxDetector
 from hypernav.search.models.reliability import Reliability, sha256_of
@@ -115,6 +117,17 @@ class Tally:
             if any(other > NO_BOX for k, other in enumerate(scores) if k != at)
         ]
 
+    def looks_at_things(self, weight: Callable[[float], float]) -> list[tuple[list[float], bool]]:
+        """For each thing the weights of the looks at it, from the first box on; and if it is right.
+
+        Args:
+            weight: What a score, or `NO_BOX`, is worth.
+        """
+        return [
+            ([weight(one) for one in dropwhile(lambda score: score < 0.0, scores)], self.right[it])
+            for it, scores in self.views.items()
+        ]
+
 
 def measure(
     detector: OnnxDetector, config: HyPerNavConfig, size: ExamSize, watch: Callable[[str], None]
@@ -145,10 +158,11 @@ def measure(
             "--size full, or a lower score_threshold"
         )
     boxes, missed = log_odds_of(further)
+    shift = shift_of_looks(tally.looks_at_things(lambda s: missed if s < 0.0 else along(boxes, s)))
     return Reliability(
         sha256=sha256_of(detector.path),
-        boxes=boxes,
-        missed=min(missed, 0.0),
+        boxes=tuple((score, round(weight + shift, 3)) for score, weight in boxes),
+        missed=round(min(missed + shift, 0.0), 3),
         buildings=tuple(scenes),
         images=tally.images,
         right=sum(tally.right.values()),
