@@ -1,7 +1,8 @@
 """What scores of detections are worth where nothing, or little, was measured.
 
 A weight is the shift of the log-odds that a thing is the goal by one image: the logarithm of how
-often a detector says so of the goal, divided by how often of what it mistakes for it.
+often a detector says so of the goal, divided by how often of what it mistakes for it, less what
+images of one thing have in common.
 """
 
 from hypernav.core.config import Curve
