@@ -22,13 +22,13 @@ from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.record import EpisodeRecord
 from hypernav.lab.evaluation.store.run_store import (
     RUN_FILE,
+    SAVED_FOLDER,
     UNENDED,
     flat,
     read_configuration,
     read_records,
     read_sessions,
 )
-from hypernav.lab.evaluation.workers.worker import SAVED_FOLDER
 
 PAGE_NAME = "runs.html"
 RESULT_FILE = "result.json"
@@ -60,11 +60,14 @@ def overview(root: Path) -> Overview:
     found = Overview([], [], [])
     folders = sorted(run_folders(root), key=_changed, reverse=True)
     for folder in folders:
-        is_run = (folder / RUN_FILE).exists()
         try:
-            if is_run and "study" in read_configuration(folder):
-                continue  # an ablation, whose variants are runs of their own
-            run, searches = _run(folder) if is_run else _search(folder)
+            if (folder / RUN_FILE).exists():
+                configuration = read_configuration(folder)
+                if "study" in configuration:
+                    continue  # an ablation, whose variants are runs of their own
+                run, searches = _run(folder, configuration)
+            else:
+                run, searches = _search(folder)
         except RunFolderError as error:
             found.left_out.append(str(error))
             continue
@@ -128,10 +131,12 @@ def _time(path: Path) -> float:
         return 0.0
 
 
-def _run(folder: Path) -> tuple[dict[str, Any], list[dict[str, Any]]]:
+def _run(
+    folder: Path, configuration: Mapping[str, Any]
+) -> tuple[dict[str, Any], list[dict[str, Any]]]:
     """A run of ``hypernav eval``, or of a variant of ``hypernav ablate``."""
-    configuration, records = read_configuration(folder), read_records(folder)
-    who, sessions = configuration.get("who"), read_sessions(folder)
+    records, sessions = read_records(folder), read_sessions(folder)
+    who = configuration.get("who")
     if not isinstance(who, Mapping):
         raise RunFolderError(f"{folder} is the folder of another kind of study, without a table")
     commits = dict.fromkeys(one.commit for one in sessions if one.commit)

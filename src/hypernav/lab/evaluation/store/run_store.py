@@ -75,6 +75,8 @@ RETRIED_FILE = "retried.jsonl"
 SESSIONS_FILE = "sessions.jsonl"
 RUN_FILES = (RUN_FILE, EPISODES_FILE, RETRIED_FILE, SESSIONS_FILE)
 """Names of the files that a store writes to its folder."""
+SAVED_FOLDER = "episodes"
+"""Name of the folder of pages and videos of single episodes, in a run's."""
 
 _LOGGER = logging.getLogger(__name__)
 

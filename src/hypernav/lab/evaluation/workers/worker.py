@@ -26,11 +26,10 @@ from hypernav.lab.episodes.storyboard import Image, Storyboard
 from hypernav.lab.evaluation.failure_evidence import FailureEvidence, decisive_step
 from hypernav.lab.evaluation.failures import Verdict, classify
 from hypernav.lab.evaluation.record import EpisodeRecord, unmeasured_record
+from hypernav.lab.evaluation.store.run_store import SAVED_FOLDER
 from hypernav.lab.evaluation.workers.job import Job
 from hypernav.lab.evaluation.workers.searcher import searcher_of
 from hypernav.search.perception.exchanges import unusable_answers
-
-SAVED_FOLDER = "episodes"
 
 _NO_STEPS_LEFT = "the steps of its life had been used up before this goal"
 
