@@ -284,3 +284,18 @@ def failure_counts(records: Sequence[EpisodeRecord]) -> dict[Failure, int]:
     """Number of episodes of each failure class that occurs, in the order of `Failure`."""
     counts = Counter(record.failure for record in records if record.failure is not None)
     return {failure: counts[failure] for failure in Failure if counts[failure]}
+
+
+def percent(estimate: Estimate) -> str:
+    """The mean as a percentage."""
+    return f"{100 * estimate.mean:.1f} %"
+
+
+def interval(estimate: Estimate, factor: float = 1.0, words: str = " ({})") -> str:
+    """The interval in these words and the number's own digits; empty if it says nothing."""
+    if not estimate.has_interval:
+        return ""
+    digits = 1 if factor > 1.0 else 3
+    return words.format(
+        f"{factor * estimate.low:.{digits}f} to {factor * estimate.high:.{digits}f}"
+    )

@@ -4,9 +4,8 @@ from pathlib import Path
 
 from eval_runs import apart, record
 from hypernav.app.cli.evaluation.eval import outcome_lines, progress_table, result_line
-from hypernav.lab.evaluation.report.report_text import interval
 from hypernav.lab.evaluation.runner import RunProgress
-from hypernav.lab.evaluation.statistics import summarise
+from hypernav.lab.evaluation.statistics import interval, summarise
 
 
 def lines(*records):

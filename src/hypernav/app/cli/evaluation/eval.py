@@ -26,9 +26,7 @@ from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.core.episode import Episode, lives_of
 from hypernav.core.errors import ConfigError
 from hypernav.core.naming.words import number_of
-from hypernav.lab.evaluation.checks.vlm_checkup import grounding_answer
 from hypernav.lab.evaluation.failures import Failure
-from hypernav.lab.evaluation.report.report_text import interval, percent
 from hypernav.lab.evaluation.run_cost import (
     cost_by_episodes,
     cost_by_exam,
@@ -50,6 +48,8 @@ from hypernav.lab.evaluation.statistics import (
     counted,
     drawn,
     failure_counts,
+    interval,
+    percent,
     summarise,
 )
 from hypernav.lab.evaluation.store.run_store import RUN_FILES, RunStore
@@ -261,6 +261,9 @@ def _first_lives(episodes: Sequence[Episode]) -> list[Episode]:
 
 def _say_pace(options: EvalOptions, config: HyPerNavConfig, count: int, console: Console) -> None:
     """Say how long searches take by one answer of a server, before any of them."""
+    # Imported here: only a plan asks a model.
+    from hypernav.lab.evaluation.checks.vlm_checkup import grounding_answer
+
     vlm = options.who.vlm
     kinds = kinds_asked(choose_components(options.who.specs, presence=config.presence.enabled))
     if vlm is None or parse_vlm_spec(vlm).kind != "openai" or not kinds:

@@ -13,7 +13,7 @@ from hypernav.app.cli.robot import Report
 from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, OutputError, RunFolderError
 from hypernav.lab.evaluation.field_study import StudyRow, TrialResult, study_rows
-from hypernav.lab.evaluation.report.report_text import interval
+from hypernav.lab.evaluation.statistics import interval
 from hypernav.robot.field_trial import FieldTrial, read_trial
 
 _COLUMNS = (

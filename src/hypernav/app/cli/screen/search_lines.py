@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.logging import RichHandler
@@ -15,8 +16,10 @@ from hypernav.app.show.captions import floor_prefix
 from hypernav.core.episode import Outcome
 from hypernav.core.goal import Goal
 from hypernav.core.naming.labels import ObjectLabel, normalise
-from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeStep
-from hypernav.search.memory.start.relocalization import FoundStart
+
+if TYPE_CHECKING:
+    from hypernav.lab.episodes.episode_run import EpisodeResult, EpisodeStep
+    from hypernav.search.memory.start.relocalization import FoundStart
 
 _MOST_KINDS = 8
 """Largest number of kinds of objects that a line names."""
@@ -95,7 +98,7 @@ def ending_words(outcome: Outcome, goal: Goal) -> str:
     return _ENDINGS[outcome].format(goal=escape(goal.in_sentence))
 
 
-def found_start_line(found: FoundStart, memory: Path | None) -> str:
+def found_start_line(found: "FoundStart", memory: Path | None) -> str:
     """Where the robot is in the memory, in a line for the terminal."""
     if found.doubt or found.place is None:
         return (
@@ -109,14 +112,14 @@ def found_start_line(found: FoundStart, memory: Path | None) -> str:
     )
 
 
-def live_line(step: EpisodeStep) -> str:
+def live_line(step: "EpisodeStep") -> str:
     """What the robot is doing, in a line for the status of the terminal."""
     trace = step.trace
     seen = "goal in sight" if trace.goal_area else "goal not seen yet"
     return f"{floor_prefix(trace)}step {trace.step + 1} · {trace.mode} · {seen} · {trace.reason}"
 
 
-def print_result(console: Console, goal: Goal, result: EpisodeResult) -> None:
+def print_result(console: Console, goal: Goal, result: "EpisodeResult") -> None:
     """Print how a search ended, and what it took."""
     metrics = result.metrics
     console.print(ending_words(result.outcome, goal))

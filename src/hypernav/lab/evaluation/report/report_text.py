@@ -10,7 +10,12 @@ from hypernav.lab.evaluation import statistics
 from hypernav.lab.evaluation.failures import MISPLACED_M, Failure
 from hypernav.lab.evaluation.report.run_data import RunData
 from hypernav.lab.evaluation.report.tables import Pair
-from hypernav.lab.evaluation.statistics import FEWEST_WITH_INTERVAL, Estimate, Summary
+from hypernav.lab.evaluation.statistics import (
+    FEWEST_WITH_INTERVAL,
+    Summary,
+    interval,
+    percent,
+)
 from hypernav.simulator.houses.building import NOUNS
 from hypernav.simulator.worlds.config import NoiseConfig
 
@@ -302,21 +307,6 @@ def drawn_in(runs: Sequence[RunData]) -> str:
     if len(set(kinds.values())) == 1:
         return drawn(runs[0])
     return ", ".join(f"{kind} ({name})" for name, kind in kinds.items())
-
-
-def percent(estimate: Estimate) -> str:
-    """The mean as a percentage."""
-    return f"{100 * estimate.mean:.1f} %"
-
-
-def interval(estimate: Estimate, factor: float = 1.0, words: str = " ({})") -> str:
-    """The interval in these words and the number's own digits; empty if it says nothing."""
-    if not estimate.has_interval:
-        return ""
-    digits = 1 if factor > 1.0 else 3
-    return words.format(
-        f"{factor * estimate.low:.{digits}f} to {factor * estimate.high:.{digits}f}"
-    )
 
 
 def p_value(value: float) -> str:
