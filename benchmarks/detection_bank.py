@@ -25,7 +25,7 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
-from hypernav.search.models.onnx_detector import OnnxDetectorConfig
+from hypernav.search.models.config import OnnxDetectorConfig
 from hypernav.search.models.yolox import YoloxDetector
 from hypernav.search.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.simulator.worlds.drawing.renderer import CpuRenderer

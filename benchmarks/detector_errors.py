@@ -24,7 +24,7 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels
-from hypernav.search.models.onnx_detector import OnnxDetectorConfig
+from hypernav.search.models.config import OnnxDetectorConfig
 from hypernav.search.models.yolox import YoloxDetector
 from hypernav.search.perception.local.stand_ins.ground_truth import true_detection, visible_objects
 from hypernav.search.perception.local.stand_ins.noisy_detector import resembles

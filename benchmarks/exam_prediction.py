@@ -45,7 +45,8 @@ from hypernav.lab.exam.prediction.searches import (
 )
 from hypernav.lab.exam.questions import Answered, ExamQuestion
 from hypernav.search.agents.search import SearchAgent
-from hypernav.search.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
+from hypernav.search.perception.config import VlmReasonerConfig
+from hypernav.search.perception.explorers.map_question import offered_blocks
 from hypernav.search.perception.explorers.noisy_reasoner import NoisyReasoner, RandomReasoner
 from hypernav.search.perception.local.stand_ins.ground_truth import (
     true_detection,

@@ -25,7 +25,7 @@ from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.naming.labels import canonical
 from hypernav.core.world import Instance
-from hypernav.search.models.onnx_detector import OnnxDetectorConfig
+from hypernav.search.models.config import OnnxDetectorConfig
 from hypernav.search.models.yolox import YoloxDetector
 from hypernav.simulator.houses.building import house
 from hypernav.simulator.houses.generator import generate

@@ -33,9 +33,10 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
+from hypernav.search.models.config import SamConfig, ZeroShotConfig
 from hypernav.search.models.network_loading import EXTRA
-from hypernav.search.models.sam import SamConfig, SamSegmenter
-from hypernav.search.models.zero_shot import ZeroShotConfig, ZeroShotDetector
+from hypernav.search.models.sam import SamSegmenter
+from hypernav.search.models.zero_shot import ZeroShotDetector
 
 Dtype = Literal["bfloat16", "float16", "float32"]
 VIT_HUGE = {

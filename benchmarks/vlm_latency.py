@@ -40,14 +40,15 @@ from hypernav.search.models.chat.config import ChatConfig
 from hypernav.search.models.chat.local_chat import LocalChat
 from hypernav.search.models.chat.vlm_families import family_named
 from hypernav.search.models.network_loading import EXTRA, choose_device, choose_dtype
-from hypernav.search.perception.explorers.block_explorer import OverviewConfig
-from hypernav.search.perception.explorers.map_question import VlmReasonerConfig, map_question
-from hypernav.search.perception.local.vlm_detector import VlmDetectorConfig, grounding_question
-from hypernav.search.perception.local.yes_no_checks import (
+from hypernav.search.perception.config import (
+    OverviewConfig,
     PresenceConfig,
-    crop_question,
-    presence_question,
+    VlmDetectorConfig,
+    VlmReasonerConfig,
 )
+from hypernav.search.perception.explorers.map_question import map_question
+from hypernav.search.perception.local.vlm_detector import grounding_question
+from hypernav.search.perception.local.yes_no_checks import crop_question, presence_question
 
 TEXT = {
     "7b": {

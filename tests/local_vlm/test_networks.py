@@ -18,9 +18,10 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.search.agents.search import SearchAgent
 from hypernav.search.models import sam, zero_shot
-from hypernav.search.models.sam import SamConfig, SamSegmenter
-from hypernav.search.models.similarity import ImageTextSimilarity, SimilarityConfig
-from hypernav.search.models.zero_shot import ZeroShotConfig, ZeroShotDetector
+from hypernav.search.models.config import SamConfig, SimilarityConfig, ZeroShotConfig
+from hypernav.search.models.sam import SamSegmenter
+from hypernav.search.models.similarity import ImageTextSimilarity
+from hypernav.search.models.zero_shot import ZeroShotDetector
 from images import key_image
 from small_worlds import small_config
 

@@ -15,7 +15,8 @@ from hypernav.core.errors import ConfigError, GoalError, ModelError
 from hypernav.core.goal import Goal
 from hypernav.lab.evaluation.checks.contracts import check_agent
 from hypernav.search.models.policy_network import PIRLNAV, ZSON, PolicyArchitecture, PolicyNetwork
-from hypernav.search.rivals.policy import PirlnavAgent, PolicyConfig, ZsonAgent
+from hypernav.search.rivals.config import PolicyConfig
+from hypernav.search.rivals.policy import PirlnavAgent, ZsonAgent
 
 ROBOT = Embodiment(motion=MotionConfig(forward_m=0.25))
 BOTH = [PIRLNAV, ZSON]

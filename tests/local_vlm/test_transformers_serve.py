@@ -25,13 +25,10 @@ from hypernav.search.models.chat.recording import RecordingChat, ReplayChat
 from hypernav.search.models.chat.server.openai_chat import OpenAiChat
 from hypernav.search.models.chat.vlm_families import smart_resize
 from hypernav.search.models.chat.vlm_spec import open_chat, parse_vlm_spec
+from hypernav.search.perception.config import VlmDetectorConfig, VlmReasonerConfig
 from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.search.perception.explorers.map_question import VlmReasoner, VlmReasonerConfig
-from hypernav.search.perception.local.vlm_detector import (
-    VlmDetector,
-    VlmDetectorConfig,
-    grounding_question,
-)
+from hypernav.search.perception.explorers.map_question import VlmReasoner
+from hypernav.search.perception.local.vlm_detector import VlmDetector, grounding_question
 from hypernav.search.perception.local.yes_no_checks import VlmPresenceCheck
 
 VIEW = image(0, 480, 640)

@@ -40,7 +40,8 @@ from hypernav.search.models.chat.message_parts import jpeg_data_url
 from hypernav.search.models.chat.server.http_client import HttpClient
 from hypernav.search.models.chat.server.openai_chat import OpenAiChat
 from hypernav.search.models.chat.server.reply_errors import RefusedError
-from hypernav.search.perception.local.vlm_detector import VlmDetector, VlmDetectorConfig
+from hypernav.search.perception.config import VlmDetectorConfig
+from hypernav.search.perception.local.vlm_detector import VlmDetector
 
 SMALL = (
     *("embodiment.camera.width=160", "embodiment.camera.height=120"),

@@ -30,8 +30,8 @@ from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.models.chat.vlm_families import family_named
+from hypernav.search.perception.config import VlmReasonerConfig
 from hypernav.search.perception.explorers import map_question
-from hypernav.search.perception.explorers.map_question import VlmReasonerConfig
 from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.search.perception.local.vlm_detector import CROP_MARGIN, VlmDetector
 from hypernav.search.perception.local.yes_no_checks import VlmPresenceCheck, crop_of

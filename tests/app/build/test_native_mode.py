@@ -11,7 +11,8 @@ from hypernav.app.cli.command_line import run_command
 from hypernav.app.cli.options.agent import AgentOptions
 from hypernav.core.errors import ConfigError
 from hypernav.lab.datasets.benchmarks import BENCHMARKS
-from hypernav.search.rivals.arrows.proposals import MOST_MOVE_M, ArrowsConfig
+from hypernav.search.rivals.arrows.proposals import MOST_MOVE_M
+from hypernav.search.rivals.config import ArrowsConfig
 
 NATIVE = ("vlfm", "navvlm", "vlmnav", "pivot")
 

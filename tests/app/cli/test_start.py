@@ -56,6 +56,11 @@ def test_who_compares_nothing_does_not_wait_for_statistics():
     assert "scipy" not in loaded_by("import hypernav.app.cli.evaluation.report")
 
 
+@pytest.mark.parametrize("command", ["config", "evaluation.eval", "evaluation.runs"])
+def test_who_only_reads_configurations_and_results_loads_no_kernels(command):
+    assert not loaded_by(f"import hypernav.app.cli.{command}") & {"numba", "scipy", "trimesh"}
+
+
 def test_what_a_command_imports_is_searched_for_garbage_neither_then_nor_at_the_end(monkeypatch):
     monkeypatch.delitem(sys.modules, "hypernav.app.cli.evaluation.report", raising=False)
     before = gc.get_freeze_count()

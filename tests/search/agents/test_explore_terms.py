@@ -19,7 +19,7 @@ from hypernav.search.agents.plan import Plan
 from hypernav.search.agents.step import Decision, SearchComponents, Step
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.memory.memory import Memory
-from hypernav.search.perception.local.config import LocalConfig
+from hypernav.search.perception.config import LocalConfig
 from hypernav.search.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.search.perception.local.local_perception import LocalPerception
 from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector

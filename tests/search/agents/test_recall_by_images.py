@@ -21,13 +21,9 @@ from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.search.agents.search import SearchAgent
 from hypernav.search.memory.key_images import KeyImage, KeyImages
 from hypernav.search.memory.memory import Memory
+from hypernav.search.perception.config import ImageRecallConfig
 from hypernav.search.perception.exchanges import prompt_hash
-from hypernav.search.perception.image_recall import (
-    NEUTRAL_WORDS,
-    ImageRanking,
-    ImageRecall,
-    ImageRecallConfig,
-)
+from hypernav.search.perception.image_recall import NEUTRAL_WORDS, ImageRanking, ImageRecall
 from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from small_episodes import episode_from
 from small_worlds import small_config, two_rooms

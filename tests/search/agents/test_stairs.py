@@ -27,8 +27,9 @@ from hypernav.search.memory.store.memory_reader import read_memory
 from hypernav.search.memory.store.memory_writer import Writer
 from hypernav.search.memory.thing import Thing
 from hypernav.search.memory.things import Things
+from hypernav.search.perception.config import VlmReasonerConfig
 from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.search.perception.explorers.map_question import VlmReasoner, VlmReasonerConfig
+from hypernav.search.perception.explorers.map_question import VlmReasoner
 from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from searches import searched

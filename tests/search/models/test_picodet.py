@@ -6,7 +6,7 @@ from PIL import Image
 
 from hypernav.core.errors import ModelError
 from hypernav.core.geometry.boxes import Box
-from hypernav.search.models.onnx_detector import OnnxDetectorConfig
+from hypernav.search.models.config import OnnxDetectorConfig
 from hypernav.search.models.picodet import PicodetDetector
 
 pytest.importorskip("onnxruntime", reason="needs the extra 'onnx'")

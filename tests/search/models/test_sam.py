@@ -10,7 +10,8 @@ from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.observation import Observation
 from hypernav.search.models import sam
-from hypernav.search.models.sam import OnnxSamConfig, OnnxSamSegmenter
+from hypernav.search.models.config import OnnxSamConfig
+from hypernav.search.models.sam import OnnxSamSegmenter
 
 pytest.importorskip("onnxruntime", reason="needs the extra 'onnx'")
 

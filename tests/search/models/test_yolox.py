@@ -14,7 +14,8 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.search.models.closed_set import COCO_CLASSES, class_for
-from hypernav.search.models.onnx_detector import OnnxDetectorConfig, keep_best_boxes
+from hypernav.search.models.config import OnnxDetectorConfig
+from hypernav.search.models.onnx_detector import keep_best_boxes
 from hypernav.search.models.yolox import YoloxDetector
 
 pytest.importorskip("onnxruntime", reason="needs the extra 'onnx'")

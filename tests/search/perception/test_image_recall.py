@@ -7,12 +7,8 @@ from chat_models import Parrot, image
 from hypernav.core.errors import ModelUnavailableError
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
-from hypernav.search.perception.image_recall import (
-    ImageRecall,
-    ImageRecallConfig,
-    images_question,
-    named_images,
-)
+from hypernav.search.perception.config import ImageRecallConfig
+from hypernav.search.perception.image_recall import ImageRecall, images_question, named_images
 
 IMAGES = [image(k) for k in range(5)]
 

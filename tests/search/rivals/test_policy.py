@@ -13,12 +13,12 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.lab.evaluation.checks.contracts import check_agent
 from hypernav.search.models.policy_network import PIRLNAV, ZSON
+from hypernav.search.rivals.config import PolicyConfig
 from hypernav.search.rivals.policy import (
     HM3D_CAMERA,
     SQUARE_CAMERA,
     PirlnavAgent,
     PolicyAgent,
-    PolicyConfig,
     check_robot,
     pose_input,
 )

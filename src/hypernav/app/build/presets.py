@@ -16,30 +16,35 @@ from hypernav.io.reading import MOST_BYTES
 from hypernav.search.agents.config import SearchConfig
 from hypernav.search.mapping.config import MappingConfig, memory_of
 from hypernav.search.models.chat.config import ChatConfig
-from hypernav.search.models.onnx_detector import OnnxDetectorConfig
-from hypernav.search.models.sam import OnnxSamConfig, SamConfig
-from hypernav.search.models.similarity import SimilarityScorerConfig
-from hypernav.search.models.zero_shot import ZeroShotConfig
-from hypernav.search.perception.explorers.block_explorer import OverviewConfig
-from hypernav.search.perception.explorers.geometric_reasoner import GeometricConfig
-from hypernav.search.perception.explorers.map_question import VlmReasonerConfig
-from hypernav.search.perception.image_recall import ImageRecallConfig
-from hypernav.search.perception.local.config import LocalConfig
-from hypernav.search.perception.local.depth_cut import DepthCutConfig
-from hypernav.search.perception.local.stand_ins.noisy_detector import DetectorQuality
-from hypernav.search.perception.local.vlm_detector import VlmDetectorConfig
-from hypernav.search.perception.local.yes_no_checks import PresenceConfig
-from hypernav.search.planning.config import PlanningConfig
-from hypernav.search.rivals.arrows.prompted import PromptedConfig
-from hypernav.search.rivals.arrows.proposals import ArrowsConfig
-from hypernav.search.rivals.navvlm.area_explorer import AreaConfig
-from hypernav.search.rivals.navvlm.guides import ChatGuideConfig
-from hypernav.search.rivals.policy import PolicyConfig
-from hypernav.search.rivals.vlfm.scene_scorers import (
-    ChatScorerConfig,
-    TruthScorerConfig,
+from hypernav.search.models.config import (
+    OnnxDetectorConfig,
+    OnnxSamConfig,
+    SamConfig,
+    SimilarityScorerConfig,
+    ZeroShotConfig,
 )
-from hypernav.search.rivals.vlfm.value_frontier import ValueFrontierConfig
+from hypernav.search.perception.config import (
+    DepthCutConfig,
+    DetectorQuality,
+    GeometricConfig,
+    ImageRecallConfig,
+    LocalConfig,
+    OverviewConfig,
+    PresenceConfig,
+    VlmDetectorConfig,
+    VlmReasonerConfig,
+)
+from hypernav.search.planning.config import PlanningConfig
+from hypernav.search.rivals.config import (
+    AreaConfig,
+    ArrowsConfig,
+    ChatGuideConfig,
+    ChatScorerConfig,
+    PolicyConfig,
+    PromptedConfig,
+    TruthScorerConfig,
+    ValueFrontierConfig,
+)
 from hypernav.simulator.worlds.config import SimulationConfig
 
 

@@ -9,15 +9,15 @@ from typing import ClassVar
 import cv2
 import numpy as np
 from jaxtyping import Float32, Float64, Int64, UInt8
-from pydantic import Field
 
-from hypernav.core.config import Curve, RoomConfig
+from hypernav.core.config import Curve
 from hypernav.core.errors import ModelError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.score_weights import MISSED
-from hypernav.search.models.closed_set import COCO_CLASSES, class_for
+from hypernav.search.models.closed_set import class_for
+from hypernav.search.models.config import OnnxDetectorConfig
 from hypernav.search.models.network_loading import open_session
 from hypernav.search.models.reliability import reliability_of
 
@@ -27,18 +27,6 @@ _MIN_BOX_PX = 2.0
 _FREE_INPUT_PX = 640
 """Side of the input for an export whose own input size is not fixed; YOLOX's own."""
 _GREY = 114
-
-
-class OnnxDetectorConfig(RoomConfig):
-    """How an exported detector is used.
-
-    Attributes:
-        score_threshold: Score below which detections are dropped; measured with YOLOX-nano alone.
-        classes: Names in the order of the network's outputs.
-    """
-
-    score_threshold: float = Field(default=0.1, ge=0.0, le=1.0)
-    classes: tuple[str, ...] = COCO_CLASSES
 
 
 @dataclass(frozen=True, eq=False)

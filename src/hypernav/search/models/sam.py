@@ -18,19 +18,18 @@ ChaoningZhang/MobileSAM, ``scripts/export_onnx_model.py``.
 """
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import cv2
 import numpy as np
 from jaxtyping import Bool, Float32
-from pydantic import Field
 
 from hypernav.core.chat import Image
 from hypernav.core.components.registry import require
-from hypernav.core.config import MOST_THREADS, RoomConfig
 from hypernav.core.errors import ModelError
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.observation import Observation
+from hypernav.search.models.config import OnnxSamConfig, SamConfig
 from hypernav.search.models.network_loading import (
     EXTRA,
     choose_device,
@@ -55,18 +54,6 @@ _DECODER_INPUTS = {
     "has_mask_input",
     "orig_im_size",
 }
-
-
-class SamConfig(RoomConfig):
-    """How a SAM model is used.
-
-    Attributes:
-        device: "auto", "cpu", "cuda", "mps".
-        dtype: "auto" is bfloat16 on NVIDIA GPUs with it.
-    """
-
-    device: str = "auto"
-    dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"
 
 
 class SamSegmenter:
@@ -131,18 +118,6 @@ def clipped_to_box(
     rows, columns = slice(max(y_min, 0), max(y_max, 0)), slice(max(x_min, 0), max(x_max, 0))
     inside[rows, columns] = mask[rows, columns]
     return inside
-
-
-class OnnxSamConfig(RoomConfig):
-    """How an exported SAM is used.
-
-    Attributes:
-        side_px: Longest side of the images that the encoder was trained on.
-        threads: Threads of onnxruntime.
-    """
-
-    side_px: int = Field(default=1024, ge=64, le=4096)
-    threads: int = Field(default=2, ge=1, le=MOST_THREADS)
 
 
 class OnnxSamSegmenter:

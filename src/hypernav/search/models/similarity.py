@@ -6,16 +6,15 @@ probability by a sigmoid; its text is padded to 64 tokens, as it was trained), L
 """
 
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float32
-from pydantic import Field
 
 from hypernav.core.chat import Image
 from hypernav.core.components.registry import require
-from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelError
+from hypernav.search.models.config import SimilarityConfig, SimilarityScorerConfig
 from hypernav.search.models.network_loading import (
     EXTRA,
     choose_device,
@@ -28,22 +27,6 @@ from hypernav.search.models.network_loading import (
 _SIGLIP_TOKENS = 64
 _NO_TEXT = ("",)
 _NO_IMAGE = np.zeros((32, 32, 3), np.uint8)
-
-
-class SimilarityConfig(RoomConfig):
-    """How the model is used.
-
-    Attributes:
-        device: "auto", "cpu", "cuda", "mps".
-        dtype: "auto" is bfloat16 on NVIDIA GPUs with it.
-        head: Head of BLIP-2: "itm", matching, whose probability saturates at 0 or 1, or "itc",
-            contrast, whose cosine is graded, and which alone has vectors; other models have only
-            one.
-    """
-
-    device: str = "auto"
-    dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"
-    head: Literal["itm", "itc"] = "itm"
 
 
 class ImageTextSimilarity:
@@ -136,19 +119,6 @@ class ImageTextSimilarity:
             cosine = (outputs.image_embeds * outputs.text_embeds).float().sum()
             return float((cosine + 1.0) / 2.0)
         return float(outputs.logits_per_image.float().sigmoid()[0, 0])
-
-
-class SimilarityScorerConfig(RoomConfig):
-    """The sentence that images are compared with, and the model's use.
-
-    Attributes:
-        prompt: Sentence; ``{goal}`` is filled in. In substance VLFM's, in our words.
-        similarity: Device, dtype and head of the model. VLFM takes the cosine of BLIP-2's
-            contrastive head.
-    """
-
-    prompt: str = "It looks as if a {goal} is close by."
-    similarity: SimilarityConfig = Field(default=SimilarityConfig(head="itc"))
 
 
 def load_similarity(path: str, config: SimilarityScorerConfig | None = None) -> ImageTextSimilarity:

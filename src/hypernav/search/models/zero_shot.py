@@ -4,17 +4,13 @@ Source: huggingface.co/docs/transformers, ``AutoModelForZeroShotObjectDetection`
 expects lower-case text, OWLv2 was trained on "a photo of a …".
 """
 
-from typing import Literal
-
-from pydantic import Field
-
 from hypernav.core.components.registry import require
-from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ModelError
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.naming.labels import label_for
 from hypernav.core.observation import Observation
+from hypernav.search.models.config import ZeroShotConfig
 from hypernav.search.models.network_loading import (
     EXTRA,
     choose_device,
@@ -26,20 +22,6 @@ from hypernav.search.models.network_loading import (
 
 _MIN_SIDE_PX = 4.0
 """Boxes with a shorter side are dropped."""
-
-
-class ZeroShotConfig(RoomConfig):
-    """How an open-vocabulary detector is used.
-
-    Attributes:
-        score_threshold: Score below which detections are dropped.
-        device: "auto", "cpu", "cuda", "mps".
-        dtype: "auto" is bfloat16 on NVIDIA GPUs with it.
-    """
-
-    score_threshold: float = Field(default=0.3, ge=0.0, le=1.0)
-    device: str = "auto"
-    dtype: Literal["auto", "bfloat16", "float16", "float32"] = "auto"
 
 
 class ZeroShotDetector:

@@ -4,33 +4,11 @@ import hashlib
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from string import Formatter
 from typing import Any, ClassVar
 
 from hypernav.core.chat import Answer, Image, Question
 from hypernav.core.components.protocols import ChatModel
 from hypernav.core.trace import Exchange, ExchangeLog, StepTrace
-
-
-def check_placeholders(prompt: str, *names: str) -> str:
-    """The text of a question, unchanged, if it can be filled in.
-
-    Args:
-        prompt: Text with names in braces.
-        names: Names that may stand in braces.
-
-    Raises:
-        ValueError: It holds other names, formats or single braces.
-    """
-    try:
-        if any(spec or conversion for _, _, spec, conversion in Formatter().parse(prompt)):
-            raise ValueError("formats")  # a width could fill the memory
-        prompt.format(**dict.fromkeys(names, ""))
-    except (AttributeError, KeyError, IndexError, ValueError) as error:
-        *others, last = (f"{{{name}}}" for name in names)
-        allowed = f"{', '.join(others)} and {last}" if others else last
-        raise ValueError(f"may hold {allowed}; other braces are doubled: {{{{ }}}}") from error
-    return prompt
 
 
 def prompt_hash(prompt: str) -> str:

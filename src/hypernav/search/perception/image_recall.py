@@ -18,11 +18,9 @@ from weakref import WeakKeyDictionary
 import cv2
 import numpy as np
 from jaxtyping import Float32, Float64
-from pydantic import Field
 
 from hypernav.core.chat import Image, Question
 from hypernav.core.components.protocols import ChatModel, ImageTextModel
-from hypernav.core.config import RoomConfig
 from hypernav.core.errors import ContractError
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
@@ -30,6 +28,7 @@ from hypernav.search.drawing import palette, shapes
 from hypernav.search.drawing.text import draw_text
 from hypernav.search.memory.key_images import KeyImage
 from hypernav.search.models.chat.answer_parsing import final_answer
+from hypernav.search.perception.config import ImageRecallConfig
 from hypernav.search.perception.exchanges import exchange_of
 
 _WORDS = "a photo of a {goal}"
@@ -45,11 +44,6 @@ _TOLD = 6
 
 IMAGES_PER_QUESTION = 6
 """Number of images in one question."""
-_PROMPT = (
-    "This sheet shows numbered images that a robot took in a building. In which of these images do "
-    "you see a {goal}? Look at small things and at the background, too. Answer with the numbers of "
-    "these images only, for example: 2, 5. If it is in none of them, answer: none"
-)
 _COLUMNS = 3
 _TILE_PX = 640
 """Width of an image on the sheet, pixels."""
@@ -154,24 +148,6 @@ class ImageRanking:
 
 def _unit(vectors: Float32[np.ndarray, "n size"]) -> Float32[np.ndarray, "n size"]:
     return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
-
-
-class ImageRecallConfig(RoomConfig):
-    """What is made of remembered images; the paper has none.
-
-    Attributes:
-        prompt: Text of the question; ``{goal}`` is filled in, with its own article for
-            ``a {goal}``.
-        max_questions: Number of questions in one search about one floor, each about six images;
-            0 asks none.
-        least_similarity: Where no chat model is asked: how far an image must stand out by its
-            similarity to the goal's words, for a model of ``--similarity``, for the robot to go
-            there; in standard deviations of all images (`hypernav.search.perception.image_recall`).
-    """
-
-    prompt: str = _PROMPT
-    max_questions: int = Field(default=4, ge=0, le=100)
-    least_similarity: float = Field(default=3.0, ge=0.0, le=1000.0)
 
 
 @dataclass(eq=False)

@@ -5,13 +5,11 @@ import zlib
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal, Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float32, UInt8
-from pydantic import Field
 
-from hypernav.core.config import MOST_SEED, RoomConfig
 from hypernav.core.embodiment import Action, CameraConfig, Embodiment
 from hypernav.core.errors import ConfigError, GoalError
 from hypernav.core.geometry.transforms import Pose2
@@ -25,6 +23,7 @@ from hypernav.search.models.policy_network import (
     PolicyNetwork,
     read_vectors,
 )
+from hypernav.search.rivals.config import PolicyConfig
 
 Camera = Mapping[str, float]
 """Values of a `CameraConfig` that a policy depends on."""
@@ -76,23 +75,6 @@ def _differences(camera: CameraConfig, trained: Camera) -> list[str]:
 
 _PIRLNAV_GOALS = ("chair", "bed", "potted plant", "toilet", "tv", "sofa")
 """Goals in the order of their numbers."""
-
-
-class PolicyConfig(RoomConfig):
-    """Choice of an action by its score.
-
-    Attributes:
-        choice: "sample" draws an action by its probability, as the published evaluations of
-            policies that were trained by reward do; "mode" takes the likeliest (PIRLNav's, of its
-            policies that were trained by imitation alone).
-        seed: Seed of the draws; equal searches draw equal actions (ours).
-        goals: Safetensors file for ZSON with one vector for each goal, under the goal's words:
-            CLIP's (RN50) text embedding of these bare words.
-    """
-
-    choice: Literal["sample", "mode"] = "sample"
-    seed: int = Field(default=0, ge=0, le=MOST_SEED)
-    goals: str = ""
 
 
 @runtime_checkable

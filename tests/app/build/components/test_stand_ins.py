@@ -14,8 +14,8 @@ from hypernav.app.build.components.stand_ins import (
 from hypernav.app.build.presets import preset
 from hypernav.core.errors import ConfigError
 from hypernav.core.trace import ExchangeLog
-from hypernav.search.perception.local.config import LocalConfig
-from hypernav.search.perception.local.depth_cut import DepthCutConfig, DepthCutSegmenter
+from hypernav.search.perception.config import DepthCutConfig, LocalConfig
+from hypernav.search.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 
 YOLOX = "yolox:net.onnx"

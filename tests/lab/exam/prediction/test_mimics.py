@@ -19,7 +19,7 @@ from hypernav.lab.exam.prediction.choices import choices_of
 from hypernav.lab.exam.prediction.confusion import confusion_of
 from hypernav.lab.exam.prediction.mimics import Asked, MimicDetector, MimicPresence, MimicReasoner
 from hypernav.lab.exam.prediction.sight import BoxAnswer, sight_of
-from hypernav.search.perception.explorers.map_question import VlmReasonerConfig
+from hypernav.search.perception.config import VlmReasonerConfig
 from images import thing_before_wall
 
 BED = Goal("bed")

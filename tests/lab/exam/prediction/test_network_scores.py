@@ -10,7 +10,8 @@ from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.observation import LabelledPixels, Observation
 from hypernav.lab.exam.prediction.calibration import NO_BOX, log_odds_of, shift_of_looks
 from hypernav.lab.exam.prediction.network_scores import Tally
-from hypernav.search.models.onnx_detector import OnnxDetector, OnnxDetectorConfig
+from hypernav.search.models.config import OnnxDetectorConfig
+from hypernav.search.models.onnx_detector import OnnxDetector
 
 BED, OVEN, WALL = Box(20, 20, 60, 80), Box(80, 20, 120, 80), Box(130, 90, 150, 110)
 LABELS = {1: ObjectLabel("bed"), 2: ObjectLabel("oven")}

@@ -14,7 +14,8 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.memory.floor import SearchMemory
 from hypernav.search.memory.memory import Memory
-from hypernav.search.perception.explorers.block_explorer import BlockExplorer, OverviewConfig
+from hypernav.search.perception.config import OverviewConfig
+from hypernav.search.perception.explorers.block_explorer import BlockExplorer
 from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.search.rivals.nearest_frontier import NearestFrontierExplorer
 

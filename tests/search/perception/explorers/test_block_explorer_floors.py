@@ -21,7 +21,8 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.drawing.question_map import QuestionStyle
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.perception.explorers.block_explorer import BlockExplorer, OverviewConfig
+from hypernav.search.perception.config import OverviewConfig
+from hypernav.search.perception.explorers.block_explorer import BlockExplorer
 from hypernav.search.perception.explorers.floor_panels import FloorPanel, draw_floors
 from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.search.perception.explorers.map_question import VlmReasoner

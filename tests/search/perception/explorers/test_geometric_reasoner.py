@@ -18,11 +18,9 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
+from hypernav.search.perception.config import GeometricConfig
 from hypernav.search.perception.explorers import geometric_reasoner
-from hypernav.search.perception.explorers.geometric_reasoner import (
-    GeometricConfig,
-    GeometricReasoner,
-)
+from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
 
 GOAL = Goal("bed")
 

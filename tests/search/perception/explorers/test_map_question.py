@@ -7,7 +7,8 @@ from hypernav.core.exploring.floors import SeenThing
 from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
-from hypernav.search.perception.explorers.map_question import VlmReasonerConfig, map_question
+from hypernav.search.perception.config import VlmReasonerConfig
+from hypernav.search.perception.explorers.map_question import map_question
 
 CHAIR = Goal("the chair in the office")
 

@@ -10,12 +10,9 @@ from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
+from hypernav.search.perception.config import VlmReasonerConfig
 from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
-from hypernav.search.perception.explorers.map_question import (
-    VlmReasoner,
-    VlmReasonerConfig,
-    summarised,
-)
+from hypernav.search.perception.explorers.map_question import VlmReasoner, summarised
 
 BED = Goal("bed")
 PAPER = VlmReasonerConfig(mode="paper", list_excluded=True)

@@ -14,7 +14,7 @@ from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
-from hypernav.search.perception.explorers.map_question import VlmReasonerConfig
+from hypernav.search.perception.config import VlmReasonerConfig
 from hypernav.search.perception.explorers.noisy_reasoner import NoisyReasoner, RandomReasoner
 
 BED = Goal("bed")

@@ -11,8 +11,8 @@ from certainty import certain
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.score_weights import MISSED, NEUTRAL
 from hypernav.search.memory.goal_area import GoalArea
+from hypernav.search.perception.config import LocalConfig
 from hypernav.search.perception.local.belief import Sighting, weight_of
-from hypernav.search.perception.local.config import LocalConfig
 
 CURVE = ((0.0, -1.0), (1.0, 2.0))
 

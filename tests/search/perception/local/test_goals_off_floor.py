@@ -15,7 +15,7 @@ from hypernav.core.observation import Observation
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.memory.floor import Floor
 from hypernav.search.memory.memory import Memory
-from hypernav.search.perception.local.config import LocalConfig
+from hypernav.search.perception.config import LocalConfig
 from hypernav.search.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.search.perception.local.local_perception import LocalPerception
 

@@ -14,6 +14,7 @@ from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.memory.floor import SearchMemory
 from hypernav.search.memory.memory import Memory
 from hypernav.search.models.reliability import known
+from hypernav.search.perception.config import LocalConfig
 from hypernav.search.perception.local.belief import (
     confirmed,
     is_convincing,
@@ -21,7 +22,6 @@ from hypernav.search.perception.local.belief import (
     reconsidered,
     rejected,
 )
-from hypernav.search.perception.local.config import LocalConfig
 from hypernav.search.perception.local.local_perception import LocalPerception
 from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 

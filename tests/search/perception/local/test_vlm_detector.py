@@ -15,12 +15,9 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
+from hypernav.search.perception.config import VlmDetectorConfig
 from hypernav.search.perception.local.second_look import detect_twice
-from hypernav.search.perception.local.vlm_detector import (
-    VlmDetector,
-    VlmDetectorConfig,
-    labels_agree,
-)
+from hypernav.search.perception.local.vlm_detector import VlmDetector, labels_agree
 from hypernav.search.perception.local.yes_no_checks import confusions, crop_question
 from images import thing_before_wall
 

@@ -12,11 +12,8 @@ from hypernav.core.geometry.transforms import Pose2, Transform
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
-from hypernav.search.perception.local.yes_no_checks import (
-    PresenceConfig,
-    VlmPresenceCheck,
-    presence_question,
-)
+from hypernav.search.perception.config import PresenceConfig
+from hypernav.search.perception.local.yes_no_checks import VlmPresenceCheck, presence_question
 
 BED = Goal("bed")
 VIEW = Observation(

@@ -19,12 +19,8 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog, without_timings
 from hypernav.lab.episodes.episode_run import EpisodeRun
 from hypernav.search.mapping.config import MappingConfig
-from hypernav.search.rivals.arrows.prompted import (
-    PromptedAgent,
-    PromptedConfig,
-    actions_to,
-    paper_actions,
-)
+from hypernav.search.rivals.arrows.prompted import PromptedAgent, actions_to, paper_actions
+from hypernav.search.rivals.config import PromptedConfig
 from hypernav.simulator.worlds.box_room import BoxRoom
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from small_episodes import episode_from

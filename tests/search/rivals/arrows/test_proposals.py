@@ -15,12 +15,8 @@ from hypernav.core.embodiment import Embodiment
 from hypernav.search.drawing.shapes import ArrowStyle
 from hypernav.search.rivals.arrows.arrow_sight import ArrowSight, mark_of
 from hypernav.search.rivals.arrows.pivot import GaussianProposer
-from hypernav.search.rivals.arrows.proposals import (
-    ArrowsConfig,
-    FreeDirections,
-    biased_moves,
-    spatial_moves,
-)
+from hypernav.search.rivals.arrows.proposals import FreeDirections, biased_moves, spatial_moves
+from hypernav.search.rivals.config import ArrowsConfig
 
 FOV = math.radians(79.0)
 HEADINGS = np.linspace(-0.75 * FOV, 0.75 * FOV, 60)

@@ -22,7 +22,8 @@ from hypernav.search.rivals.arrows.arrow_explorer import (
 )
 from hypernav.search.rivals.arrows.arrow_reasoners import ChatArrowReasoner
 from hypernav.search.rivals.arrows.pivot import PivotExplorer
-from hypernav.search.rivals.arrows.proposals import DEFAULT_MOVES, ArrowsConfig, Move
+from hypernav.search.rivals.arrows.proposals import DEFAULT_MOVES, Move
+from hypernav.search.rivals.config import ArrowsConfig
 
 BED = Goal("bed")
 ROBOT = Embodiment(camera=CameraConfig(width=320, height=240))

@@ -20,11 +20,8 @@ from hypernav.core.observation import LabelledPixels
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.memory.floor import SearchMemory
-from hypernav.search.rivals.navvlm.area_explorer import (
-    AreaConfig,
-    AreaExplorer,
-    _largest_piece,
-)
+from hypernav.search.rivals.config import AreaConfig
+from hypernav.search.rivals.navvlm.area_explorer import AreaExplorer, _largest_piece
 from hypernav.search.rivals.navvlm.guides import ChatGuide, TruthGuide, direction_in
 from images import thing_before_wall
 

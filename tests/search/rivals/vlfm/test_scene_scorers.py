@@ -9,12 +9,8 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.naming.labels import ObjectLabel
 from hypernav.core.trace import ExchangeLog
-from hypernav.search.rivals.vlfm.scene_scorers import (
-    ChatScorer,
-    SimilarityScorer,
-    TruthScorer,
-    TruthScorerConfig,
-)
+from hypernav.search.rivals.config import TruthScorerConfig
+from hypernav.search.rivals.vlfm.scene_scorers import ChatScorer, SimilarityScorer, TruthScorer
 from images import thing_before_wall
 
 

@@ -13,7 +13,7 @@ embodiment      `hypernav.core.embodiment.Embodiment`: what the robot is
 mapping         `hypernav.search.mapping.config.MappingConfig`: cells and blocks of the map
 clearances_m    how far from obstacles destinations lie, metres, in the order to try
 fallback        for reasoners: a reasoner that needs no model
-prompted        `hypernav.search.rivals.arrows.prompted.PromptedConfig`: budget and stop
+prompted        `hypernav.search.rivals.config.PromptedConfig`: budget and stop
 truth           `hypernav.core.episode.EpisodeTruth`: for stand-ins, in simulation only
 reasoner        for agents: the `BlockReasoner` of ``--reasoner``
 scorer          for agents: the `SceneScorer` of ``--reasoner``

@@ -1,10 +1,9 @@
 """The words of all questions to a model, for the results."""
 
 from hypernav.app.build.presets import HyPerNavConfig
+from hypernav.search.perception.config import CROP_WORDS
 from hypernav.search.perception.exchanges import prompt_hash
-from hypernav.search.perception.local.yes_no_checks import CROP_WORDS
-from hypernav.search.rivals.arrows.arrow_reasoners import ARROW_WORDS
-from hypernav.search.rivals.navvlm.guides import DIRECTION_WORDS
+from hypernav.search.rivals.config import DIRECTION, DIRECTION_PAST, ONE_ARROW, SEVERAL_ARROWS
 
 
 def prompt_hashes(config: HyPerNavConfig) -> dict[str, str]:
@@ -17,7 +16,7 @@ def prompt_hashes(config: HyPerNavConfig) -> dict[str, str]:
         "verify": config.presence.prompt,
         "score view": config.chat_scorer.prompt,
         "choose images": config.image_recall.prompt,
-        "choose arrow": ARROW_WORDS,
-        "choose direction": DIRECTION_WORDS,
+        "choose arrow": f"{ONE_ARROW}\n{SEVERAL_ARROWS}",
+        "choose direction": f"{DIRECTION}\n{DIRECTION_PAST}",
     }
     return {kind: prompt_hash(text) for kind, text in words.items()}

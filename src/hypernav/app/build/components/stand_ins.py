@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from hypernav.app.build.components.choosing import ChosenComponents
 from hypernav.core.components.abilities import score_weights_of
 from hypernav.search.models.onnx_detector import OnnxDetector
-from hypernav.search.perception.local.config import LocalConfig
+from hypernav.search.perception.config import LocalConfig
 
 
 @dataclass(frozen=True)

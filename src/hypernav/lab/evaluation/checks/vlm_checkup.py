@@ -25,20 +25,21 @@ from hypernav.search.models.chat.server.dialects import ServerInfo
 from hypernav.search.models.chat.server.refusals import CONSTRAINTS
 from hypernav.search.models.chat.server.thinking import ENDLESS, Thinking
 from hypernav.search.models.chat.vlm_families import VlmFamily, family_named, family_of
-from hypernav.search.perception.explorers.block_explorer import OverviewConfig
-from hypernav.search.perception.explorers.map_question import (
+from hypernav.search.perception.config import (
+    OverviewConfig,
+    PresenceConfig,
+    VlmDetectorConfig,
     VlmReasonerConfig,
+)
+from hypernav.search.perception.explorers.block_explorer import question_style
+from hypernav.search.perception.explorers.map_question import (
     chosen_number,
     map_question,
     offered_blocks,
 )
 from hypernav.search.perception.local.grounding_format import read_grounding
-from hypernav.search.perception.local.vlm_detector import (
-    VlmDetectorConfig,
-    family_as_seen,
-    grounding_question,
-)
-from hypernav.search.perception.local.yes_no_checks import PresenceConfig, presence_question
+from hypernav.search.perception.local.vlm_detector import family_as_seen, grounding_question
+from hypernav.search.perception.local.yes_no_checks import presence_question
 
 SHAPE = Goal("red rectangle")
 SHAPE_BOX = Box(380.0, 90.0, 560.0, 330.0)
@@ -100,19 +101,21 @@ def drawn_house(config: OverviewConfig, right: int) -> Overview:
     walked = [block.destination for block in blocks if block.number != right]
     trajectory = [*walked, robot.xy]
 
+    style = question_style(config)
+
     def draw(shown, excluded) -> Image:
         return draw_question_map(
             grid,
             [block for block in blocks if block.number in {*shown, *excluded}],
             robot,
             trajectory,
-            config.style,
+            style,
             size=config.image_px,
             excluded=excluded,
             frontier=frontier,
         )
 
-    return Overview(draw, blocks, robot, legend=config.style.legend, trajectory=trajectory)
+    return Overview(draw, blocks, robot, legend=style.legend, trajectory=trajectory)
 
 
 _MATCH = 0.5

@@ -23,7 +23,7 @@ from hypernav.lab.evaluation.refinement.boxes import is_wide_enough, jittered, m
 from hypernav.lab.evaluation.refinement.footprint import Footprint, OffTarget
 from hypernav.lab.evaluation.refinement.goal_position import judge_position
 from hypernav.search.memory.goal_area import GoalArea
-from hypernav.search.perception.local.config import LocalConfig
+from hypernav.search.perception.config import LocalConfig
 from hypernav.search.perception.local.local_perception import eroded, projected
 from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 

@@ -20,7 +20,8 @@ from hypernav.core.observation import Observation
 from hypernav.lab.exam.prediction.choices import BlockChoices, ranks_of
 from hypernav.lab.exam.prediction.confusion import Confusion
 from hypernav.lab.exam.prediction.sight import BoxAnswer, Sight, drawn
-from hypernav.search.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
+from hypernav.search.perception.config import VlmReasonerConfig
+from hypernav.search.perception.explorers.map_question import offered_blocks
 from hypernav.search.perception.local.stand_ins.ground_truth import (
     true_detection,
     true_labels,

@@ -18,6 +18,23 @@ DialectName = Literal[
     "decisions",
     "plain",
 ]
+FamilyName = Literal[
+    "qwen2.5-vl",
+    "qwen2-vl",
+    "qwen3-vl",
+    "glm-v",
+    "gemini",
+    "claude",
+    "embodied-r1",
+    "molmo",
+    "molmo2",
+    "paligemma",
+    "florence-2",
+    "deepseek-vl2",
+    "pixels",
+    "thousandths",
+    "unit",
+]
 
 _MOST_EXTRA = 10_000
 

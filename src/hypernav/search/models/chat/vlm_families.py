@@ -18,24 +18,7 @@ from jaxtyping import UInt8
 from hypernav.core.chat import Image
 from hypernav.core.errors import ConfigError, ModelError
 from hypernav.core.geometry.boxes import Box
-
-FamilyName = Literal[
-    "qwen2.5-vl",
-    "qwen2-vl",
-    "qwen3-vl",
-    "glm-v",
-    "gemini",
-    "claude",
-    "embodied-r1",
-    "molmo",
-    "molmo2",
-    "paligemma",
-    "florence-2",
-    "deepseek-vl2",
-    "pixels",
-    "thousandths",
-    "unit",
-]
+from hypernav.search.models.chat.config import FamilyName
 
 SIDES = {"thousandths": 1000.0, "percent": 100.0, "bins": 1024.0, "unit": 1.0}
 """The image's sides in every relative space."""

@@ -7,15 +7,12 @@ import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Float64, UInt8
-from pydantic import Field
 
 from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.components.protocols import BlockReasoner
-from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import (
     Chosen,
@@ -31,6 +28,7 @@ from hypernav.search.mapping.blocks import CLIMB_M, blocks_of, drop_blocks, stai
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.reachable_area import ReachableArea, fresh_frontiers, frontiers_of
 from hypernav.search.mapping.sight_lines import block_prospects, find_legs_m
+from hypernav.search.perception.config import OverviewConfig
 from hypernav.search.perception.explorers.floor_panels import LEGEND, FloorPanel, draw_floors
 
 _KEY = "blocks"
@@ -136,56 +134,6 @@ def boundary_of(reach: ReachableArea) -> Float64[np.ndarray, "n 2"]:
     return np.concatenate([np.empty((0, 2)), *(one.points for one in frontiers_of(reach))])
 
 
-class OverviewConfig(RoomConfig):
-    """Configuration of the map question. The paper gives no values for it: these are ours.
-
-    Attributes:
-        image_px: Side of the image of the map, pixels; a multiple of 28 fits the patches of most
-            models.
-        strong_colors: Whether unknown stands out from free floor, with a contrast of at least 3:1.
-        draw_frontier: Whether the boundary to the unknown is drawn in a colour.
-        fill_obstacles: Whether the inside of furniture and walls, which no camera sees, is filled.
-        clear_numbers: Whether numbers are larger and keep off furniture.
-        label_things: Whether things that a detector has named beside the goal are written into the
-            map.
-        visited: What counts as a visit: "destinations" that were reached or given up, or the
-            "positions" that the robot has been at (paper), beside the latest destination, so that
-            the next is a new one. "none": nothing counts.
-        visited_radius_m: Distance from a visit, metres, within which a destination counts as
-            visited.
-        max_questions: Largest number of questions for one choice, with visited blocks excluded;
-            None asks until an unvisited block is named or all are excluded (paper).
-        forget_visits: Whether visits are forgotten when all blocks are excluded, so that the search
-            goes on; else nothing is left to explore.
-        last_frontier_m: Length of the shortest frontier that is visited where no block is left,
-            metres: the edges of blocks and thin obstacles cut boundaries into pieces too short to
-            count, and a square with little floor is no block. None visits none.
-    """
-
-    image_px: int = Field(default=756, ge=64, le=4096)
-    strong_colors: bool = True
-    draw_frontier: bool = True
-    fill_obstacles: bool = True
-    clear_numbers: bool = True
-    label_things: bool = True
-    visited: Literal["destinations", "positions", "none"] = "destinations"
-    visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
-    max_questions: int | None = Field(default=4, ge=1, le=1000)
-    forget_visits: bool = False
-    last_frontier_m: float | None = Field(default=0.25, ge=0.0, le=50.0)
-
-    @property
-    def style(self) -> QuestionStyle:
-        """Style of the image."""
-        return QuestionStyle(
-            strong_colors=self.strong_colors,
-            frontier=self.draw_frontier,
-            fill_obstacles=self.fill_obstacles,
-            clear_numbers=self.clear_numbers,
-            labels=self.label_things,
-        )
-
-
 @dataclass
 class _Forgotten:
     """What no longer counts as visited (`OverviewConfig.forget_visits`).
@@ -197,6 +145,17 @@ class _Forgotten:
 
     positions: int = 0
     visits: int = 0
+
+
+def question_style(config: OverviewConfig) -> QuestionStyle:
+    """The style of the image that the configuration asks for."""
+    return QuestionStyle(
+        strong_colors=config.strong_colors,
+        frontier=config.draw_frontier,
+        fill_obstacles=config.fill_obstacles,
+        clear_numbers=config.clear_numbers,
+        labels=config.label_things,
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,7 +206,7 @@ class BlockExplorer:
             offered = blocks
             elsewhere = self._other_floors(view, reach, clearance_m, len(blocks) + 1)
             draw = partial(_drawn, view, blocks, self.config, reach, elsewhere)
-            legend = self.config.style.legend
+            legend = question_style(self.config).legend
             overview = Overview(
                 draw,
                 blocks,
@@ -362,14 +321,14 @@ def _drawn(
             here,
             view.robot,
             view.trajectory,
-            config.style,
+            question_style(config),
             size=config.image_px,
             excluded=excluded,
             frontier=boundary_of(reach),
             things=view.things,
         )
     panels = floor_panels(view, here, reach, elsewhere, drawn)
-    return draw_floors(panels, config.style, size=config.image_px, excluded=excluded)
+    return draw_floors(panels, question_style(config), size=config.image_px, excluded=excluded)
 
 
 def _legs_m(reach: ReachableArea, between: Sequence[Block]) -> Float64[np.ndarray, "_ _"]:

@@ -3,12 +3,9 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
 
 import numpy as np
-from pydantic import Field
 
-from hypernav.core.config import RoomConfig
 from hypernav.core.exploring.overview import (
     Block,
     BlockChoice,
@@ -21,6 +18,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.mapping.blocks import CLIMB_M, FLOOR_SHARE
+from hypernav.search.perception.config import GeometricConfig
 from hypernav.search.perception.explorers.tour_kernels import soonest_tour, unseen_after
 
 _NEVER_SEEN_M2 = 1e-3
@@ -41,23 +39,6 @@ A tour counts metres only; else every turn on the spot could change it.
 """
 _SHOWN_M2 = 2.0
 """Unknown floor that a metre of exploring shows, m²: 2.2 in 14 searches of training buildings."""
-
-
-class GeometricConfig(RoomConfig):
-    """Choice of a block. The paper always asks a model, so these values are ours.
-
-    Attributes:
-        gain: What a block is worth: the length of its "boundary" to the unknown, or the area of
-            unknown floor that its "view" would show.
-        order: Which block comes next: the one of the greatest value, "greedy", or the first one of
-            a "tour" over the most valuable ones.
-        min_frontier_cells: Length of unexplored boundary, cells, below which a block holds nothing
-            new; with 0, a block without any may be visited as well, after all others.
-    """
-
-    gain: Literal["boundary", "view"] = "view"
-    order: Literal["greedy", "tour"] = "tour"
-    min_frontier_cells: int = Field(default=6, ge=0, le=1_000_000)
 
 
 @dataclass(frozen=True, eq=False)

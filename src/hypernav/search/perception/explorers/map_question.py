@@ -3,53 +3,18 @@
 import math
 import re
 from dataclasses import dataclass, field
-from typing import Any, Literal
-
-from pydantic import Field, field_validator
+from typing import Any
 
 from hypernav.core.chat import Answer, Question
 from hypernav.core.components.protocols import BlockReasoner, ChatModel
-from hypernav.core.config import RoomConfig
 from hypernav.core.exploring.overview import Block, BlockChoice, Overview
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.models.chat.answer_parsing import final_answer, shortened
-from hypernav.search.perception.exchanges import check_placeholders, exchange_of
+from hypernav.search.perception.config import VlmReasonerConfig
+from hypernav.search.perception.exchanges import exchange_of
 
-_CONTEXT = (
-    "A robot searches an unknown building for: {goal}. The picture is the map that it has drawn so "
-    "far, seen from above: white is free floor, dark is walls and furniture, grey is not yet "
-    "explored. The orange arrow is the robot and where it looks, the blue line is where it has "
-    "been. The explored area is divided into numbered blocks: {numbers}."
-)
-_FREE = (
-    "Which numbered block should the robot go to next to find the {goal}? Think about what kind of "
-    "room each part may be and where unexplored space begins. Answer with the number of one block "
-    "and a short reason."
-)
-_CONSTRAINED = (
-    "Which numbered block should the robot go to next to find the {goal}? Answer with the number "
-    "only."
-)
-_REASONED = (
-    "A robot searches an unknown building for this: {goal}. The image is the map that it has drawn "
-    "so far, seen from above: {legend}.\n\n"
-    "It can go to these numbered blocks:\n{facts}\n\n"
-    "Which numbered block should the robot go to next to find the {goal}? Think about what kind of "
-    "room each part may be, where such a thing usually is and where unexplored space begins. "
-    'Reason in two or three sentences. Then end with a last line "Answer: N", where N is one of '
-    "{numbers}."
-)
-_SUMMARY = (
-    "Somebody was asked for the number of one block on a map and answered:\n\n{answer}\n\n"
-    "Which number did they choose? Possible are {numbers}. Answer with the number only."
-)
-_WORDS = {
-    "paper": f"{_CONTEXT}\n\n{_FREE}",
-    "reasoned": _REASONED,
-    "constrained": f"{_CONTEXT}\n\n{_CONSTRAINED}",
-}
 _DIRECTIONS = ("ahead", "ahead on the left", "on the left", "behind on the left")
 _NUMBER_WORDS: tuple[str, ...] = (
     *("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten"),
@@ -79,59 +44,6 @@ _LAST_LINE = re.compile(
 
 _QUESTIONS = 2
 """Number of questions without a usable answer after which the fallback chooses."""
-
-
-class VlmReasonerConfig(RoomConfig):
-    """Configuration of the map question to a model. Values not marked with "paper" are ours.
-
-    Attributes:
-        mode: Form of the answer. "paper": free text, summarised to a number by rules and, where
-            they fail, by a second short question. "reasoned": a short reasoning and a last line
-            "Answer: N", which are read in the same way. "constrained": the numbers are the only
-            possible answers.
-        prompt: Text of the question; ``{goal}``, ``{numbers}`` (of the blocks shown; if "reasoned",
-            of those that may be answered), ``{legend}`` (of the image) and ``{facts}`` (about the
-            blocks) are filled in. None: our words for the mode.
-        summary_prompt: Text of the second question; ``{answer}`` and ``{numbers}`` are filled in.
-        facts: Whether ``{facts}`` says for each block how far it is, in which direction, what share
-            of the unexplored boundary it holds, whether the robot was there and which things a
-            detector has named there beside the goal; else it gives the numbers only.
-        list_excluded: Whether blocks that are ruled out are shown like all others and named in
-            "don't answer number [x, …]" (paper), instead of being hatched and left out.
-        min_frontier_cells: Length of unexplored boundary, cells, below which a block holds nothing
-            new and is left out; 0 leaves none out (paper).
-        max_blocks: Largest number of blocks to choose from, those with the longest boundaries; None
-            for all.
-        max_tokens: Limit on the length of a free answer, tokens.
-        skip_only_block: Whether to go without a question where only one block is left.
-    """
-
-    mode: Literal["paper", "reasoned", "constrained"] = "reasoned"
-    prompt: str | None = None
-    summary_prompt: str = _SUMMARY
-    facts: bool = True
-    list_excluded: bool = False
-    min_frontier_cells: int = Field(default=6, ge=0, le=1_000_000)
-    max_blocks: int | None = Field(default=20, ge=1, le=10_000)
-    max_tokens: int = Field(default=300, ge=16, le=1_000_000)
-    skip_only_block: bool = True
-
-    @field_validator("prompt")
-    @classmethod
-    def _prompt_can_be_filled_in(cls, prompt: str | None) -> str | None:
-        if prompt is None:
-            return None
-        return check_placeholders(prompt, "goal", "numbers", "legend", "facts")
-
-    @field_validator("summary_prompt")
-    @classmethod
-    def _summary_can_be_filled_in(cls, prompt: str) -> str:
-        return check_placeholders(prompt, "answer", "numbers")
-
-    @property
-    def words(self) -> str:
-        """Text of the question, before anything is filled in."""
-        return _WORDS[self.mode] if self.prompt is None else self.prompt
 
 
 def offered_blocks(

@@ -12,7 +12,8 @@ from hypernav.core.errors import ConfigError
 from hypernav.core.exploring.overview import Block, BlockChoice, Overview
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
-from hypernav.search.perception.explorers.map_question import VlmReasonerConfig, offered_blocks
+from hypernav.search.perception.config import VlmReasonerConfig
+from hypernav.search.perception.explorers.map_question import offered_blocks
 
 _EQUAL_M = 0.5
 """Difference in length below which two paths are equally short."""

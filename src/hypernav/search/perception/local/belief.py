@@ -21,7 +21,7 @@ from hypernav.search.memory.candidate import (
 from hypernav.search.memory.goal_area import GoalArea
 from hypernav.search.memory.things import Things
 from hypernav.search.memory.visibility import is_cut_off, seems_to_hold, should_be_visible
-from hypernav.search.perception.local.config import LocalConfig
+from hypernav.search.perception.config import LocalConfig
 from hypernav.search.perception.local.shape import form_evidence
 
 _RIVAL_SHARE = 0.5  # share of the shift that counts for a detection of another thing there

@@ -5,12 +5,11 @@ from dataclasses import dataclass, field
 import cv2
 import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int32
-from pydantic import Field
 
-from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.observation import Observation
+from hypernav.search.perception.config import DepthCutConfig
 
 _SAME_DEPTH_M = 0.2
 """Distance in depth from the object's largest part within which its other parts lie."""
@@ -37,19 +36,6 @@ kept."""
 _MAX_EMPTY_SHARE = 0.5
 """Share of the box without depth above which the object is taken to lie beyond the range of depth,
 behind whatever has depth there."""
-
-
-class DepthCutConfig(RoomConfig):
-    """Configuration of the depth cut, which replaces the paper's MobileSAM; its values are ours.
-
-    Attributes:
-        depth_gap_m: Jump in depth between two pixels that ends the object, metres.
-        floor_height_m: Height below which a pixel is floor, not the object, metres: floor touches
-            the object without a jump in depth and often has its colour. 0 keeps it.
-    """
-
-    depth_gap_m: float = Field(default=0.15, gt=0.0, le=100.0)
-    floor_height_m: float = Field(default=0.06, ge=0.0, le=10.0)
 
 
 @dataclass(frozen=True, eq=False)

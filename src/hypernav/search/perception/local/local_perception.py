@@ -27,6 +27,7 @@ from hypernav.search.memory.floor import Floor, counted_from
 from hypernav.search.memory.goal_area import GoalArea, points_under_mask
 from hypernav.search.memory.thing import is_in_room
 from hypernav.search.memory.things import Things
+from hypernav.search.perception.config import LocalConfig
 from hypernav.search.perception.local.belief import (
     Sighting,
     before_a_look,
@@ -36,7 +37,6 @@ from hypernav.search.perception.local.belief import (
     with_latest,
     with_sightings,
 )
-from hypernav.search.perception.local.config import LocalConfig
 from hypernav.search.perception.local.second_look import detect_twice
 from hypernav.search.perception.local.shape import measure_of, measured_form, shape_evidence
 

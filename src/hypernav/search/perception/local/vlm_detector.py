@@ -3,23 +3,24 @@
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, field_validator
+from pydantic import BaseModel, ConfigDict
 
 from hypernav.core.chat import Answer, Fault, Image, Question
 from hypernav.core.components.protocols import ChatModel
-from hypernav.core.config import Curve, RoomConfig
+from hypernav.core.config import Curve
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.goal import Goal
 from hypernav.core.naming.labels import ObjectLabel, asked_place, label_for, place_in
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.models.chat.answer_parsing import final_answer
-from hypernav.search.models.chat.vlm_families import FamilyName, VlmFamily, family_named, family_of
+from hypernav.search.models.chat.vlm_families import VlmFamily, family_named, family_of
 from hypernav.search.models.reliability import known
-from hypernav.search.perception.exchanges import YesNoAsker, check_placeholders, exchange_of
+from hypernav.search.perception.config import GROUNDING_WORDS, VlmDetectorConfig
+from hypernav.search.perception.exchanges import YesNoAsker, exchange_of
 from hypernav.search.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.search.perception.local.grounding_format import (
     NEGATED,
@@ -29,11 +30,6 @@ from hypernav.search.perception.local.grounding_format import (
 )
 from hypernav.search.perception.local.yes_no_checks import crop_of, crop_question
 
-_PROMPT = (
-    "Locate every {goal} in the picture and report the bounding boxes in JSON format, for example "
-    '[{{"{key}": {example}, "label": "{goal}"}}]. If there is no {goal} in the picture, '
-    "answer []."
-)
 _NOTHING = {"[]", "{}", "null", "none", "there are none"}
 _POINT_SHARE = 0.1
 """Side of the box around a point without depth, as a share of the image's longer side."""
@@ -53,36 +49,6 @@ _TOKENS_AROUND = 100
 """Largest number of tokens that a chat template puts around a question; a byte has one at most."""
 _MIN_SIDE_PX = 4.0
 """Shortest side of a box; smaller boxes are dropped."""
-
-
-class VlmDetectorConfig(RoomConfig):
-    """Configuration of the question for boxes. Its wording and limits are ours.
-
-    Attributes:
-        family: Family of models whose coordinates the model answers in; "auto" reads it off the
-            model's name.
-        prompt: Text of the question. ``{goal}`` (without its own article), ``{key}`` (of a box) and
-            ``{example}`` are filled in. A family that does not answer in JSON is asked in its
-            makers' words instead, unless this is set.
-        score_crops: Number of boxes of an image, the largest first, whose crops are asked about
-            once more: the probability of "yes" is the box's score. 0 takes boxes as they are.
-        min_score: Score below which a box is dropped.
-        constrained: Whether to enforce the JSON form where the server can. The models were trained
-            on free answers and these are read tolerantly, so it is rarely needed.
-        max_tokens: Limit on the length of the answer, tokens; a box takes about 40.
-    """
-
-    family: Literal["auto", FamilyName] = "auto"
-    prompt: str = _PROMPT
-    score_crops: int = Field(default=2, ge=0, le=1000)
-    min_score: float = Field(default=0.3, ge=0.0, le=1.0)
-    constrained: bool = False
-    max_tokens: int = Field(default=300, ge=16, le=1_000_000)
-
-    @field_validator("prompt")
-    @classmethod
-    def _can_be_filled_in(cls, prompt: str) -> str:
-        return check_placeholders(prompt, "goal", "key", "example")
 
 
 class _Thing(BaseModel):
@@ -105,7 +71,7 @@ def grounding_question(
 ) -> Question:
     """Question to a model of a family about one image."""
     example = "[y1, x1, y2, x2]" if family.rows_first else "[x1, y1, x2, y2]"
-    words = family.asks if family.asks and config.prompt == _PROMPT else config.prompt
+    words = family.asks if family.asks and config.prompt == GROUNDING_WORDS else config.prompt
     return Question(
         kind="ground",
         text=words.format(goal=goal.thing, key=family.box_key, example=example),

@@ -4,24 +4,17 @@ The check at the goal comes before the robot declares success (paper: Terminatio
 """
 
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
-from pydantic import Field
 
 from hypernav.core.chat import Image, Question
-from hypernav.core.config import ProbabilityCurve, RoomConfig, along
+from hypernav.core.config import along
 from hypernav.core.geometry.boxes import Box
 from hypernav.core.goal import Goal
 from hypernav.core.naming.labels import same_name
 from hypernav.core.observation import Observation
+from hypernav.search.perception.config import CROP_WORDS, PresenceConfig
 from hypernav.search.perception.exchanges import YesNoAsker, yes_no_question
-
-CROP_WORDS = (
-    "What is the thing in the middle of this image: {wanted}{others} or something else? "
-    "Answer yes if it is {wanted}, else no."
-)
-"""The question about a crop."""
 
 _CONFUSIONS: tuple[tuple[str, ...], ...] = (
     ("shower curtain", "window curtain"),
@@ -37,8 +30,6 @@ _CONFUSIONS: tuple[tuple[str, ...], ...] = (
     ("potted plant", "vase"),
     ("toilet", "bidet"),
 )
-
-_PROMPT = "Is there a {goal} in this picture? Answer yes or no."
 
 
 def confusions(goal: Goal) -> tuple[str, ...]:
@@ -73,26 +64,6 @@ def crop_of(image: Image, box: Box, margin: float) -> Image:
     height, width = image.shape[:2]
     x_min, y_min, x_max, y_max = around.clipped(width, height).pixels()
     return np.ascontiguousarray(image[y_min:y_max, x_min:x_max])
-
-
-class PresenceConfig(RoomConfig):
-    """Configuration of the presence check. The paper does not give its question: this one is ours.
-
-    Attributes:
-        enabled: Whether to ask, where there is a chat model.
-        prompt: Text of the question; ``{goal}`` is filled in without its own article, and
-            ``a {goal}`` with the right one.
-        unsure: What an answer that is neither yes nor no counts as. "yes" trusts the detector.
-        min_probability: Least probability of a "yes", where the model gives probabilities.
-        calibration: Told and true probabilities of "yes", in rising order, as measured by an exam;
-            empty takes the model at its word.
-    """
-
-    enabled: bool = True
-    prompt: str = _PROMPT
-    unsure: Literal["yes", "no"] = "no"
-    min_probability: float = Field(default=0.5, gt=0.0, le=1.0)
-    calibration: ProbabilityCurve = ()
 
 
 def presence_question(config: PresenceConfig, image: Image, goal: Goal) -> Question:

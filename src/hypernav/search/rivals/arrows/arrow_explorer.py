@@ -28,12 +28,12 @@ from hypernav.search.mapping.reachable_area import ReachableArea
 from hypernav.search.rivals.arrows.arrow_sight import ArrowSight
 from hypernav.search.rivals.arrows.proposals import (
     DEFAULT_MOVES,
-    ArrowsConfig,
     FreeDirections,
     Move,
     biased_moves,
     spatial_moves,
 )
+from hypernav.search.rivals.config import ArrowsConfig
 from hypernav.search.rivals.room_table import room_table
 
 _SAME_WITHIN_M = 1.0

@@ -14,24 +14,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.models.chat.answer_parsing import final_answer, shortened
 from hypernav.search.perception.exchanges import exchange_of
-from hypernav.search.rivals.arrows.proposals import ArrowsConfig
-
-_ONE = (
-    "You steer a robot that looks for the nearest {goal} in a building that it doesn't know, and "
-    "has to come as close to it as it can. The picture is what its camera sees now. {arrows}{turn} "
-    "Use what you know of how buildings are furnished. First say what you see, and whether "
-    "anything hints at a {goal}. Then say in which direction the robot should go, and which number "
-    "leads there best. It can't pass a closed door, and it needs no stairs.{facts} "
-    'End with that number as JSON: {{"action": NUMBER}}'
-)
-_SEVERAL = (
-    "You steer a robot on wheels that looks for a {goal} and can't go over or through things. The "
-    "picture is what its camera sees now. {arrows}{turn} Which {wanted} of them are the best to "
-    "go to, to find a {goal}? Explain nothing.{facts} Answer with their numbers, the best first, "
-    'as JSON: {{"actions": [NUMBER, …]}}'
-)
-ARROW_WORDS = f"{_ONE}\n{_SEVERAL}"
-"""The questions about one arrow and about several."""
+from hypernav.search.rivals.config import ONE_ARROW, SEVERAL_ARROWS, ArrowsConfig
 
 _OBJECT = re.compile(r"\{[^{}]*\}")
 _BARE = re.compile(r"\W*\d{1,6}(?:[\s,]+\d{1,6})*\W*")
@@ -91,7 +74,7 @@ def arrow_question(view: ArrowView, goal: Goal, config: ArrowsConfig) -> Questio
     facts = ""
     if view.facts:
         facts = f" It remembers what it saw before, from where it stands: {'; '.join(view.facts)}."
-    template = (_ONE if view.wanted == 1 else _SEVERAL).format(
+    template = (ONE_ARROW if view.wanted == 1 else SEVERAL_ARROWS).format(
         goal="{goal}", arrows=arrows, turn=turn, facts=facts, wanted=view.wanted
     )
     return Question(

@@ -16,13 +16,13 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.observation import Observation
 from hypernav.search.drawing.shapes import ArrowStyle, draw_arrows, foot_pixel
 from hypernav.search.rivals.arrows.proposals import (
-    ArrowsConfig,
     FreeDirections,
     Move,
     RayMemory,
     all_headings,
     free_ranges,
 )
+from hypernav.search.rivals.config import ArrowsConfig
 
 _KEY = "arrows"
 """Key of the notes."""

@@ -18,12 +18,8 @@ from hypernav.core.exploring.guidance import TURN_AROUND, Arrow
 from hypernav.core.geometry.camera import PinholeCamera
 from hypernav.search.drawing.shapes import ArrowStyle
 from hypernav.search.rivals.arrows.arrow_sight import ArrowSight
-from hypernav.search.rivals.arrows.proposals import (
-    MOST_MOVE_M,
-    ArrowsConfig,
-    FreeDirections,
-    Move,
-)
+from hypernav.search.rivals.arrows.proposals import MOST_MOVE_M, FreeDirections, Move
+from hypernav.search.rivals.config import ArrowsConfig
 
 _KEY = "pivot"
 """Key of this explorer's notes."""

@@ -9,11 +9,8 @@ import math
 from collections import Counter, deque
 from typing import Any
 
-from pydantic import Field
-
 from hypernav.core.components.abilities import Reports, warning_of
 from hypernav.core.components.protocols import ArrowReasoner, ChatModel, Explorer
-from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Action, Embodiment, MotionConfig
 from hypernav.core.errors import WorldError
 from hypernav.core.events import Event
@@ -29,33 +26,13 @@ from hypernav.search.memory.floor import Floor
 from hypernav.search.memory.memory import Memory
 from hypernav.search.rivals.arrows.arrow_explorer import VlmnavExplorer
 from hypernav.search.rivals.arrows.pivot import PivotExplorer
-from hypernav.search.rivals.arrows.proposals import ArrowsConfig
-from hypernav.search.rivals.arrows.stop_checks import (
-    ChatStopCheck,
-    StopCheck,
-    StopCheckConfig,
-    TruthStopCheck,
-)
+from hypernav.search.rivals.arrows.stop_checks import ChatStopCheck, StopCheck, TruthStopCheck
+from hypernav.search.rivals.config import ArrowsConfig, PromptedConfig, StopCheckConfig
 
 _PAPER = MotionConfig()
 """Step and turn that moves are counted in, whatever the robot's own: 0.5 m and 30 degrees."""
 _YES_TO_STOP = 2
 """Number of answers in a row, "the robot is at the goal", on which it stops (VLMnav's code)."""
-
-
-class PromptedConfig(RoomConfig):
-    """Budget and stop of an agent that makes long moves.
-
-    Attributes:
-        most_moves: Number of moves after which the search is given up (VLMnav's code).
-        most_actions: Number of actions of 0.5 m and 30 degrees after which it is given up: the
-            budget of all other agents (ours).
-        stop: Configuration of the question whether the robot is at the goal.
-    """
-
-    most_moves: int = Field(default=40, ge=1, le=100_000)
-    most_actions: int = Field(default=500, ge=1, le=1_000_000)
-    stop: StopCheckConfig = StopCheckConfig()
 
 
 class PromptedAgent:

@@ -6,32 +6,17 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from jaxtyping import Bool
 
-from hypernav.core.config import RoomConfig
 from hypernav.core.geometry.depth import is_measured
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.perception.exchanges import YesNoAsker, yes_no_question
 from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
+from hypernav.search.rivals.config import StopCheckConfig
 
-_PROMPT = (
-    "A robot looks for a {goal}. The picture is what its camera sees now. Is the robot already "
-    "VERY close to a real {goal}? Take care not to mistake another piece of furniture for it. If "
-    "there is none, if it is far away or if you aren't sure, say no. Answer yes or no."
-)
 _MORE_YES_THAN_NO = 0.5
 _NEAR_M = 1.0
 """Distance up to which `TruthStopCheck` says yes, metres; ours."""
-
-
-class StopCheckConfig(RoomConfig):
-    """The question whether to stop.
-
-    Attributes:
-        prompt: Text of the question, in substance VLMnav's; ``{goal}`` is filled in.
-    """
-
-    prompt: str = _PROMPT
 
 
 @runtime_checkable

@@ -11,10 +11,8 @@ from functools import partial
 import cv2
 import numpy as np
 from jaxtyping import Float64, Int64, UInt8
-from pydantic import Field
 
 from hypernav.core.components.protocols import Guide
-from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.guidance import Direction, GuideView
@@ -27,6 +25,7 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.search.drawing.question_map import draw_question_map
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.reachable_area import ReachableArea
+from hypernav.search.rivals.config import AreaConfig
 from hypernav.search.rivals.nearest_frontier import NearestFrontierExplorer
 
 _CENTRES = {Direction.LEFT: 0.25, Direction.RIGHT: 0.75, Direction.STRAIGHT: 0.5}
@@ -49,20 +48,6 @@ _GAP_M = 1.0
 """Largest distance from an area to floor that the robot can reach, metres; ours."""
 _MAP_PX = 480
 """Side of the map's image, pixels; ours."""
-
-
-class AreaConfig(RoomConfig):
-    """Areas and turns. Values are those of NavVLM's code unless said ours.
-
-    Attributes:
-        visited_radius_m: Distance from an area that was reached or given up, metres, within which
-            another is passed over; ours: the original may go to and fro.
-        clear_rows: Whether a row of the map that holds anything outside the largest piece is
-            dropped altogether: a mistake of the original.
-    """
-
-    visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
-    clear_rows: bool = False
 
 
 @dataclass

@@ -2,31 +2,15 @@
 
 from dataclasses import dataclass, field
 
-from pydantic import Field
-
 from hypernav.core.chat import Question
 from hypernav.core.components.protocols import ChatModel
-from hypernav.core.config import RoomConfig
 from hypernav.core.exploring.guidance import Direction, GuideChoice, GuideView
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.models.chat.answer_parsing import final_answer, shortened
 from hypernav.search.perception.exchanges import exchange_of
+from hypernav.search.rivals.config import DIRECTION, DIRECTION_PAST, ChatGuideConfig
 from hypernav.search.rivals.rooms_in_view import chance_in_view
-
-_PROMPT = (
-    "A robot looks for a {goal} in a building. The{first} picture is what its camera sees now."
-    "{past} Where should it go to find a {goal}: to the left, to the right, straight on, or, if "
-    "nothing in the picture leads to a {goal}, should it explore more? Answer with one of: left, "
-    "right, straight, explore more."
-)
-_PAST = (
-    " The second shows what it saw at its last choice, beside the map that it has drawn: white is "
-    "free floor, dark is walls and furniture, grey is not yet explored; the arrow is the robot and "
-    "the blue line its path."
-)
-DIRECTION_WORDS = f"{_PROMPT}\n{_PAST}"
-"""The question about directions."""
 
 _ABSENT = ("explore", "not visible", "no sign", "cannot see", "can't see", "not see", "absent")
 _LEAST_CHANCE = 0.4
@@ -35,16 +19,6 @@ ours."""
 _LEAST_LEAD = 2.0
 """Ratio of the chances in the likeliest and least likely direction, from which on the likeliest is
 chosen also below that chance; ours."""
-
-
-class ChatGuideConfig(RoomConfig):
-    """The question, in substance NavVLM's, in our words.
-
-    Attributes:
-        max_tokens: Limit on the length of an answer, tokens; ours.
-    """
-
-    max_tokens: int = Field(default=64, ge=4, le=100_000)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,10 +42,10 @@ class ChatGuide:
             ModelUnavailableError: The model did not answer within the configured patience.
         """
         later = len(view.images) > 1
-        template = _PROMPT.replace("{first}", " first" if later else "")
+        template = DIRECTION.replace("{first}", " first" if later else "")
         question = Question(
             kind="choose direction",
-            text=goal.named_in(template.replace("{past}", _PAST if later else "")),
+            text=goal.named_in(template.replace("{past}", DIRECTION_PAST if later else "")),
             images=view.images,
             max_tokens=self.config.max_tokens,
             at_once=True,

@@ -4,32 +4,18 @@ import zlib
 from dataclasses import dataclass, field
 
 import numpy as np
-from pydantic import Field
 
 from hypernav.core.components.protocols import Similarity
-from hypernav.core.config import RoomConfig
 from hypernav.core.goal import Goal
 from hypernav.core.observation import Observation
-from hypernav.search.models.similarity import SimilarityScorerConfig, load_similarity
+from hypernav.search.models.config import SimilarityScorerConfig
+from hypernav.search.models.similarity import load_similarity
 from hypernav.search.perception.exchanges import YesNoAsker, yes_no_question
+from hypernav.search.rivals.config import ChatScorerConfig, TruthScorerConfig
 from hypernav.search.rivals.rooms_in_view import average_chance, chance_in_view
 
-_PROMPT = (
-    "You look for a {goal} in a building. Is the place in this picture one from which a {goal} is "
-    "likely close by? Answer yes or no."
-)
 _UNSURE = 0.5
 """Score of a view if the answer is neither yes nor no."""
-
-
-class ChatScorerConfig(RoomConfig):
-    """The question. All of it is ours.
-
-    Attributes:
-        prompt: Text of the question; ``{goal}`` is filled in.
-    """
-
-    prompt: str = _PROMPT
 
 
 @dataclass(eq=False)
@@ -82,17 +68,6 @@ class SimilarityScorer:
     def score(self, observation: Observation, goal: Goal) -> float:
         """Similarity of the image and the sentence, 0 to 1."""
         return self._model.similarity(observation.rgb, goal.named_in(self._config.prompt))
-
-
-class TruthScorerConfig(RoomConfig):
-    """Quality of the stand-in.
-
-    Attributes:
-        noise: Standard deviation of the errors that are added to the scores. The same view of the
-            same goal always has the same error.
-    """
-
-    noise: float = Field(default=0.0, ge=0.0, le=10.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,10 +8,8 @@ from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
-from pydantic import Field
 
 from hypernav.core.components.protocols import SceneScorer
-from hypernav.core.config import RoomConfig
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.insight import Insight, ValueImage
@@ -19,6 +17,7 @@ from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import ExchangeLog
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.mapping.reachable_area import fresh_frontiers
+from hypernav.search.rivals.config import ValueFrontierConfig
 from hypernav.search.rivals.vlfm.value_map import ValueMap
 
 _KEY = "vlfm"
@@ -33,17 +32,6 @@ _STAY_MARGIN = 0.01
 best is gone to (VLFM's code)."""
 _LEAST_POCKET_M2 = 1.5
 """Area below which unknown floor in the middle of known floor counts as explored (VLFM's code)."""
-
-
-class ValueFrontierConfig(RoomConfig):
-    """Choice of a frontier by the value map. Values are those of VLFM's code unless said ours.
-
-    Attributes:
-        visited_radius_m: Distance from a destination that was reached or given up, metres, within
-            which frontiers are passed over; ours: the original may go there for ever.
-    """
-
-    visited_radius_m: float = Field(default=0.5, ge=0.0, le=100.0)
 
 
 @dataclass(frozen=True, eq=False)

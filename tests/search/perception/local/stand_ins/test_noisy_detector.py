@@ -13,10 +13,10 @@ from hypernav.core.episode import EpisodeTruth
 from hypernav.core.errors import ConfigError, LabelsMissingError, TruthMissingError
 from hypernav.core.goal import Goal
 from hypernav.core.naming.labels import ObjectLabel
+from hypernav.search.perception.config import DetectorQuality
 from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.search.perception.local.stand_ins.noisy_detector import (
     LEVELS,
-    DetectorQuality,
     NoisyDetector,
     resembles,
 )

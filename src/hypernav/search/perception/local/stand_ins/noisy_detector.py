@@ -3,9 +3,8 @@
 import math
 
 import numpy as np
-from pydantic import Field
 
-from hypernav.core.config import Curve, RoomConfig
+from hypernav.core.config import Curve
 from hypernav.core.episode import EpisodeTruth
 from hypernav.core.errors import ConfigError
 from hypernav.core.geometry.boxes import Box, Detection
@@ -13,6 +12,7 @@ from hypernav.core.goal import Goal
 from hypernav.core.naming.labels import ObjectLabel, normalise, same_name
 from hypernav.core.observation import Observation
 from hypernav.search.models.reliability import known
+from hypernav.search.perception.config import DetectorQuality
 from hypernav.search.perception.local.stand_ins.ground_truth import (
     true_detection,
     true_labels,
@@ -23,46 +23,6 @@ from hypernav.search.perception.local.yes_no_checks import confusions
 _LEAST_SCORE = 0.05
 _ALARM_SIDES = (0.05, 0.4)
 """Least and largest side of a false alarm, as a share of the image's."""
-NEAR_M, FAR_M = 1.5, 5.0
-"""Distances up to which the near rate of misses holds and from which on the far one does, as those
-of YOLOX-nano were measured (benchmarks/detector_errors.py)."""
-
-
-class DetectorQuality(RoomConfig):
-    """Error rates of a detector. All values are ours.
-
-    Attributes:
-        missed_near: Probability that an object is missed in an image, if the median of its pixels
-            is at most `NEAR_M` away.
-        missed_far: The same probability from `FAR_M` on, and where no pixel has depth; linear
-            between.
-        never_found: Probability that an object is missed in every image of an episode: it looks
-            unlike all that the detector has learned.
-        confused_alike: Probability that an object that resembles the goal is taken for it; drawn
-            once for an episode, and missed as often as the goal in the images after that.
-        confused_other: The same probability for an object that doesn't resemble the goal.
-        false_alarms: Mean number of boxes per image at random positions.
-        right_score: Mean score of the goal.
-        wrong_score: Mean score of everything else.
-        score_sd: Standard deviation of both scores, before they are cut to 0.05 to 1.
-        jitter_px: Standard deviation of the edges of boxes, pixels.
-    """
-
-    missed_near: float = Field(default=0.0, ge=0.0, le=1.0)
-    missed_far: float = Field(default=0.0, ge=0.0, le=1.0)
-    never_found: float = Field(default=0.0, ge=0.0, le=1.0)
-    confused_alike: float = Field(default=0.0, ge=0.0, le=1.0)
-    confused_other: float = Field(default=0.0, ge=0.0, le=1.0)
-    false_alarms: float = Field(default=0.0, ge=0.0, le=100.0)
-    right_score: float = Field(default=1.0, ge=0.0, le=1.0)
-    wrong_score: float = Field(default=1.0, ge=0.0, le=1.0)
-    score_sd: float = Field(default=0.0, ge=0.0, le=1.0)
-    jitter_px: float = Field(default=0.0, ge=0.0, le=1000.0)
-
-    def missed_at(self, distance_m: float) -> float:
-        """Probability of a miss in an image at a distance, metres; it may be infinite."""
-        rates = (self.missed_near, self.missed_far)
-        return float(np.interp(distance_m, (NEAR_M, FAR_M), rates))
 
 
 LEVELS = {
