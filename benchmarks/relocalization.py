@@ -23,7 +23,7 @@ from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.episode import Episode
 from hypernav.core.geometry.transforms import Transform, wrap_angle
 from hypernav.lab.episodes.episode_run import EpisodeRun
-from hypernav.lab.episodes.unknown_start import find_start
+from hypernav.lab.episodes.memory_frame import find_start
 from hypernav.search.memory.memory import Memory
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from hypernav.simulator.worlds.surface.goal_regions import random_start

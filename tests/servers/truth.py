@@ -36,9 +36,9 @@ from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthD
 from hypernav.search.perception.local.vlm_detector import CROP_MARGIN, VlmDetector
 from hypernav.search.perception.local.yes_no_checks import VlmPresenceCheck, crop_of
 from hypernav.search.rivals.arrows.arrow_reasoners import ChatArrowReasoner
-from hypernav.search.rivals.arrows.stop_checks import ChatStopCheck, TruthStopCheck
+from hypernav.search.rivals.arrows.prompted import ChatStopCheck, TruthStopCheck
 from hypernav.search.rivals.navvlm.guides import ChatGuide, TruthGuide
-from hypernav.search.rivals.rooms_in_view import chance_in_view
+from hypernav.search.rivals.room_table import chance_in_view
 from hypernav.search.rivals.vlfm.scene_scorers import ChatScorer
 from hypernav.simulator.worlds.simulation import SimulatedWorld
 from hypernav.simulator.worlds.surface.goal_regions import GoalRegion

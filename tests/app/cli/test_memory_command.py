@@ -13,7 +13,7 @@ import pytest
 
 from box_scenes import room_glb
 from full_disks import full_disk
-from hypernav.app.build.memories.memory_view import ways
+from hypernav.app.build.memories.memory_page import ways
 from hypernav.app.cli.main import main
 from hypernav.core.errors import OutputError
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base

@@ -10,7 +10,7 @@ from exam_servers import Knower, Spoiled
 
 from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.components.exam_file import read_exam
-from hypernav.app.build.components.prompts import prompt_hashes
+from hypernav.app.build.components.fingerprints import prompt_hashes
 from hypernav.core.errors import RunFolderError
 from hypernav.lab.exam.bank import VIEWS, Bank, Sheet
 from hypernav.lab.exam.examinee import Examinee

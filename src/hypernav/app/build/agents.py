@@ -8,8 +8,7 @@ from hypernav.app.build.components.chat import is_named, model_words, wrap_chat
 from hypernav.app.build.components.choosing import choose_components, role_in
 from hypernav.app.build.components.component_specs import ComponentSpecs
 from hypernav.app.build.components.construction import asked_by, build
-from hypernav.app.build.components.given_files import given_files
-from hypernav.app.build.components.prompts import prompt_hashes
+from hypernav.app.build.components.fingerprints import given_files, prompt_hashes
 from hypernav.app.build.components.registries import AGENTS, ROLES, Factory
 from hypernav.app.build.components.stand_ins import beside_published, segmenter_words, unmeasured
 from hypernav.app.build.native import check_native_robot

@@ -24,10 +24,9 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import Ending, Mode, ModuleClock, StepTrace
 from hypernav.core.world import World
 from hypernav.lab.episodes.goal_sight import GoalSight, PathParts
-from hypernav.lab.episodes.memory_frame import building_of, map_frame_of
+from hypernav.lab.episodes.memory_frame import building_of, find_start, map_frame_of
 from hypernav.lab.episodes.trial import Trial
 from hypernav.lab.episodes.true_paths import true_paths
-from hypernav.lab.episodes.unknown_start import find_start
 from hypernav.search.memory.memory import Memory
 from hypernav.search.memory.start.relocalization import FoundStart
 from hypernav.search.memory.store.memory_folder import MemoryFolder

@@ -25,8 +25,14 @@ from hypernav.core.trace import StepTrace
 from hypernav.io.bounded_http import Deadline, Session
 from hypernav.io.reading import read_file, text_of
 from hypernav.io.secret import Secret
-from hypernav.robot.wire.go_to import GO_TO, GoToPlace, GoToRequest
-from hypernav.robot.wire.no_entry import NO_ENTRY, NoEntryArea, NoEntryRequest
+from hypernav.robot.wire.places import (
+    GO_TO,
+    NO_ENTRY,
+    GoToPlace,
+    GoToRequest,
+    NoEntryArea,
+    NoEntryRequest,
+)
 from hypernav.robot.wire.replies import ErrorBody, Reply, SearchOpened, Status, StreamMessage
 from hypernav.robot.wire.requests import ROBOTS, CloseRequest, GivenGoal, OpenSearch, StopRequest
 from hypernav.robot.wire.values import SEARCHES

@@ -25,8 +25,14 @@ from hypernav.robot.server.searches.searches import Searches
 from hypernav.robot.server.searches.standing import Turn
 from hypernav.robot.server.waiting_robots import WaitingRobots
 from hypernav.robot.server.watching import Name, watching_routes
-from hypernav.robot.wire.go_to import GO_TO, GoToPlace, GoToRequest
-from hypernav.robot.wire.no_entry import NO_ENTRY, NoEntryArea, NoEntryRequest
+from hypernav.robot.wire.places import (
+    GO_TO,
+    NO_ENTRY,
+    GoToPlace,
+    GoToRequest,
+    NoEntryArea,
+    NoEntryRequest,
+)
 from hypernav.robot.wire.replies import (
     ErrorBody,
     Reply,

@@ -14,6 +14,7 @@ from hypernav.core.components.abilities import answers_at_once
 from hypernav.core.embodiment import Action
 from hypernav.core.events import Event
 from hypernav.core.exploring.exploration import Chosen, Destination, StairsDestination
+from hypernav.core.exploring.operator_place import PlaceState
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Mode
 from hypernav.search.agents.destinations import (
@@ -26,7 +27,6 @@ from hypernav.search.agents.destinations import (
     Sighting,
     arrival_m_of,
 )
-from hypernav.search.agents.go_to import go_to
 from hypernav.search.agents.plan import Climbing, Plan, patience_of
 from hypernav.search.agents.recall import errand, may_be_hidden, recalled, refutation, remembered
 from hypernav.search.agents.step import Decision, Phase, Step, turn_towards
@@ -47,6 +47,8 @@ _AT_STAIRS_M = 0.2
 """Distance from the position before stairs, metres, at which the robot turns to them."""
 _WORTH_A_TURN_M = 0.3
 """Length of a boundary to the unknown, metres, below which it is noise and worth no turn."""
+_BESIDE_M = 1.0
+"""Distance from the place, metres, of a position that stands in for one that can't be entered."""
 
 
 def pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
@@ -410,3 +412,37 @@ def unexplored_boundary(
     return grid.centres_of(
         np.argwhere((around == Cell.FREE) & (beside_unknown > 0)) + np.array([bottom, left])
     )
+
+
+def go_to(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | None, Plan]:
+    """Drive to the place that the operator chose; there, look at what is unseen around it.
+
+    The end is named as an event. Other floors have no path.
+
+    Returns:
+        No decision if there is no such place, or the way there has ended; then the search goes on.
+    """
+    sent, navigator, robot = plan.sent, step.components.navigator, step.robot
+    if sent is None:
+        return None, plan
+    nearest, state = None, PlaceState.NO_PATH
+    with step.clock("plan"):
+        if sent.place.floor == memory.number + 1:
+            nearest = navigator.nearest_known(step.grid, robot, sent.place.xy, _BESIDE_M)
+        if nearest is not None:
+            targets = np.array([nearest])
+            action, route = navigator.towards(sent.route, step.grid, robot, targets)
+            patience = sent.patience.after(route.left_m(robot), len(route.actions))
+            if action is not None and patience.lasts:
+                reason = "going to the place that the operator chose"
+                decision = Decision(action, Mode.EXPLORE, reason, route.remaining(robot))
+                return decision, replace(plan, sent=replace(sent, patience=patience, route=route))
+            if action is not None:
+                state = PlaceState.NO_PROGRESS
+            elif route.arrived:
+                state = PlaceState.REACHED
+    step.events.append(state.event)
+    plan = replace(plan, sent=None)
+    if state is PlaceState.REACHED:
+        plan = replace(plan, turns_left=step.motion.turns_of_a_circle, full_turn=False)
+    return None, plan

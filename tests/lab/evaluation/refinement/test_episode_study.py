@@ -6,7 +6,7 @@ from hypernav.app.build.agents import build_agent
 from hypernav.core.geometry.boxes import Detection
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.lab.evaluation.refinement.area_record import BoxSource, MaskSource
-from hypernav.lab.evaluation.refinement.episode_study import EpisodeStudy
+from hypernav.lab.evaluation.refinement.study import EpisodeStudy
 from hypernav.search.perception.local.depth_cut import DepthCutSegmenter
 from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.simulator.worlds.simulation import SimulatedWorld

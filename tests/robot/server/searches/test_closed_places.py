@@ -12,7 +12,7 @@ from hypernav.core.errors import RequestRefusedError
 from hypernav.core.geometry.closed_area import ClosedArea, with_closed
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.robot.client.links import HttpServer, ServerAddress
-from hypernav.robot.wire.no_entry import NoEntryRequest
+from hypernav.robot.wire.places import NoEntryRequest
 from hypernav.simulator.worlds.box_room import BoxRoom
 from servers.robots import RobotLink, body_of, drive, real_plan, robot_server
 

@@ -13,7 +13,7 @@ from hypernav.core.errors import RequestRefusedError
 from hypernav.core.exploring.operator_place import PlaceState
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.robot.client.links import HttpServer, ServerAddress
-from hypernav.robot.wire.go_to import GoToRequest
+from hypernav.robot.wire.places import GoToRequest
 from hypernav.simulator.worlds.box_room import BoxRoom
 from servers.robots import RobotLink, body_of, drive, real_plan, robot_server
 

@@ -7,7 +7,7 @@ from chat_models import Parrot
 from hypernav.core.errors import LabelsMissingError
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
-from hypernav.search.rivals.arrows.stop_checks import ChatStopCheck, TruthStopCheck
+from hypernav.search.rivals.arrows.prompted import ChatStopCheck, TruthStopCheck
 from images import thing_before_wall
 
 BED = Goal("the bed")

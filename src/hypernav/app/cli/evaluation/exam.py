@@ -9,7 +9,7 @@ from typing import Any
 
 from hypernav.app.build.components.chat import model_words, wrap_chat
 from hypernav.app.build.components.component_specs import ComponentSpecs, PresetName
-from hypernav.app.build.components.prompts import prompt_hashes
+from hypernav.app.build.components.fingerprints import prompt_hashes
 from hypernav.app.build.presets import HyPerNavConfig, preset
 from hypernav.app.cli.evaluation.eval import folder_name
 from hypernav.app.cli.guards.outputs import check_folder

@@ -162,7 +162,7 @@ class AgentOptions:
         Raises:
             ModelError: Such a file can't be read.
         """
-        from hypernav.app.build.components.given_files import digests
+        from hypernav.app.build.components.fingerprints import digests
 
         prompts = {"prompts": parts.prompts} if parts.prompts else {}
         files = {"files": digests(parts.files)} if parts.files else {}

@@ -4,7 +4,8 @@ Source: habitat-lab, ``habitat/core/env.py`` and ``habitat/config/habitat/task/o
 """
 
 import math
-from collections.abc import Iterable, Mapping
+import random
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
 from typing import Any
 
@@ -20,10 +21,51 @@ from hypernav.core.observation import Observation
 from hypernav.core.world import Simulator, TiltsCamera
 from hypernav.lab.episodes.referee import Referee
 from hypernav.lab.evaluation.habitat_lab.configuration import plan_of
-from hypernav.lab.evaluation.habitat_lab.episodes import category_numbers, category_of, passes
 from hypernav.lab.evaluation.habitat_lab.sensors import observed, semantic_ids_of, sensor_spaces
 from hypernav.lab.evaluation.habitat_lab.task import HabitatTask
 from hypernav.lab.evaluation.run_plan import RunPlan
+
+
+def passes(episodes: Iterable[Episode], *, shuffle: bool, seed: int) -> Iterator[list[Episode]]:
+    """The orders of endless passes through all episodes; those of a scene stay together.
+
+    Source: habitat-lab, ``habitat/core/dataset.py`` (``EpisodeIterator``).
+
+    Args:
+        episodes: The episodes in the data set's order.
+        shuffle: Whether each pass has an order of its own.
+        seed: Seed of these orders.
+    """
+    # habitat-lab shuffles with Python's generator too, so the same seed gives the same order.
+    rng = random.Random(seed)
+    order = list(episodes)
+    while True:
+        if shuffle:
+            rng.shuffle(order)
+        scenes: dict[str, list[Episode]] = {}
+        for episode in order:
+            scenes.setdefault(episode.scene_id, []).append(episode)
+        order = [episode for group in scenes.values() for episode in group]
+        yield list(order)
+
+
+def category_of(episode: Episode) -> str:
+    """The category that an episode asks for."""
+    return episode.object_category or episode.goal.text
+
+
+def category_numbers(episodes: Iterable[Episode]) -> dict[str, int]:
+    """The data set's numbers of categories; without any, their numbers in alphabetical order.
+
+    Args:
+        episodes: All episodes of the environment.
+    """
+    episodes = list(episodes)
+    asked = {category_of(episode) for episode in episodes}
+    numbers = {name: n for episode in episodes for name, n in episode.category_ids.items()}
+    if asked <= set(numbers):
+        return numbers
+    return {name: number for number, name in enumerate(sorted(asked))}
 
 
 class HabitatEnv:

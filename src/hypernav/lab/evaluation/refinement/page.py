@@ -4,6 +4,7 @@ import csv
 from collections.abc import Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from hypernav.app.show.templating import page_environment
 from hypernav.core.errors import OutputError
@@ -12,11 +13,15 @@ from hypernav.io.writing import csv_file, write_whole
 from hypernav.lab.datasets.paper_results import REFINEMENT_DROPS_PERCENT
 from hypernav.lab.evaluation.ablation.ablation_page import PAGE
 from hypernav.lab.evaluation.ablation.figures import write_figure
-from hypernav.lab.evaluation.refinement.area_record import AreaRecord
+from hypernav.lab.evaluation.refinement.area_record import AreaRecord, MaskSource
 from hypernav.lab.evaluation.refinement.boxes import JITTER_SHARE, MATCHING_IOU
-from hypernav.lab.evaluation.refinement.figure import shares_figure
 from hypernav.lab.evaluation.refinement.goal_position import GoalPosition
 from hypernav.lab.evaluation.refinement.summary import MEASURES, Measure, Row, drawn_in, table
+from hypernav.lab.evaluation.statistics import FEWEST_WITH_INTERVAL
+from hypernav.search.drawing import palette
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 CSV = "refinement.csv"
 
@@ -79,3 +84,35 @@ def _write_csv(path: Path, records: Sequence[AreaRecord]) -> None:
         for record in records:
             row = asdict(record)
             writer.writerow(row | (row.pop("position") or dict.fromkeys(positions, "")))
+
+
+def shares_figure(rows: Sequence[Row]) -> "Figure":
+    """A panel for each measure, with the shares of every kind of box and area."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(12.0, 1.2 + 0.27 * len(rows)), layout="constrained")
+    panels = figure.subplots(1, len(MEASURES), sharey=True)
+    for axes, name in zip(panels, MEASURES, strict=True):
+        axes.grid(color=palette.css(palette.FAINT), linewidth=0.6)
+        axes.set_axisbelow(True)
+        axes.tick_params(axis="y", length=0)
+        axes.set_title(name, fontsize=10)
+        axes.set_xlim(-3.0, 103.0)
+        axes.set_xlabel("%")
+        for place, row in enumerate(rows):
+            share = row.measures[name].share
+            is_raw = row.mask is MaskSource.RAW
+            color = palette.css(palette.FAILURE if is_raw else palette.EXCLUDED)
+            ends = [100.0 * end for end in share.drawn_ends]
+            axes.plot(ends, [place, place], color=color, linewidth=2.2)
+            axes.plot([100.0 * share.mean], [place], "o", color=color, markersize=5.5)
+    panels[0].set_yticks(
+        range(len(rows)), [f"{row.box.value} box: {row.mask.value}" for row in rows]
+    )
+    panels[0].set_ylim(len(rows) - 0.5, -0.5)
+    figure.suptitle(
+        f"Shares with 95 % intervals over {drawn_in(rows)} "
+        f"from {FEWEST_WITH_INTERVAL} episodes on; less is better",
+        fontsize=10,
+    )
+    return figure

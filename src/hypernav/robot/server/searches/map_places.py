@@ -11,8 +11,16 @@ from hypernav.core.geometry.closed_area import ClosedArea
 from hypernav.robot.server.searches.journal import StepRecord
 from hypernav.robot.server.searches.spans import ClosedSpan, ClosedSpans, SentSpan, SentSpans
 from hypernav.robot.server.searches.standing import Standing
-from hypernav.robot.wire.go_to import GO_TO, MOST_SENT, GoToPlace, GoToRequest
-from hypernav.robot.wire.no_entry import MOST_CLOSED, NO_ENTRY, NoEntryArea, NoEntryRequest
+from hypernav.robot.wire.places import (
+    GO_TO,
+    MOST_CLOSED,
+    MOST_SENT,
+    NO_ENTRY,
+    GoToPlace,
+    GoToRequest,
+    NoEntryArea,
+    NoEntryRequest,
+)
 
 _WHAT = {
     NO_ENTRY: ("close places", "be told where not to go"),

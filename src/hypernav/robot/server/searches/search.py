@@ -39,8 +39,14 @@ from hypernav.robot.server.searches.spans import ClosedSpans, SentSpans
 from hypernav.robot.server.searches.standing import Standing, Turn, end_reply
 from hypernav.robot.server.searches.threads import Bell, Worker
 from hypernav.robot.wire.frames import PackedObservation, unpack_observation
-from hypernav.robot.wire.go_to import GO_TO, GoToPlace, GoToRequest
-from hypernav.robot.wire.no_entry import NO_ENTRY, NoEntryArea, NoEntryRequest
+from hypernav.robot.wire.places import (
+    GO_TO,
+    NO_ENTRY,
+    GoToPlace,
+    GoToRequest,
+    NoEntryArea,
+    NoEntryRequest,
+)
 from hypernav.robot.wire.replies import Reply, SearchEnding, SearchState, Status
 
 _LOG = logging.getLogger(__name__)

@@ -2,8 +2,7 @@
 
 from hypernav.core.exploring.operator_place import OperatorPlace, PlaceState
 from hypernav.core.geometry.closed_area import ClosedArea
-from hypernav.robot.wire.go_to import GoToPlace
-from hypernav.robot.wire.no_entry import NoEntryArea
+from hypernav.robot.wire.places import GoToPlace, NoEntryArea
 from hypernav.robot.wire.values import Message
 
 

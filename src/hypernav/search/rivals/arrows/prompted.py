@@ -7,7 +7,11 @@ to make; that move is then made without looking at images. Source: Goetting, Sin
 
 import math
 from collections import Counter, deque
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from jaxtyping import Bool
 
 from hypernav.core.components.abilities import Reports, warning_of
 from hypernav.core.components.protocols import ArrowReasoner, ChatModel, Explorer
@@ -16,6 +20,7 @@ from hypernav.core.errors import WorldError
 from hypernav.core.events import Event
 from hypernav.core.exploring.exploration import Destination, ExplorationView
 from hypernav.core.exploring.insight import Insight
+from hypernav.core.geometry.depth import is_measured
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
@@ -24,15 +29,92 @@ from hypernav.core.trace import Ending, ExchangeLog, Mode, ModuleClock, StepTrac
 from hypernav.search.mapping.config import MappingConfig
 from hypernav.search.memory.floor import Floor
 from hypernav.search.memory.memory import Memory
+from hypernav.search.perception.exchanges import YesNoAsker, yes_no_question
+from hypernav.search.perception.local.stand_ins.ground_truth import GroundTruthDetector
 from hypernav.search.rivals.arrows.arrow_explorer import VlmnavExplorer
 from hypernav.search.rivals.arrows.pivot import PivotExplorer
-from hypernav.search.rivals.arrows.stop_checks import ChatStopCheck, StopCheck, TruthStopCheck
 from hypernav.search.rivals.config import ArrowsConfig, PromptedConfig, StopCheckConfig
 
 _PAPER = MotionConfig()
 """Step and turn that moves are counted in, whatever the robot's own: 0.5 m and 30 degrees."""
 _YES_TO_STOP = 2
 """Number of answers in a row, "the robot is at the goal", on which it stops (VLMnav's code)."""
+_MORE_YES_THAN_NO = 0.5
+_NEAR_M = 1.0
+"""Distance up to which `TruthStopCheck` says yes, metres; ours."""
+
+
+@runtime_checkable
+class StopCheck(Protocol):
+    """Tells whether the robot is at the goal."""
+
+    def is_here(self, observation: Observation, goal: Goal) -> bool:
+        """Whether the image shows the goal right before the robot."""
+        ...
+
+
+@dataclass(eq=False)
+class ChatStopCheck(YesNoAsker):
+    """Asks a vision-language model.
+
+    Attributes:
+        config: Configuration of the question.
+    """
+
+    config: StopCheckConfig = field(default_factory=StopCheckConfig)
+
+    count_name = "unsure_stop_checks"
+
+    def is_here(self, observation: Observation, goal: Goal) -> bool:
+        """Whether the model says yes; an answer that is neither yes nor no counts as no.
+
+        Raises:
+            ModelUnavailableError: The model did not answer within the configured patience.
+        """
+        text = goal.named_in(self.config.prompt)
+        yes = self.ask(yes_no_question("stop", text, observation.rgb), "taken for no")
+        return yes is not None and yes >= _MORE_YES_THAN_NO
+
+
+@dataclass(frozen=True, eq=False)
+class TruthStopCheck:
+    """Says by true labels and depth whether the goal is near: a stand-in for a model.
+
+    Ours; nothing like it was published.
+
+    Attributes:
+        log: Log of all answers, for the trace.
+    """
+
+    log: ExchangeLog
+
+    warning = "stops by the truth in view, in place of a vision-language model (--vlm)"
+
+    def is_here(self, observation: Observation, goal: Goal) -> bool:
+        """Whether labelled pixels of the goal are within 1 m along the floor.
+
+        Raises:
+            LabelsMissingError: The world supplies no labels.
+        """
+        found = GroundTruthDetector().detect(observation, goal)
+        distances = [
+            _floor_distance(observation, one.mask) for one in found if one.mask is not None
+        ]
+        away_m = min(distances, default=np.inf)
+        here = bool(away_m <= _NEAR_M)
+        seen = f"{away_m:.1f} m away" if np.isfinite(away_m) else "not in view"
+        question = f"Is the {goal.thing} within {_NEAR_M:g} m?"
+        self.log.note("stop", "truth", question, f"{'yes' if here else 'no'}: {seen}")
+        return here
+
+
+def _floor_distance(observation: Observation, mask: Bool[np.ndarray, "height width"]) -> float:
+    """Distance from the robot to the nearest masked pixel with depth, along the floor, metres."""
+    rows, columns = np.nonzero(mask & is_measured(observation.depth))
+    if not len(rows):
+        return np.inf
+    at = observation.points_at(rows, columns)[:, :2]
+    return float(np.hypot(*(at - np.array(observation.robot.xy)).T).min())
 
 
 class PromptedAgent:

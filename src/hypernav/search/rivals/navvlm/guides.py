@@ -10,7 +10,7 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.search.models.chat.answer_parsing import final_answer, shortened
 from hypernav.search.perception.exchanges import exchange_of
 from hypernav.search.rivals.config import DIRECTION, DIRECTION_PAST, ChatGuideConfig
-from hypernav.search.rivals.rooms_in_view import chance_in_view
+from hypernav.search.rivals.room_table import chance_in_view
 
 _ABSENT = ("explore", "not visible", "no sign", "cannot see", "can't see", "not see", "absent")
 _LEAST_CHANCE = 0.4

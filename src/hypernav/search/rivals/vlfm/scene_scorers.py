@@ -12,7 +12,7 @@ from hypernav.search.models.config import SimilarityScorerConfig
 from hypernav.search.models.similarity import load_similarity
 from hypernav.search.perception.exchanges import YesNoAsker, yes_no_question
 from hypernav.search.rivals.config import ChatScorerConfig, TruthScorerConfig
-from hypernav.search.rivals.rooms_in_view import average_chance, chance_in_view
+from hypernav.search.rivals.room_table import average_chance, chance_in_view
 
 _UNSURE = 0.5
 """Score of a view if the answer is neither yes nor no."""

@@ -1,4 +1,4 @@
-"""Files given to components, such as weights; results depend on them as on code."""
+"""What results depend on as on code: files given to components, and words of questions."""
 
 import hashlib
 import os
@@ -9,6 +9,9 @@ from hypernav.app.build.components.choosing import ChosenComponents
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.core.errors import ModelError
 from hypernav.search.models.reliability import file_beside
+from hypernav.search.perception.config import CROP_WORDS
+from hypernav.search.perception.exchanges import prompt_hash
+from hypernav.search.rivals.config import DIRECTION, DIRECTION_PAST, ONE_ARROW, SEVERAL_ARROWS
 
 _DIGITS = 16
 
@@ -42,3 +45,19 @@ def _digest(path: Path) -> str:
             return hashlib.file_digest(file, "sha256").hexdigest()[:_DIGITS]
     except OSError as error:
         raise ModelError(f"{path} cannot be read ({error.strerror or error})") from error
+
+
+def prompt_hashes(config: HyPerNavConfig) -> dict[str, str]:
+    """A hash of the words of every question, by the question's kind."""
+    words = {
+        "ground": config.grounding.prompt,
+        "crop": CROP_WORDS,
+        "choose block": config.block_choice.words,
+        "summarise": config.block_choice.summary_prompt,
+        "verify": config.presence.prompt,
+        "score view": config.chat_scorer.prompt,
+        "choose images": config.image_recall.prompt,
+        "choose arrow": f"{ONE_ARROW}\n{SEVERAL_ARROWS}",
+        "choose direction": f"{DIRECTION}\n{DIRECTION_PAST}",
+    }
+    return {kind: prompt_hash(text) for kind, text in words.items()}

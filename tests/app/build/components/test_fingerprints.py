@@ -5,7 +5,7 @@ from pathlib import Path
 
 from hypernav.app.build.components.choosing import choose_components
 from hypernav.app.build.components.component_specs import ComponentSpecs
-from hypernav.app.build.components.given_files import digests, given_files
+from hypernav.app.build.components.fingerprints import digests, given_files
 from hypernav.app.build.presets import HyPerNavConfig
 from hypernav.app.cli.options.agent import AgentOptions
 
