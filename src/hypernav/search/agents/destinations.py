@@ -1,7 +1,6 @@
 """Where a search goes: what its explorer chooses, what it sees far away, and what it remembers."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 from hypernav.core.exploring.exploration import Aim, Chosen, Destination, StairsDestination
 from hypernav.search.agents.config import SearchConfig
@@ -44,17 +43,20 @@ class RememberedStairs(Aim):
 
     Attributes:
         connector: Number of the connector.
-        then: What is beyond is chosen there.
     """
 
     connector: int
-    then: ClassVar[None] = None
 
 
 Remembered = RememberedThing | RememberedImage | RememberedStairs
 """What no explorer chose: it stays, whatever the map shows on the way."""
 OverStairs = StairsDestination | RememberedStairs
 AnyDestination = Chosen | Sighting | Remembered
+
+
+def beyond_stairs(destination: OverStairs) -> Chosen | None:
+    """Where to go on beyond stairs; None if that is chosen there."""
+    return destination.then if isinstance(destination, StairsDestination) else None
 
 
 def arrival_m_of(destination: AnyDestination, config: SearchConfig) -> float:

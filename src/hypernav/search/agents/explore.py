@@ -26,6 +26,7 @@ from hypernav.search.agents.destinations import (
     RememberedThing,
     Sighting,
     arrival_m_of,
+    beyond_stairs,
 )
 from hypernav.search.agents.plan import Climbing, Plan, patience_of
 from hypernav.search.agents.recall import errand, may_be_hidden, recalled, refutation, remembered
@@ -338,7 +339,7 @@ def _end_at_thing(number: int, step: Step, memory: Memory) -> None:
 
 
 def _onto_stairs(destination: OverStairs, plan: Plan) -> tuple[Phase, Plan]:
-    climbing = Climbing(destination.connector, then=destination.then)
+    climbing = Climbing(destination.connector, then=beyond_stairs(destination))
     return Phase.CLIMB, replace(plan.explore(destination=None), climbing=climbing)
 
 

@@ -18,7 +18,7 @@ from hypernav.core.observation import Observation
 from hypernav.core.trace import BlockRecord, DetectionRecord, Ending, Mode, ModuleClock, StepTrace
 from hypernav.search.agents.approach import approach
 from hypernav.search.agents.climb import climb
-from hypernav.search.agents.destinations import OverStairs
+from hypernav.search.agents.destinations import OverStairs, beyond_stairs
 from hypernav.search.agents.explore import explore
 from hypernav.search.agents.get_free import get_free, repeats, with_tried
 from hypernav.search.agents.plan import STANDS_M, Climbing, Plan
@@ -258,7 +258,7 @@ def _off_the_floor(robot: Pose2, memory: Memory, plan: Plan, events: list[str]) 
     destination, then = plan.destination, None
     leads_on = isinstance(destination, OverStairs)
     if number is not None and leads_on and destination.connector == number:
-        then = destination.then
+        then = beyond_stairs(destination)
     elif number is None or not memory.connectors[number].is_new:
         return plan
     events.append(Event.ONTO_STAIRS)
