@@ -20,7 +20,7 @@ on the shortest path. Images have 320×240 pixels. Generated buildings only, who
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import groupby
 
 import numpy as np
@@ -34,11 +34,12 @@ from hypernav.app.build.data.scenes import load_scene
 from hypernav.app.build.data.sources import DATA_SOURCES, DatasetRequest
 from hypernav.app.build.presets import preset
 from hypernav.core.episode import Episode
-from hypernav.core.exploring.overview import Block, BlockChoice, Overview, Prospects
+from hypernav.core.exploring.overview import Block, BlockChoice, Prospects
 from hypernav.core.goal import Goal
 from hypernav.core.trace import ExchangeLog
 from hypernav.io.layered_config import layered
 from hypernav.lab.episodes.episode_run import EpisodeRun
+from hypernav.search.perception.explorers.block_explorer import MapOverview
 from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.search.perception.local.stand_ins.ground_truth import (
     GroundTruthDetector,
@@ -57,6 +58,18 @@ Weigh = Callable[[Float64[np.ndarray, "n 2"]], Float64[np.ndarray, "n"]]
 """Function that tells the weights of positions ``(x, y)``, ``map`` frame, metres."""
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Weighed(MapOverview):
+    """Blocks of which some show floor that counts less."""
+
+    weigh: Weigh
+
+    def prospects(self, blocks: Sequence[Block]) -> Prospects:
+        """What visits to some blocks would show."""
+        found = super().prospects(blocks)
+        return replace(found, areas_m2=found.areas_m2 * self.weigh(found.positions))
+
+
 class WeighingReasoner:
     """The geometric reasoner over unknown floor of which some counts less."""
 
@@ -67,14 +80,10 @@ class WeighingReasoner:
         self._geometric = GeometricReasoner(log)
         self.weigh: Weigh = lambda positions: np.ones(len(positions))
 
-    def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
+    def choose(self, overview: MapOverview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:
         """The choice of the geometric reasoner."""
-
-        def weighed(blocks: Sequence[Block]) -> Prospects:
-            found = overview.prospects(blocks)
-            return replace(found, areas_m2=found.areas_m2 * self.weigh(found.positions))
-
-        return self._geometric.choose(replace(overview, prospects=weighed), goal, excluded)
+        weighed = _Weighed(**vars(overview), weigh=self.weigh)
+        return self._geometric.choose(weighed, goal, excluded)
 
 
 class RoomOracle:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from certainty import certain
 from chat_models import image
-from hypernav.core.chat import Fault, Question
+from hypernav.core.chat import Fault, Image, Question
 from hypernav.core.errors import ModelRejectedError, ModelUnavailableError
 from hypernav.core.exploring.overview import Block, Overview
 from hypernav.core.geometry.camera import PinholeCamera
@@ -48,10 +48,15 @@ def observation() -> Observation:
     return Observation(VIEW, depth, camera, Transform.identity(), Pose2(0.0, 0.0, 0.0))
 
 
+class _Noise(Overview):
+    def draw(self, shown, hatched) -> Image:
+        return image(1, 768, 768)
+
+
 @pytest.fixture
 def overview() -> Overview:
     blocks = tuple(Block(n, float(n), 0.0, 2.0, 100, 20, (n + 1.0, 1.0), 3.0) for n in range(1, 6))
-    return Overview(lambda *_: image(1, 768, 768), blocks, Pose2(0.0, 0.0, 0.0))
+    return _Noise(blocks, Pose2(0.0, 0.0, 0.0))
 
 
 def test_the_server_is_recognised_and_its_decisions_are_used(chat: OpenAiChat):

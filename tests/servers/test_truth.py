@@ -2,12 +2,12 @@
 
 import math
 
-import numpy as np
 import pytest
 
-from hypernav.core.exploring.overview import Block, Overview
+from hypernav.core.exploring.overview import Block
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
+from overviews import BlankOverview
 from servers.scripted import Asked
 from servers.truth import Errors, Truth, TruthfulBrain
 from small_episodes import episode_from
@@ -36,7 +36,7 @@ BLOCKS = (
 def asked_with(errors: Errors, seed: int = 0) -> str:
     truth = Truth(world=two_rooms())
     two_rooms().reset(episode_from(START, BED))
-    overview = Overview(lambda *_: np.zeros((48, 64, 3), np.uint8), BLOCKS, Pose2(0.0, 0.0, 0.0))
+    overview = BlankOverview(BLOCKS, Pose2(0.0, 0.0, 0.0))
     truth.draw(overview.image, overview, BED)
     text = "Which numbered block? N is one of 1, 2, 3, 4."
     return TruthfulBrain(truth, errors, seed)(Asked(text, [overview.image], [], {}))

@@ -53,7 +53,6 @@ from hypernav.core.exploring.overview import (
     BlockChoice,
     FloorBlocks,
     Overview,
-    prospects_of_boundaries,
 )
 from hypernav.core.geometry.boxes import Box, Detection
 from hypernav.core.geometry.grid import OccupancyGrid
@@ -68,7 +67,7 @@ SHAPE = SEEN.depth.shape
 GOAL = Goal("door")
 GOOD = Detection(Box(1.0, 2.0, 30.0, 40.0), 0.5, "door")
 BLOCK = Block(1, 0.0, 0.0, 1.0, 9, 3, (0.5, 0.5), 1.0)
-OVERVIEW = Overview(lambda *_: SEEN.rgb, (BLOCK, replace(BLOCK, number=2)), Pose2(0.0, 0.0, 0.0))
+OVERVIEW = Overview((BLOCK, replace(BLOCK, number=2)), Pose2(0.0, 0.0, 0.0))
 THERE = Destination(1.0, 2.0, "x")
 STAIRS = StairsDestination(1.0, 2.0, "x", 3, then=THERE)
 GRID = OccupancyGrid(np.ones((4, 4), np.uint8), 0.05, (0.0, 0.0))
@@ -366,7 +365,7 @@ def test_what_it_draws_on_a_view_nobody_else_sees():
     rgb = seen.rgb.copy()
     grid = OccupancyGrid(np.ones((4, 4), np.uint8), 0.05, (0.0, 0.0))
     floor = KnownFloor(1, 3.0, grid, (), (), (), (), (), (0.0, 0.0))
-    elsewhere = [FloorBlocks(floor, (), prospects_of_boundaries)]
+    elsewhere = [FloorBlocks(floor, ())]
 
     def next_destination(self: object, view: ExplorationView) -> None:
         for drawn in (view.observation.rgb, view.grid.cells, view.elsewhere[0].grid.cells):

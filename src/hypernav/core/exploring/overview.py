@@ -1,7 +1,7 @@
 """The map as a question: numbered blocks, the image of them, and the answer."""
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -94,14 +94,16 @@ class FloorBlocks:
     Attributes:
         known: The floor.
         blocks: Its blocks; their paths begin at the robot, and stairs on the way are in them.
-        prospects: Function that computes what given blocks of it would show.
         visited: Numbers of those that count as visited, which no choice may name.
     """
 
     known: KnownFloor
     blocks: tuple[Block, ...]
-    prospects: Callable[[Sequence[Block]], Prospects]
     visited: frozenset[int] = field(default=frozenset(), kw_only=True)
+
+    def prospects(self, blocks: Sequence[Block]) -> Prospects:
+        """What visits to some of its blocks would show."""
+        return prospects_of_boundaries(blocks)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,31 +111,38 @@ class Overview:
     """Everything that a reasoner may know when it chooses a block.
 
     Attributes:
-        draw: Function that draws the blocks with the first numbers and hatches those with the
-            second; not every reasoner calls it.
         blocks: Blocks of the robot's floor in the order of their numbers.
         robot: Pose of the robot, ``map`` frame.
         legend: Sentences that say what the colours and marks of the image mean.
         trajectory: Positions of the robot so far, ``map`` frame, metres.
         things: Things that were seen, other than the goal.
         camera_image: Camera image of the robot, RGB; None if it is not kept.
-        prospects: Function that computes what given blocks would show; not every reasoner calls it.
-        legs_m: Function that computes the lengths of the paths between given blocks, metres.
         elsewhere: Blocks of other floors, whose numbers follow those of `blocks`.
         seen_m2: Floor that the map shows, square metres.
     """
 
-    draw: Callable[[Collection[int], Collection[int]], UInt8[np.ndarray, "height width 3"]]
     blocks: tuple[Block, ...]
     robot: Pose2
     legend: str = ""
     trajectory: Sequence[tuple[float, float]] = ()
     things: Sequence[SeenThing] = ()
     camera_image: UInt8[np.ndarray, "height width 3"] | None = None
-    prospects: Callable[[Sequence[Block]], Prospects] = prospects_of_boundaries
-    legs_m: Callable[[Sequence[Block]], Float64[np.ndarray, "blocks blocks"]] = straight_legs_m
     elsewhere: Sequence[FloorBlocks] = ()
     seen_m2: float = math.inf
+
+    def draw(
+        self, shown: Collection[int], hatched: Collection[int]
+    ) -> UInt8[np.ndarray, "height width 3"]:
+        """The map with the blocks of these numbers, RGB; not every reasoner asks for it."""
+        raise NotImplementedError
+
+    def prospects(self, blocks: Sequence[Block]) -> Prospects:
+        """What visits to some blocks of the robot's floor would show."""
+        return prospects_of_boundaries(blocks)
+
+    def legs_m(self, blocks: Sequence[Block]) -> Float64[np.ndarray, "blocks blocks"]:
+        """Lengths of the paths between some blocks of the robot's floor, metres."""
+        return straight_legs_m(blocks)
 
     @property
     def everywhere(self) -> tuple[Block, ...]:

@@ -68,7 +68,7 @@ def choices(*answers, times: int = 200) -> Counter[int | None]:
     truth = EpisodeTruth()
     blocks = [Block(k, 0.0, 0.0, 2.0, 50, 30, (10.0 * k, 0.0), 0.0) for k in (3, 1, 2)]
     truth.tell(rng=np.random.default_rng(0), path_left_m=lambda x, _y: x)
-    overview = Overview(lambda *_: np.zeros((8, 8, 3), np.uint8), tuple(blocks), Pose2(0, 0, 0))
+    overview = Overview(tuple(blocks), Pose2(0, 0, 0))
 
     class Rule:
         def choose(self, overview: Overview, goal: Goal, excluded: frozenset[int]) -> BlockChoice:

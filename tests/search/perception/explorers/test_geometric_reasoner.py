@@ -1,5 +1,6 @@
 import math
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -29,11 +30,23 @@ def block(number, frontier_cells, travel_m, destination=(1.0, 0.0)):
     return Block(number, 0.0, 0.0, 2.0, 50, frontier_cells, destination, travel_m)
 
 
-def choose(*blocks, excluded=(), log=None, prospects=prospects_of_boundaries, **config):
-    def draw(*_):
-        return np.zeros((8, 8, 3), np.uint8)
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Shown(Overview):
+    """Blocks that show what a function tells."""
 
-    overview = Overview(draw, blocks, Pose2(0.0, 0.0, 0.0), prospects=prospects)
+    by: Callable[[Sequence[Block]], Prospects]
+
+    def prospects(self, blocks):
+        return self.by(blocks)
+
+
+class Elsewhere(FloorBlocks):
+    def prospects(self, blocks):
+        return whole_views(blocks)
+
+
+def choose(*blocks, excluded=(), log=None, prospects=prospects_of_boundaries, **config):
+    overview = Shown(blocks, Pose2(0.0, 0.0, 0.0), by=prospects)
     reasoner = GeometricReasoner(log or ExchangeLog(), GeometricConfig(**config))
     return reasoner.choose(overview, GOAL, frozenset(excluded))
 
@@ -183,7 +196,7 @@ def test_a_tour_does_not_change_when_the_robot_turns_on_the_spot(values):
     reasoner = GeometricReasoner(ExchangeLog())
     chosen = {
         reasoner.choose(
-            Overview(lambda *_: np.zeros((8, 8, 3), np.uint8), tuple(blocks), Pose2(0.0, 0.0, yaw)),
+            Overview(tuple(blocks), Pose2(0.0, 0.0, yaw)),
             GOAL,
             frozenset(),
         ).number
@@ -220,15 +233,9 @@ def between_floors(
     cells = np.full((100, 100), Cell.FREE, dtype=np.uint8)
     grid = OccupancyGrid(cells, 0.1, (0.0, 0.0))
     other = KnownFloor(1, 3.0, grid, (), (), (), (), (), (0.0, 0.0), was_explored=was_explored)
-    floor = FloorBlocks(other, tuple(there), whole_views, visited=frozenset(visited))
-    overview = Overview(
-        lambda *_: np.zeros((8, 8, 3), np.uint8),
-        tuple(here),
-        Pose2(0.0, 0.0, 0.0),
-        prospects=whole_views,
-        elsewhere=[floor],
-        seen_m2=seen_m2,
-    )
+    floor = Elsewhere(other, tuple(there), visited=frozenset(visited))
+    robot = Pose2(0.0, 0.0, 0.0)
+    overview = Shown(tuple(here), robot, elsewhere=[floor], seen_m2=seen_m2, by=whole_views)
     reasoner = GeometricReasoner(ExchangeLog(), GeometricConfig(**config))
     return reasoner.choose(overview, GOAL, frozenset(excluded))
 

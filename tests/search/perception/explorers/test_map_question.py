@@ -1,4 +1,5 @@
 import math
+from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
@@ -25,25 +26,26 @@ BLOCKS = (
 )
 
 
-class Drawn:
+@dataclass(frozen=True, eq=False)
+class Drawn(Overview):
     """Remembers which blocks an image was to show, and which were hatched."""
 
-    def __call__(self, shown, excluded) -> np.ndarray:
-        self.shown, self.excluded = set(shown), set(excluded)
+    drawn: list[tuple[set[int], set[int]]] = field(default_factory=list)
+
+    def draw(self, shown, hatched) -> np.ndarray:
+        self.drawn.append((set(shown), set(hatched)))
         return np.zeros((8, 8, 3), np.uint8)
 
 
 def asked(excluded: frozenset[int] = frozenset(), **config):
-    drawn = Drawn()
-    overview = Overview(
-        drawn,
+    overview = Drawn(
         BLOCKS,
         Pose2(0.0, 0.0, 0.0),
         legend="white is floor",
         trajectory=[(6.5, 0.0)],
         things=[SeenThing("sofa", (3.5, 4.0)), SeenThing("lamp", (4.0, 4.5))],
     )
-    return map_question(VlmReasonerConfig(**config), overview, CHAIR, excluded), drawn
+    return map_question(VlmReasonerConfig(**config), overview, CHAIR, excluded), overview.drawn
 
 
 def test_each_block_is_described():
@@ -60,7 +62,7 @@ def test_each_block_is_described():
     assert "white is floor" in question.text
     assert question.text.endswith('a last line "Answer: N", where N is one of 1, 3, 4.')
     assert question.allowed == ()
-    assert (drawn.shown, drawn.excluded) == ({1, 3, 4}, set())
+    assert drawn == [({1, 3, 4}, set())]
 
 
 @pytest.mark.parametrize("mode", ["paper", "reasoned", "constrained"])
@@ -75,13 +77,13 @@ def test_what_is_excluded_is_hatched_and_neither_listed_nor_allowed():
         question, drawn = asked(frozenset({3}), mode=mode)
         assert "3" not in question.text.replace("30%", "")
         assert "3" not in question.allowed
-        assert (drawn.shown, drawn.excluded) == ({1, 4}, {3})
+        assert drawn == [({1, 4}, {3})]
 
 
 def test_every_switch_alone():
     assert "boundary to the unknown" not in asked(facts=False)[0].text
-    assert asked(min_frontier_cells=0)[1].shown == {1, 2, 3, 4}
-    assert asked(max_blocks=2)[1].shown == {1, 3}
+    assert asked(min_frontier_cells=0)[1][0][0] == {1, 2, 3, 4}
+    assert asked(max_blocks=2)[1][0][0] == {1, 3}
     question, drawn = asked(frozenset({3}), list_excluded=True)
     assert question.text.endswith("Don't answer number [3].")
-    assert (drawn.shown, drawn.excluded) == ({1, 3, 4}, set())
+    assert drawn == [({1, 3, 4}, set())]

@@ -1,4 +1,3 @@
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -13,6 +12,7 @@ from hypernav.core.trace import ExchangeLog
 from hypernav.search.perception.config import VlmReasonerConfig
 from hypernav.search.perception.explorers.geometric_reasoner import GeometricReasoner
 from hypernav.search.perception.explorers.map_question import VlmReasoner, summarised
+from overviews import BlankOverview
 
 BED = Goal("bed")
 PAPER = VlmReasonerConfig(mode="paper", list_excluded=True)
@@ -25,7 +25,7 @@ def overview(count: int = 12) -> Overview:
     blocks = tuple(
         Block(n, float(n), 0.0, 2.0, 100, 10 + n, (n + 1.0, 1.0), 3.0) for n in range(1, count + 1)
     )
-    return Overview(lambda *_: np.zeros((64, 64, 3), np.uint8), blocks, Pose2(0.0, 0.0, 0.0))
+    return BlankOverview(blocks, Pose2(0.0, 0.0, 0.0))
 
 
 def reasoner(

@@ -35,7 +35,7 @@ def told(seed=0, path_left_m=lambda x, y: math.dist((x, y), GOAL_AT)):
 
 
 def choose(reasoner, blocks, excluded=()):
-    overview = Overview(lambda *_: np.zeros((8, 8, 3), np.uint8), tuple(blocks), Pose2(0, 0, 0))
+    overview = Overview(tuple(blocks), Pose2(0, 0, 0))
     return reasoner.choose(overview, BED, frozenset(excluded)).number
 
 

@@ -5,10 +5,12 @@ position, a map of which one room alone leads on, an image that shows a thing an
 a question that a free model would answer at length.
 """
 
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Collection, Generator, Iterator
+from dataclasses import dataclass
 from typing import Literal, Protocol, runtime_checkable
 
 import numpy as np
+from jaxtyping import Float64
 
 from hypernav.core.chat import Answer, Image, Question
 from hypernav.core.components.protocols import ChatModel
@@ -62,6 +64,25 @@ def drawn_ground() -> Image:
     return np.full((HEIGHT, WIDTH, 3), 225, dtype=np.uint8)
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _House(Overview):
+    grid: OccupancyGrid
+    frontier: Float64[np.ndarray, "n 2"]
+    config: OverviewConfig
+
+    def draw(self, shown: Collection[int], hatched: Collection[int]) -> Image:
+        return draw_question_map(
+            self.grid,
+            [block for block in self.blocks if block.number in {*shown, *hatched}],
+            self.robot,
+            self.trajectory,
+            question_style(self.config),
+            size=self.config.image_px,
+            excluded=hatched,
+            frontier=self.frontier,
+        )
+
+
 def drawn_house(config: OverviewConfig, right: int) -> Overview:
     """A house of four rooms that was walked through, and opens to the unknown in one alone.
 
@@ -99,23 +120,15 @@ def drawn_house(config: OverviewConfig, right: int) -> Overview:
     )
     robot = Pose2(_ROOM_M, 0.9 * _ROOM_M, 0.5 * np.pi)
     walked = [block.destination for block in blocks if block.number != right]
-    trajectory = [*walked, robot.xy]
-
-    style = question_style(config)
-
-    def draw(shown, excluded) -> Image:
-        return draw_question_map(
-            grid,
-            [block for block in blocks if block.number in {*shown, *excluded}],
-            robot,
-            trajectory,
-            style,
-            size=config.image_px,
-            excluded=excluded,
-            frontier=frontier,
-        )
-
-    return Overview(draw, blocks, robot, legend=style.legend, trajectory=trajectory)
+    return _House(
+        blocks,
+        robot,
+        legend=question_style(config).legend,
+        trajectory=[*walked, robot.xy],
+        grid=grid,
+        frontier=frontier,
+        config=config,
+    )
 
 
 _MATCH = 0.5

@@ -6,7 +6,6 @@ Other floors that the robot knows a path to are parts of the question.
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 from jaxtyping import Float64, UInt8
@@ -21,7 +20,7 @@ from hypernav.core.exploring.exploration import (
     StairsDestination,
 )
 from hypernav.core.exploring.floors import KnownFloor, WayOut
-from hypernav.core.exploring.overview import Block, FloorBlocks, Overview
+from hypernav.core.exploring.overview import Block, FloorBlocks, Overview, Prospects
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.search.drawing.question_map import QuestionStyle, draw_question_map
 from hypernav.search.mapping.blocks import CLIMB_M, blocks_of, drop_blocks, stairs_blocks
@@ -41,9 +40,15 @@ class OtherFloor(FloorBlocks):
 
     Attributes:
         reach: The map and what of it the robot could reach from where it would arrive.
+        range_m: Range of the camera, metres.
     """
 
     reach: ReachableArea
+    range_m: float
+
+    def prospects(self, blocks: Sequence[Block]) -> Prospects:
+        """What visits to some of its blocks would show."""
+        return block_prospects(self.reach, self.range_m, blocks)
 
 
 def other_floors(
@@ -76,8 +81,7 @@ def other_floors(
         first += len(blocks)
         path_m = begins[0].travel_m + CLIMB_M * len(floor.way)
         farther = tuple(replace(one, travel_m=path_m + one.travel_m) for one in blocks)
-        prospects = partial(block_prospects, reach, range_m)
-        found.append(OtherFloor(floor, farther, prospects, reach))
+        found.append(OtherFloor(floor, farther, reach, range_m))
     return found
 
 
@@ -132,6 +136,57 @@ def floor_panels(
 def boundary_of(reach: ReachableArea) -> Float64[np.ndarray, "n 2"]:
     """Middles ``(x, y)`` of the cells at the boundary to the unknown, metres."""
     return np.concatenate([np.empty((0, 2)), *(one.points for one in frontiers_of(reach))])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MapOverview(Overview):
+    """The blocks of a map, whose image, prospects and paths are computed when they are asked for.
+
+    Attributes:
+        view: What the robot knows.
+        config: Size and style of the image.
+        reach: The map and what of it the robot can reach.
+        range_m: Range of its camera, metres.
+        elsewhere: The other floors.
+    """
+
+    view: ExplorationView
+    config: OverviewConfig
+    reach: ReachableArea
+    range_m: float
+    elsewhere: Sequence[OtherFloor] = ()
+
+    def draw(
+        self, shown: Collection[int], hatched: Collection[int]
+    ) -> UInt8[np.ndarray, "height width 3"]:
+        """The image of the map with some of the blocks, RGB."""
+        view, style, size = self.view, question_style(self.config), self.config.image_px
+        drawn = {*shown, *hatched}
+        here = [one for one in self.blocks if one.number in drawn]
+        if view.ways_out or view.elsewhere:
+            panels = floor_panels(view, here, self.reach, self.elsewhere, drawn)
+            return draw_floors(panels, style, size=size, excluded=hatched)
+        return draw_question_map(
+            view.grid,
+            here,
+            view.robot,
+            view.trajectory,
+            style,
+            size=size,
+            excluded=hatched,
+            frontier=boundary_of(self.reach),
+            things=view.things,
+        )
+
+    def prospects(self, blocks: Sequence[Block]) -> Prospects:
+        """What visits to some blocks would show."""
+        return block_prospects(self.reach, self.range_m, blocks)
+
+    def legs_m(self, blocks: Sequence[Block]) -> Float64[np.ndarray, "blocks blocks"]:
+        """Lengths of the paths between some blocks, stairs that begin there included, metres."""
+        legs_m = find_legs_m(self.reach, [one.destination for one in blocks])
+        extra_m = np.array([0.0 if one.connector is None else CLIMB_M for one in blocks])
+        return legs_m + extra_m[:, None] + extra_m
 
 
 @dataclass
@@ -205,20 +260,20 @@ class BlockExplorer:
                 break
             offered = blocks
             elsewhere = self._other_floors(view, reach, clearance_m, len(blocks) + 1)
-            draw = partial(_drawn, view, blocks, self.config, reach, elsewhere)
             legend = question_style(self.config).legend
-            overview = Overview(
-                draw,
+            overview = MapOverview(
                 blocks,
                 view.robot,
-                prospects=partial(block_prospects, reach, self.embodiment.camera.max_depth_m),
-                legs_m=partial(_legs_m, reach),
                 elsewhere=elsewhere,
                 seen_m2=view.grid.free_m2,
                 legend=legend + LEGEND if view.ways_out or view.elsewhere else legend,
                 trajectory=view.trajectory,
                 things=view.things,
                 camera_image=view.observation.rgb,
+                view=view,
+                config=self.config,
+                reach=reach,
+                range_m=self.embodiment.camera.max_depth_m,
             )
             destination = self._ask(overview, view)
             if destination is not None:
@@ -301,40 +356,6 @@ def _there(block: Block, reason: str) -> Chosen:
     if block.connector is None:
         return Destination(*block.destination, reason, face=block.face)
     return StairsDestination(*block.destination, reason, block.connector)
-
-
-def _drawn(
-    view: ExplorationView,
-    blocks: tuple[Block, ...],
-    config: OverviewConfig,
-    reach: ReachableArea,
-    elsewhere: Sequence[OtherFloor],
-    shown: Collection[int],
-    excluded: Collection[int],
-) -> UInt8[np.ndarray, "_ _ 3"]:
-    """The image of the map with some of the blocks; the excluded ones are hatched."""
-    drawn = {*shown, *excluded}
-    here = [one for one in blocks if one.number in drawn]
-    if not (view.ways_out or view.elsewhere):
-        return draw_question_map(
-            view.grid,
-            here,
-            view.robot,
-            view.trajectory,
-            question_style(config),
-            size=config.image_px,
-            excluded=excluded,
-            frontier=boundary_of(reach),
-            things=view.things,
-        )
-    panels = floor_panels(view, here, reach, elsewhere, drawn)
-    return draw_floors(panels, question_style(config), size=config.image_px, excluded=excluded)
-
-
-def _legs_m(reach: ReachableArea, between: Sequence[Block]) -> Float64[np.ndarray, "_ _"]:
-    legs_m = find_legs_m(reach, [one.destination for one in between])
-    extra_m = np.array([0.0 if one.connector is None else CLIMB_M for one in between])
-    return legs_m + extra_m[:, None] + extra_m
 
 
 def _squares(blocks: tuple[Block, ...]) -> set[tuple[float, float, int]]:
