@@ -204,8 +204,8 @@ def test_every_floor_has_its_map_and_the_robot_is_on_one_of_them(
 @pytest.mark.parametrize(
     ("going_to", "words"),
     [
-        ((0.2, -0.9), "Geometric rule (no model) chose them: stairs up, 0.3 m away"),
-        ((5.0, 2.0), "Met on the way to something else: stairs up, 0.3 m away"),
+        ((0.2, -0.9), "Geometric rule (no model) chose them: block 7: stairs up, 0.3 m away"),
+        ((5.0, 2.0), "Met on the way to something else: block 7: stairs up, 0.3 m away"),
     ],
 )
 def test_beside_stairs_the_page_says_why_they_were_taken(
@@ -216,7 +216,9 @@ def test_beside_stairs_the_page_says_why_they_were_taken(
     words: str,
 ) -> None:
     steps, answer = over_two_floors(make_step), "block 7: stairs up, 0.3 m away"
-    asked = Exchange(kind="choose block", asked="geometric", question="Which?", answer=answer)
+    asked = Exchange(
+        kind="choose block", asked="geometric", question="Which?", answer="words", chosen=7
+    )
     chosen = {"reason": answer, "exchanges": [asked], "destination": going_to}
     steps[1] = steps[1].model_copy(update=chosen)
     page = read(write_page(tmp_path, result, steps, {}))

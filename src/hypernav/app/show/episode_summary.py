@@ -4,11 +4,10 @@ The story is what was asked and decided, in chapters.
 """
 
 import math
-import re
 import statistics
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, takewhile
 from typing import Any, TypeVar
 
 from hypernav.app.show import captions
@@ -22,8 +21,6 @@ _SMALLEST_REMAINDER = 0.01
 _MOST_BARS = 5
 _AT_STAIRS_M = 1.0
 """Distance to its destination, metres, from which a robot on stairs was going to these."""
-_BLOCK = re.compile(r"^block \d+: ")
-"""The number of a block before a reason, which says nothing without the map of that step."""
 _CHAPTERS = {
     Mode.LOOK_AROUND: Mode.EXPLORE,
     Mode.RECALL: Mode.EXPLORE,
@@ -362,13 +359,14 @@ def why_climbed(steps: Sequence[StepTrace], first: int) -> str:
     before = steps[first - 1] if first else None
     if before is None or not before.reason:
         return ""
-    why, going_to = _BLOCK.sub("", before.reason), before.destination
+    why, going_to = before.reason, before.destination
     if going_to is None or math.dist(going_to, steps[first].pose[:2]) > _AT_STAIRS_M:
         return f"Met on the way to something else: {why}"
-    asked = [one for step in steps[:first] for one in decisions(step)]
-    if not asked or asked[-1].answer != before.reason:
-        return f"Chosen: {why}"
-    return f"{captions.answerer_caption(asked[-1])} chose them: {why}"
+    going = takewhile(lambda step: step.destination == going_to, reversed(steps[:first]))
+    asked = (one for step in going for one in reversed(decisions(step)))
+    choice = next((one for one in asked if one.chosen is not None), None)
+    who = "Chosen" if choice is None else f"{captions.answerer_caption(choice)} chose them"
+    return f"{who}: {why}"
 
 
 def _asked_question(exchange: Exchange, step: StepTrace) -> AskedQuestion:
