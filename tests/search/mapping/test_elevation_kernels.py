@@ -6,8 +6,8 @@ import pytest
 from hypernav.core.geometry.camera import PinholeCamera, optical_to_base
 from hypernav.core.geometry.grid import Cell
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.search.mapping.config import OCCUPIED_EVIDENCE
 from hypernav.search.mapping.elevation_kernels import (
-    OBSTACLE_HITS,
     highest_around,
     is_level,
     open_ground,
@@ -33,7 +33,7 @@ def is_clear(low_m: float, high_m: float, tread_m: float | None, *, down: bool) 
         known[0, :2] = TREAD_Z + tread_m
     measured, (hit_z, hit_top) = ~np.isnan(known), np.zeros((2, 1, 5), np.float32)
     hits = np.zeros((1, 5), np.uint8)
-    hits[0, 2], hit_z[0, 2], hit_top[0, 2] = OBSTACLE_HITS, TREAD_Z + low_m, TREAD_Z + high_m
+    hits[0, 2], hit_z[0, 2], hit_top[0, 2] = OCCUPIED_EVIDENCE, TREAD_Z + low_m, TREAD_Z + high_m
     _, blind, _, clear = sort_ground(
         (known, hits, hit_z, hit_top, np.full((1, 5), np.float32(np.inf))),
         (measured, measured, measured),

@@ -12,7 +12,7 @@ from hypernav.core.trace import Mode
 from hypernav.search.agents.get_free import closed_turns
 from hypernav.search.agents.plan import Climbing, Plan
 from hypernav.search.agents.step import Decision, Phase, Step, turn_towards
-from hypernav.search.mapping.elevation_map import Ground
+from hypernav.search.mapping.elevation_map import LEVEL_M, POSE_ERROR_M, Ground
 from hypernav.search.mapping.stairs.connectors import Connector, Passage
 from hypernav.search.mapping.stairs.flights import (
     ahead_of,
@@ -27,7 +27,6 @@ from hypernav.search.mapping.stairs.flights import (
     on_flight,
     stairs_ahead,
 )
-from hypernav.search.mapping.stairs.seen_connectors import LEVEL_M
 from hypernav.search.memory.memory import Memory
 from hypernav.search.planning.bump_sensor import is_cut_short
 from hypernav.search.planning.stair_steps import step_over_ground
@@ -39,8 +38,6 @@ _PATIENCES = 1.5
 destination (`SearchConfig.endurance_steps`)."""
 _PATIENCES_BEFORE = 0.5
 """The same for the path onto them: that takes up to ten steps where the robot touches nothing."""
-_SAME_HEIGHT_M = 0.3
-"""Difference in height up to which two places on stairs may be one, metres."""
 _SAME_SHARE = 0.5
 """Distance below which they may be, by the length of a step."""
 
@@ -230,7 +227,7 @@ def _was_here(step: Step, memory: Memory, climbing: Climbing) -> bool:
     """Whether the robot made a step of this climb from where it is now."""
     near_m = _SAME_SHARE * step.motion.forward_m
     return any(
-        step.robot.distance_to(x, y) < near_m and abs(memory.footing.z - z) < _SAME_HEIGHT_M
+        step.robot.distance_to(x, y) < near_m and abs(memory.footing.z - z) < POSE_ERROR_M
         for x, y, z in climbing.came_by
     )
 

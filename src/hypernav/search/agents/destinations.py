@@ -5,6 +5,9 @@ from dataclasses import dataclass
 from hypernav.core.exploring.exploration import Aim, Chosen, Destination, StairsDestination
 from hypernav.search.agents.config import SearchConfig
 
+BESIDE_M = 1.0
+"""Distance, metres, of a position that stands in for a thing or place that can't be entered."""
+
 
 @dataclass(frozen=True)
 class Sighting(Aim):

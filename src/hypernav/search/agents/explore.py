@@ -18,6 +18,7 @@ from hypernav.core.exploring.operator_place import PlaceState
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.trace import Mode
 from hypernav.search.agents.destinations import (
+    BESIDE_M,
     AnyDestination,
     OverStairs,
     Remembered,
@@ -48,8 +49,6 @@ _AT_STAIRS_M = 0.2
 """Distance from the position before stairs, metres, at which the robot turns to them."""
 _WORTH_A_TURN_M = 0.3
 """Length of a boundary to the unknown, metres, below which it is noise and worth no turn."""
-_BESIDE_M = 1.0
-"""Distance from the place, metres, of a position that stands in for one that can't be entered."""
 
 
 def pursuing(step: Step, memory: Memory, plan: Plan) -> Plan:
@@ -429,7 +428,7 @@ def go_to(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | None, Plan
     nearest, state = None, PlaceState.NO_PATH
     with step.clock("plan"):
         if sent.place.floor == memory.number + 1:
-            nearest = navigator.nearest_known(step.grid, robot, sent.place.xy, _BESIDE_M)
+            nearest = navigator.nearest_known(step.grid, robot, sent.place.xy, BESIDE_M)
         if nearest is not None:
             targets = np.array([nearest])
             action, route = navigator.towards(sent.route, step.grid, robot, targets)

@@ -18,10 +18,8 @@ from hypernav.search.planning.navigator import Gap
 
 Position = tuple[float, float]
 
-_STEP_M = 0.1
-"""Smallest shortening of the path that counts as progress, metres."""
 _GAIN_M = 0.1
-"""Smallest change of height, metres, by which the robot comes farther on stairs."""
+"""Least that counts as progress, metres: of a path that gets shorter, or of height on stairs."""
 STANDS_M = 0.05
 """Way below which a robot stands, metres: odometry trembles."""
 _DETOUR_STEPS_PER_M = 4
@@ -91,7 +89,7 @@ class Progress:
             left_m: Length of the path that is left, metres.
             planned: Number of actions that are left of the sequence under way.
         """
-        if left_m < self.shortest_m - _STEP_M:
+        if left_m < self.shortest_m - _GAIN_M:
             return Progress(self.patience_steps, left_m, left_m)
         return replace(
             self,

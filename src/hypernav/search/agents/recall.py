@@ -13,6 +13,7 @@ from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.search.agents.config import SearchConfig
 from hypernav.search.agents.destinations import (
+    BESIDE_M,
     Remembered,
     RememberedImage,
     RememberedStairs,
@@ -30,12 +31,9 @@ from hypernav.search.memory.goal_words import LIKELY, weights_of_place
 from hypernav.search.memory.key_images import KeyImages
 from hypernav.search.memory.memory import Memory
 from hypernav.search.memory.thing import APART_M, Thing
+from hypernav.search.memory.visibility import SHOWN_M
 from hypernav.search.perception.image_recall import IMAGES_PER_QUESTION
 
-_BESIDE_M = 1.0
-"""Distance from a thing within which the robot goes, in sight of it, metres."""
-_IN_SIGHT_M = 4.0
-"""Distance within which it does where nothing nearer can be reached, metres."""
 _PER_STRAIGHT_M = 2.0
 """Length of the path per metre of the straight line to where no free floor is known to lead."""
 _ON_FLOOR_M = 0.3
@@ -68,7 +66,7 @@ def path_to_thing(
         The position ``(x, y)``, ``map`` frame, and the length, with what is left from there to a
         thing that is farther away, both in metres.
     """
-    for nearest_m, farthest_m in ((0.0, _BESIDE_M), (_BESIDE_M, _IN_SIGHT_M)):
+    for nearest_m, farthest_m in ((0.0, BESIDE_M), (BESIDE_M, SHOWN_M)):
         away_m = _cell_distances_m(thing, reach.grid)
         near = (away_m > nearest_m) & (away_m <= farthest_m) & (reach.reachable > 0)
         rows, columns = np.nonzero(near)

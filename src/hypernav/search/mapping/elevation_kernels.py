@@ -10,6 +10,7 @@ import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
+from hypernav.search.mapping.config import HIT_WEIGHT, MAX_EVIDENCE, OCCUPIED_EVIDENCE
 from hypernav.search.mapping.top_down_kernels import FREE, OCCUPIED, is_measured
 
 _FINE, _COARSE = 320, 160
@@ -31,10 +32,6 @@ _SAME_LEVEL_M = 0.15
 """Greatest difference in height, metres, between two sights of one edge of the floor."""
 _STEEPEST = 0.75
 """Slope of steep stairs, rise over run."""
-OBSTACLE_HITS = 2
-"""Evidence from which a cell holds an obstacle."""
-_FREE_HITS = 2
-_MOST_HITS = 6
 BUMPED = 255
 """Evidence of what the robot bumped into: no image takes it away."""
 
@@ -164,8 +161,9 @@ def survey(depth, across, down, start, lens, here, sizes, arrays, scratch):
             blocked[row, column] += 1
     for k in range(n):
         row, column = touched[k] // columns, touched[k] % columns
-        if blocked[row, column] >= _FREE_HITS:
-            hits[row, column] = max(min(hits[row, column] + 2, _MOST_HITS), hits[row, column])
+        if blocked[row, column] > 1:
+            now = min(hits[row, column] + HIT_WEIGHT, MAX_EVIDENCE)
+            hits[row, column] = max(now, hits[row, column])
         elif 0 < hits[row, column] < BUMPED:
             hits[row, column] -= 1
         top[row, column] = -np.inf
@@ -206,7 +204,7 @@ def sort_ground(maps, masks, to_robot, robot_z, limits, down):
             elif seen[i, j]:
                 heights[i, j] = highest_around(known, measured, i, j)
             clear[i, j] = hits[i, j] < BUMPED
-            if hits[i, j] >= OBSTACLE_HITS:
+            if hits[i, j] >= OCCUPIED_EVIDENCE:
                 # Stairs may lie one above another: only what stands on the ground is an obstacle.
                 above_m = hit_z[i, j] - (heights[i, j] if seen[i, j] else robot_z)
                 stands = above_m > (step_m / 2.0 if seen[i, j] else -step_m) and above_m < tall_m

@@ -11,21 +11,22 @@ from jaxtyping import Bool, Float32, Float64, UInt8
 from hypernav.core.embodiment import Embodiment
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.observation import Observation
+from hypernav.search.mapping.config import OCCUPIED_EVIDENCE
 from hypernav.search.mapping.elevation_kernels import (
     BUMPED,
-    OBSTACLE_HITS,
     open_ground,
     sort_ground,
     survey,
 )
 from hypernav.search.mapping.grid_kernels import nearest_open_cell
-from hypernav.search.mapping.inflation import distance_from
+from hypernav.search.mapping.inflation import distance_from, joined_to
 
-_REACHED = 2
-"""Value, other than 0 and 1, of the cells that a fill has come to."""
 _NEAR_M = 0.4
 """Distance within which the ground under the robot is looked for, metres."""
 
+LEVEL_M = 0.08
+"""Greatest height above or below a floor, metres, that belongs to it: rugs and sills do. Heights
+that images show of level ground err by less."""
 SIDE_CELLS = 256
 """Number of rows and columns of the map, whose middle stays near the robot."""
 NEAR_CELLS = 160
@@ -33,7 +34,7 @@ NEAR_CELLS = 160
 _SHIFT_CELLS = 32
 """Cells by which the map moves with the robot."""
 _LEAST_CELLS = 20
-_SAME_STOREY_M = 1.6
+SAME_STOREY_M = 1.6
 """Height above or below the robot, metres, beyond which ground is of another storey."""
 _UNDER_M = 0.1
 """Distance within which the ground is what the robot stands on, metres."""
@@ -53,10 +54,8 @@ _CLEARANCE = 0.65
 _AROUND_M = 0.5
 """Distance beyond what the camera doesn't see of the ground before the robot, metres, within which
 the ground tells how high the robot stands."""
-_POSE_ERROR_M = 0.3
+POSE_ERROR_M = 0.3
 """Greatest error of the height at which the robot is said to be, metres."""
-_AGREES_M = 0.08
-"""Difference from that height, metres, up to which ground agrees with it."""
 _LEAST_AGREEING = 0.25
 """Share of the ground that must agree: then the rest is another level, such as a raised room."""
 _LEAST_ANGLE = 0.01
@@ -177,8 +176,7 @@ def reach(
     start = nearest_cell(fits > 0, grid, position)
     if start is None:
         return np.zeros(fits.shape, dtype=np.bool_)
-    cv2.floodFill(fits, None, start[::-1], _REACHED)
-    return fits == _REACHED
+    return joined_to(start, fits > 0)
 
 
 def closed(mask: Bool[np.ndarray, "rows columns"], side: int) -> Bool[np.ndarray, "rows columns"]:
@@ -311,7 +309,7 @@ class ElevationMap:
     @property
     def obstacles(self) -> OccupancyGrid:
         """What stands on the ground: occupied, and unknown elsewhere."""
-        is_hit = self._hits >= OBSTACLE_HITS
+        is_hit = self._hits >= OCCUPIED_EVIDENCE
         cells = np.where(is_hit, np.uint8(Cell.OCCUPIED), np.uint8(Cell.UNKNOWN))
         return OccupancyGrid(cells, self._cell_m, self._origin)
 
@@ -341,8 +339,8 @@ class ElevationMap:
         known, hits, hit_z, hit_top, below = (one[window] for one in maps)
         with np.errstate(invalid="ignore"):  # what is farther up or down belongs to other storeys
             known = _without_pits(known, self._pit_cells, body.max_step_m)
-            highest_m = min(body.height_m, _SAME_STOREY_M) if under else _SAME_STOREY_M
-            measured = (known >= robot_z - _SAME_STOREY_M) & (known <= robot_z + highest_m)
+            highest_m = min(body.height_m, SAME_STOREY_M) if under else SAME_STOREY_M
+            measured = (known >= robot_z - SAME_STOREY_M) & (known <= robot_z + highest_m)
             near_level = np.abs(known - robot_z) < _NEAR_LEVEL_M
         around = np.where(near_level, known, np.float32(np.nan))
         seen = closed(measured, 3)  # gaps of one cell, as at risers, are ground
@@ -437,9 +435,9 @@ class ElevationMap:
         heights = self._heights[rows, columns]  # every other row and column tells enough
         off_m = np.abs(heights - np.float32(said_z))
         with np.errstate(invalid="ignore"):
-            is_near = (off_m <= _POSE_ERROR_M) & (heights != self._stood_z[rows, columns])
+            is_near = (off_m <= POSE_ERROR_M) & (heights != self._stood_z[rows, columns])
         near = heights[is_near]
-        agrees = off_m[is_near] <= _AGREES_M
+        agrees = off_m[is_near] <= LEVEL_M
         if agrees.sum() >= _LEAST_AGREEING * len(near):
             near = near[agrees]
         return float(np.median(near)) if len(near) else said_z

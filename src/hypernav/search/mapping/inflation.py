@@ -32,6 +32,15 @@ def distance_from(
     return np.sqrt(np.rint(np.square(nearly, dtype=np.float64))).astype(np.float32)
 
 
+def joined_to(
+    start: tuple[int, int], mask: Bool[np.ndarray, "rows columns"]
+) -> Bool[np.ndarray, "rows columns"]:
+    """The cells of a mask to which others of it lead, side by side, from one of them."""
+    cells = mask.astype(np.uint8)
+    cv2.floodFill(cells, None, start[::-1], 2, flags=4)
+    return cells == 2
+
+
 def disc(radius_m: float, cell_size_m: float) -> UInt8[np.ndarray, "side side"]:
     """Structuring element: 1 for cells whose middles lie within a radius of the middle cell's."""
     radius = radius_m / cell_size_m

@@ -14,8 +14,8 @@ from hypernav.core.observation import Observation
 from hypernav.search.mapping.sight_lines import lines_are_clear
 from hypernav.search.memory.goal_area import GoalArea
 
-_BARRED_M = 0.4
-"""Radius, metres, around a barred position within which all entry points count as barred."""
+_SAME_POSITION_M = 0.4
+"""Distance within which two positions count as one, metres: of views, and of what is barred."""
 _PRIOR = -1.4
 """Log-odds of a candidate before any look: what a detector reports weakly is seldom right."""
 _MOST_BY_LOOKS = 6.0
@@ -23,7 +23,6 @@ _MOST_BY_LOOKS = 6.0
 all sides, so the candidate's form must still be able to refute it."""
 _BESIDE_M = 2.0
 """Distance from an entry point, metres, up to which a view of the target is beside it."""
-_SAME_POSITION_M = 0.4
 _ANOTHER_SIDE_DEG = 45.0
 _SAME_VIEW = 0.5
 """Views share their errors below this many eighths of a circle, or halvings of the distance."""
@@ -239,10 +238,10 @@ def areas_touch(a: GoalArea, b: GoalArea) -> bool:
 def _far_from(
     points: Float64[np.ndarray, "n 2"], positions: tuple[tuple[float, float], ...]
 ) -> Bool[np.ndarray, " n"]:
-    """Which points are farther than `_BARRED_M` from all given positions; all in metres."""
+    """Which points are farther than `_SAME_POSITION_M` from all given positions; all in metres."""
     is_far = np.ones(len(points), dtype=bool)
     for position in positions:
-        is_far &= np.linalg.norm(points - np.array(position), axis=1) > _BARRED_M
+        is_far &= np.linalg.norm(points - np.array(position), axis=1) > _SAME_POSITION_M
     return is_far
 
 

@@ -20,10 +20,9 @@ from hypernav.search.memory.candidate import GoalEvidence
 from hypernav.search.memory.image_kernels import fan_of_view
 from hypernav.search.memory.thing import Thing
 from hypernav.search.memory.things import Things
+from hypernav.search.memory.visibility import BLIND_M
 
 _EVERY_PX = 16
-_BESIDE_M = 0.3
-"""Radius around the robot within which the floor counts as looked at, metres."""
 
 MOST_POSITIONS = 5000
 """Number of positions of earlier searches that a floor's trajectory keeps."""
@@ -60,7 +59,7 @@ class CoverageMask:
         mask = self.cells.view(np.uint8)
         cv2.fillPoly(mask, [fan_of_view(farthest, _EVERY_PX, lens, pose, self.origin, side)], 1)
         row, column = grid.cell_of(*observation.robot.xy)
-        cv2.circle(mask, (column, row), math.ceil(_BESIDE_M / side), 1, -1)
+        cv2.circle(mask, (column, row), math.ceil(BLIND_M / side), 1, -1)
 
     def applied(self, grid: OccupancyGrid) -> OccupancyGrid:
         """The map as if only this search had been on the floor: the rest is unknown."""

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Bool, Float64, Int64
 
 from hypernav.core.exploring.floors import Drop, KnownFloor, WayOut
-from hypernav.search.mapping.elevation_map import reach
+from hypernav.search.mapping.elevation_map import SAME_STOREY_M, reach
 from hypernav.search.mapping.inflation import distance_from
 from hypernav.search.mapping.stairs.connectors import Connector
 from hypernav.search.memory.floor import Floor, SearchMemory
@@ -17,9 +17,8 @@ from hypernav.search.memory.thing import is_in_room
 
 _UNDERFOOT_M = 1.5
 """Greatest distance of a robot on the first steps of stairs from where they seem to end, metres."""
-_LEAST_STOREY_M = 1.6
 _MOST_STOREY_M = 4.5
-"""Heights between floors, metres, that have no other floor between them."""
+"""Height between two floors, metres, above which there is another one between them."""
 
 _PATCH_M = 0.2
 """Side of the patches that edges of the floor are made of, metres."""
@@ -234,7 +233,7 @@ def knows_next_floor(memory: Memory, floor: Floor, *, goes_up: bool) -> bool:
     """Whether the robot knows a path to a floor one storey above or below this one."""
     sign = 1.0 if goes_up else -1.0
     away_m = [sign * (memory.floors[one].z - floor.z) for one in routes_from_here(memory)]
-    return any(_LEAST_STOREY_M <= one <= _MOST_STOREY_M for one in away_m)
+    return any(SAME_STOREY_M <= one <= _MOST_STOREY_M for one in away_m)
 
 
 def _way_over(memory: Memory, number: int) -> WayOut:

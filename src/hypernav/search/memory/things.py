@@ -35,7 +35,7 @@ from hypernav.search.memory.thing import (
     overlap,
     stands_in_room,
 )
-from hypernav.search.memory.visibility import are_visible
+from hypernav.search.memory.visibility import SHOWN_M, are_visible
 
 _BESIDE_M = 0.6
 """Distance beside two things, metres, within which a wall between them must have no end."""
@@ -54,8 +54,6 @@ MOST_THINGS = 500
 _LOW_SHARE = 0.25
 _LEAST_PX = 20.0
 """Size in the image, pixels, below which it says nothing that a thing was not detected."""
-_NEAR_M = 4.0
-"""Distance beyond which no image can be expected to show a thing, metres."""
 _WHOLLY, _ITS_KIND = 1.0, 0.5
 """How well a thing's label may fit a goal; see `Thing.fits`."""
 _LARGER = 4.0
@@ -407,7 +405,7 @@ def _that_should_show(things: Iterable[Thing], observation: Observation) -> list
     things, robot = list(things), observation.robot
     boxes = np.array([one.low + one.high for one in things]).reshape(-1, 6)
     where = (robot.x, robot.y, robot.yaw)
-    is_near = are_near(boxes, where, observation.camera.lens[0], _NEAR_M, _LEAST_PX)
+    is_near = are_near(boxes, where, observation.camera.lens[0], SHOWN_M, _LEAST_PX)
     near = [one for one, is_so in zip(things, is_near.tolist(), strict=True) if is_so]
     if not near:
         return []

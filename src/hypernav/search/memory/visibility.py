@@ -8,9 +8,10 @@ from hypernav.core.geometry.depth import is_measured
 from hypernav.core.observation import Observation
 from hypernav.search.memory.image_kernels import count_visible
 
-_BESIDE_M = 0.3
-"""Distance from the robot within which positions lie open: no image shows the floor there."""
-_NEAREST_M = 0.3
+BLIND_M = 0.3
+"""Distance from the robot, metres, within which no image shows the floor: it counts as seen."""
+SHOWN_M = 4.0
+"""Distance beyond which no image can be expected to show a thing, metres."""
 _SAME_WIDTH = 0.5
 """Least overlap over union of the image columns of a box and of an object in it."""
 _DEPTH_SLACK_M = 0.5
@@ -18,7 +19,7 @@ _OWN_DEPTH_M = 1.0
 """Depth of an object, metres, by which its near side may lie before its far side."""
 _WALL_SLACK_M = 0.3
 """Depth, metres, by which what is behind an object may be nearer than the object."""
-_RECOGNISABLE_M = (1.0, 4.0)
+_RECOGNISABLE_M = (1.0, SHOWN_M)
 _IN_BETWEEN_M = 0.15
 _MEASURABLE_M = 0.6
 """Depth, metres, below which an object may be too near for the depth camera."""
@@ -41,7 +42,7 @@ def lies_open(
     is_open = observation.camera.contains_columns(pixels[:, 0])
     farthest = observation.farthest_m[pixels[is_open, 0].astype(int)]
     is_open[is_open] = farthest > distance[is_open]
-    beside = np.linalg.norm(positions - np.array(observation.robot.xy), axis=1) < _BESIDE_M
+    beside = np.linalg.norm(positions - np.array(observation.robot.xy), axis=1) < BLIND_M
     return is_open | beside
 
 
@@ -58,7 +59,7 @@ def is_cut_off(
         observation: Frame of the image.
     """
     distance, pixels = _projected(positions, height_m, observation)
-    shown = (distance > _NEAREST_M) & observation.camera.contains(pixels)
+    shown = (distance > BLIND_M) & observation.camera.contains(pixels)
     if not shown.any():
         return False
     nearest = float(distance[shown].min())
@@ -118,7 +119,7 @@ def seems_to_hold(
         observation: Frame of the image.
     """
     distance, pixels = _projected(positions, 0.0, observation)
-    ahead = distance > _NEAREST_M
+    ahead = distance > BLIND_M
     if not ahead.any():
         return False
     distance, column = distance[ahead], pixels[ahead, 0]

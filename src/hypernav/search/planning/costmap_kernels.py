@@ -14,7 +14,8 @@ import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
-SQRT2 = math.sqrt(2.0)
+from hypernav.search.mapping.grid_kernels import SQRT2
+
 BUCKETS_PER_CELL = 2
 """Number of buckets per cell of cost; with more, fewer cells are visited twice."""
 

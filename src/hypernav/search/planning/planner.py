@@ -5,21 +5,18 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 
-import cv2
 import numpy as np
 from jaxtyping import Bool, Float32, Float64, Int64, UInt8
 
 from hypernav.core.embodiment import BodyConfig
 from hypernav.core.geometry.grid import OccupancyGrid
-from hypernav.search.mapping.inflation import distance_from
+from hypernav.search.mapping.inflation import distance_from, joined_to
 from hypernav.search.planning.config import PlanningConfig
 from hypernav.search.planning.costmap import Costmap
 from hypernav.search.planning.costmap_kernels import cost_of_line, expand, path_back, shortcut
 
 _BESIDE_M = 0.1
 """Gap up to which a path ends in the destination, since cells have a size, metres."""
-_REACHED = 2
-"""Mark of the cells that a path leads to, among the passable ones."""
 
 
 def astar(
@@ -282,9 +279,7 @@ def is_blocked(points: tuple[tuple[float, float], ...], costmap: Costmap) -> boo
 def _reachable(costmap: Costmap, here: tuple[int, int]) -> Bool[np.ndarray, "rows columns"]:
     """Mask of the cells that a path leads to from a cell."""
     # Diagonal steps need both neighbours, so what is 8-reachable is 4-connected.
-    passable = (costmap.costs > 0.0).view(np.uint8)
-    cv2.floodFill(passable, None, here[::-1], _REACHED, flags=4)
-    return passable == _REACHED
+    return joined_to(here, costmap.costs > 0.0)
 
 
 def _enterable_goal(

@@ -16,11 +16,11 @@ from jaxtyping import Bool, Float64
 
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
-from hypernav.search.mapping.elevation_map import Ground
+from hypernav.search.mapping.elevation_map import LEVEL_M, POSE_ERROR_M, Ground
 from hypernav.search.mapping.stairs.connectors import Connector
 from hypernav.search.mapping.stairs.seen_connectors import (
     EDGE_M,
-    LEVEL_M,
+    LEAST_M2,
     connectors_in,
     edge_beside,
 )
@@ -55,8 +55,6 @@ _FRONT_HALF_M = 0.3
 """Distance from the axis, metres, beyond which it does not come onto the flight then."""
 _BACK_M = 0.3
 """Height above the robot, metres, of ground that is not on the way down, or below it on that up."""
-_LEAST_M2 = 0.1
-"""Ground that is worth going to, square metres: half a tread of narrow stairs."""
 _PASSED_M = 0.3
 """Distance past its beginning, metres, at which a robot on level ground is not on a flight."""
 _ASKEW = 0.4
@@ -69,8 +67,6 @@ _STEEP = 0.3
 """Slope of a step down from which it was on stairs, also where it led askew over them."""
 _APART_M = 0.1
 """Spread of a robot's way to both sides of a line, metres, from which it tells how ground falls."""
-_HEIGHT_ERROR_M = 0.08
-"""Error of a robot's heights on stairs, metres, up to which an axis tells how the ground falls."""
 _MOST = 0.75
 """Share of the ground where a flight begins, from which it is known to be level or not."""
 _BEGINS_M = 1.5
@@ -79,8 +75,6 @@ _AROUND_M = 1.0
 """Distance within which a landing tells its height, metres."""
 _UNDERFOOT_M = 0.25
 """Distance within which the robot stands on the ground."""
-_MESH_M = 0.3
-"""Difference between this height and the robot's, metres, beyond which it is another one."""
 
 
 def along_walls(one: Connector, grid: OccupancyGrid) -> Connector:
@@ -195,7 +189,7 @@ def landing_z(ground: Ground, robot: Pose2, robot_z: float) -> float:
     A simulated robot stands on a mesh whose heights are wrong by up to a step there.
     """
     with np.errstate(invalid="ignore"):
-        is_near = np.abs(ground.heights - robot_z) <= _MESH_M
+        is_near = np.abs(ground.heights - robot_z) <= POSE_ERROR_M
     is_near &= ground.seen & ~ground.stood & ground.reached
     is_near &= ground.distances_m(robot.xy) <= _AROUND_M
     return float(np.median(ground.heights[is_near])) if is_near.any() else robot_z
@@ -286,7 +280,7 @@ def _falls_towards(way: Sequence[_Place], axis: float | None) -> float | None:
         ahead = points[:, :2] @ np.array([[math.cos(axis)], [math.sin(axis)]])
         (rise,) = np.linalg.lstsq(ahead, points[:, 2], rcond=None)[0]
         off_m = points[:, 2] - rise * ahead[:, 0]
-        if rise <= -_STEEP and np.abs(off_m).max() <= _HEIGHT_ERROR_M:
+        if rise <= -_STEEP and np.abs(off_m).max() <= LEVEL_M:
             return None
     slope = np.linalg.lstsq(points[:, :2], points[:, 2], rcond=None)[0]
     return math.atan2(-slope[1], -slope[0])
@@ -352,7 +346,7 @@ def stairs_ahead(
     seen or presumed there. Else it is the highest ground in reach, or the lowest that was seen;
     beyond a landing, it is any presumed stairs.
     """
-    least_cells = max(round(_LEAST_M2 / ground.grid.resolution_m**2), 1)
+    least_cells = max(round(LEAST_M2 / ground.grid.resolution_m**2), 1)
     sign = 1.0 if goes_up else -1.0
     with np.errstate(invalid="ignore"):
         rise = sign * (ground.heights - robot_z)

@@ -16,12 +16,10 @@ from jaxtyping import Bool, Float64
 
 from hypernav.core.geometry.grid import Cell, OccupancyGrid
 from hypernav.search.mapping.config import STAIRS_M
-from hypernav.search.mapping.elevation_map import Ground, closed
+from hypernav.search.mapping.elevation_map import LEVEL_M, Ground, closed
 from hypernav.search.mapping.stairs.connectors import Connector, Passage
 
-LEVEL_M = 0.08
-"""Greatest height above or below a floor, metres, that belongs to it: rugs and sills do."""
-_LEAST_M2 = 0.1
+LEAST_M2 = 0.1
 """Ground that far from the floor's height, within the robot's reach, square metres."""
 _HIGH_M = 0.65
 """Height, metres, to which steps are seen at least that count without the first one."""
@@ -67,11 +65,11 @@ def connectors_in(ground: Ground, floor: int, floor_z: float) -> list[Connector]
             below |= lower & closed(below, _GAP_CELLS)
     found = list[Connector]()
     for part in _parts(above):
-        if min(ground.area_m2(part & high), ground.area_m2(part & ~high)) >= _LEAST_M2:
+        if min(ground.area_m2(part & high), ground.area_m2(part & ~high)) >= LEAST_M2:
             found += _connector(ground, part, floor, floor_z, goes_up=True)
     for part in _parts(below):
         presumed = part & ground.presumed
-        if ground.area_m2(part & low) >= _LEAST_M2 or ground.area_m2(presumed) >= _DROP_M2:
+        if ground.area_m2(part & low) >= LEAST_M2 or ground.area_m2(presumed) >= _DROP_M2:
             found += _connector(ground, part, floor, floor_z, goes_up=False)
     return found
 
@@ -111,7 +109,7 @@ def shows_steps(ground: Ground, down: Connector, floor_z: float) -> bool:
     """Whether ground below the floor was seen near the end of stairs down."""
     with np.errstate(invalid="ignore"):
         below = ground.reached & ground.seen & (ground.measured <= floor_z - LEVEL_M)
-    return ground.area_m2(below & (ground.distances_m(down.end) <= _ALONG_M)) >= _LEAST_M2
+    return ground.area_m2(below & (ground.distances_m(down.end) <= _ALONG_M)) >= LEAST_M2
 
 
 def _connector(
@@ -128,7 +126,7 @@ def _connector(
     edge = level & _grown(_first_step(ground, part, floor_z) if goes_up else part)
     if goes_up and not edge.any():
         high = part & (ground.heights >= floor_z + _HIGH_M)
-        if ground.area_m2(high) >= _LEAST_M2:
+        if ground.area_m2(high) >= LEAST_M2:
             part = _with_unseen_steps(ground, part, floor_z)
             edge = level & _grown(_first_step(ground, part, floor_z))
     if not edge.any():

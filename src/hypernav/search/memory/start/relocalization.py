@@ -22,6 +22,7 @@ from hypernav.core.observation import Observation
 from hypernav.search.mapping.top_down_map import TopDownMap
 from hypernav.search.memory.floor import counted_from
 from hypernav.search.memory.memory import Memory
+from hypernav.search.memory.start.start_check import NEAR_M
 
 _HEADINGS = 72
 _COARSE = 4
@@ -34,8 +35,6 @@ _SHIFTS = ((0.1, 3.0), (0.05, 1.5), (0.025, 0.75), (0.0125, 0.375))
 """Metres and degrees by which a place is shifted, in turn."""
 _AROUND = np.array(list(product((1.0, 0.0, -1.0), repeat=3)))
 """Shifts to all neighbours of a place, and none, in steps."""
-_NEAR_M = 0.1
-"""Distance from a remembered obstacle at which a seen one agrees with it by exp(-0.5)."""
 _CONTRADICTS_M = 0.3
 """Distance from all remembered obstacles from which a seen one, on remembered free floor, speaks
 against a place."""
@@ -250,7 +249,7 @@ class _Fields:
 
 
 def _agreement(away_m: _Field) -> _Field:
-    return np.exp(-0.5 * (away_m / np.float32(_NEAR_M)) ** 2)
+    return np.exp(-0.5 * (away_m / np.float32(NEAR_M)) ** 2)
 
 
 def _candidates(fields: _Fields, seen: _Seen) -> list[_Place]:

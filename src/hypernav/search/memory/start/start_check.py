@@ -20,7 +20,7 @@ from hypernav.search.memory.memory import Memory
 _STRIDE = 8
 _LOWEST_M = 0.2
 """Height above the floor from which points are of what stands there, metres."""
-_NEAR_M = 0.1
+NEAR_M = 0.1
 """Distance from a remembered obstacle within which a point belongs to it, metres."""
 _FAR_M = 0.25
 """Distance from all remembered obstacles beyond which a point contradicts the map, metres."""
@@ -89,7 +89,7 @@ class KnownFloor:
         self._robot: Embodiment = map_.embodiment
         band = map_.config.height_band(map_.embodiment.body)
         self._top_m = band.bottom_m + band.layers * map_.config.voxel_height_m
-        self._obstacles = inflate(occupied, _NEAR_M, size) > 0
+        self._obstacles = inflate(occupied, NEAR_M, size) > 0
         self._open = (inflate(occupied, _FAR_M, size) == 0) & (grid.cells == Cell.FREE)
         rows, columns = grid.cells.shape
         x, y = grid.origin

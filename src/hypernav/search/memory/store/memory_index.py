@@ -39,7 +39,6 @@ MOST_SEARCHES = 1000
 MOST_REFUTED = 1000
 """Number of refuted positions that it keeps of a search."""
 MOST_IMAGES = 100_000
-_MOST_NAMED = 100_000
 _MOST_COUNT = 1_000_000_000
 _MOST_PIXELS = 1e8
 MOST_METRES = 1e6
@@ -151,7 +150,7 @@ class FloorRecord(_Record):
     things: Items[ThingRecord] = Field(max_length=MOST_THINGS)
     thing_count: Count
     sightings: Items[SightingRecord] = Field(max_length=MOST_SIGHTINGS)
-    named: Items[Count] = Field(max_length=_MOST_NAMED)
+    named: Items[Count] = Field(max_length=MOST_IMAGES)
     was_explored: bool = False
 
     def all_things(self) -> Things:
