@@ -27,12 +27,11 @@ from hypernav.search.mapping.stairs.flights import (
     on_flight,
     stairs_ahead,
 )
+from hypernav.search.memory.floor_exits import BEFORE_M
 from hypernav.search.memory.memory import Memory
 from hypernav.search.planning.bump_sensor import is_cut_short
 from hypernav.search.planning.stair_steps import step_over_ground
 
-_OFF_STAIRS_M = 0.8
-"""Length of the path on from the head or foot of stairs, metres, before it is clear of them."""
 _PATIENCES = 1.5
 """Patience with stairs on which the robot comes no farther up or down, in patiences with a
 destination (`SearchConfig.endurance_steps`)."""
@@ -209,7 +208,7 @@ def _level_beyond(
     if flight is not None and climbing.from_front and not memory.footing.is_off_floor:
         ground = from_front(ground, robot, flight)
     looked = _looked(step, climbing)
-    beyond = memory.footing.way_on(ground, stairs.level_z, _OFF_STAIRS_M, looked)
+    beyond = memory.footing.way_on(ground, stairs.level_z, BEFORE_M, looked)
     ahead = ahead_of if 0 < climbing.turned < circle else first_ahead
     return ground, ahead(ground, robot, beyond)
 

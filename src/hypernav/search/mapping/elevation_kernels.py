@@ -28,8 +28,9 @@ _DROP_M = 0.25
 _EXPECTED = 0.7
 """Share of the camera's range within which a level floor returns depth: where it ends and none
 comes back, there is no floor."""
-_SAME_LEVEL_M = 0.15
-"""Greatest difference in height, metres, between two sights of one edge of the floor."""
+HEIGHT_ERROR_M = 0.15
+"""How far ground may seem above or below its height, or that at which the robot is said to be,
+metres: poses on meshes of floors were off by up to 0.13; less than a riser tells treads apart."""
 _STEEPEST = 0.75
 """Slope of steep stairs, rise over run."""
 BUMPED = 255
@@ -215,7 +216,7 @@ def sort_ground(maps, masks, to_robot, robot_z, limits, down):
             if seen[i, j]:
                 continue
             dropped_m = below[i, j] - robot_z
-            if not spots[i, j] and abs(dropped_m) <= np.float32(_SAME_LEVEL_M):
+            if not spots[i, j] and abs(dropped_m) <= np.float32(HEIGHT_ERROR_M):
                 presumed[i, j] = down and clear[i, j]
                 continue
             x = (j + 0.5) * to_robot[2] + to_robot[0]

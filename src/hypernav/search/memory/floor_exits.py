@@ -11,12 +11,11 @@ from hypernav.core.exploring.floors import Drop, KnownFloor, WayOut
 from hypernav.search.mapping.elevation_map import SAME_STOREY_M, reach
 from hypernav.search.mapping.inflation import distance_from
 from hypernav.search.mapping.stairs.connectors import Connector
+from hypernav.search.mapping.stairs.flights import BEGINS_M
 from hypernav.search.memory.floor import Floor, SearchMemory
 from hypernav.search.memory.memory import Memory
 from hypernav.search.memory.thing import is_in_room
 
-_UNDERFOOT_M = 1.5
-"""Greatest distance of a robot on the first steps of stairs from where they seem to end, metres."""
 _MOST_STOREY_M = 4.5
 """Height between two floors, metres, above which there is another one between them."""
 
@@ -26,8 +25,8 @@ _EDGE_PATCHES = 2
 """Least number of patches in an edge at which stairs may begin."""
 _NEAR_M = 1.5
 """Distance from which the robot sees whether stairs begin at an edge, metres."""
-_BEFORE_M = 0.8
-"""Distance from stairs, metres, at which a robot stands before them."""
+BEFORE_M = 0.8
+"""Distance from stairs, metres, within which a robot stands before them, not clear of them."""
 _ALONG = math.radians(30.0)
 """Angle from the direction of stairs up to which it looks along them."""
 _IN_SIGHT_M = 8.0
@@ -177,7 +176,7 @@ def stairs_underfoot(memory: Memory, position: tuple[float, float]) -> int | Non
         if memory.connectors[k].goes_up == (memory.footing.z > memory.footing.ground_z)
     ]
     away_m, number = min(here, default=(math.inf, None))
-    return number if away_m <= _UNDERFOOT_M else None
+    return number if away_m <= BEGINS_M else None
 
 
 def _known_floor(memory: Memory, number: int, route: tuple[int, ...]) -> KnownFloor:
@@ -313,7 +312,7 @@ def _new_edges(memory: Memory) -> list[tuple[float, float]]:
 def _was_looked_down(memory: Memory, stairs: Connector) -> bool:
     """Whether the robot has stood before stairs in this search and looked along them."""
     return any(
-        one.distance_to(*stairs.end) <= _BEFORE_M
+        one.distance_to(*stairs.end) <= BEFORE_M
         and math.cos(one.yaw - stairs.axis) >= math.cos(_ALONG)
         for one in memory.search.views
     )

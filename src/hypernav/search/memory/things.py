@@ -35,7 +35,7 @@ from hypernav.search.memory.thing import (
     overlap,
     stands_in_room,
 )
-from hypernav.search.memory.visibility import SHOWN_M, are_visible
+from hypernav.search.memory.visibility import SAME_DEPTH_M, SHOWN_M, are_visible
 
 _BESIDE_M = 0.6
 """Distance beside two things, metres, within which a wall between them must have no end."""
@@ -46,8 +46,6 @@ _LARGEST_STRIDE = 24
 _LEAST_POINTS = 3
 _STRAYS = 0.05
 """Share of a detection's points at each end of each axis that don't count to its extent."""
-_SAME_DEPTH_M = 0.5
-"""Distance in depth from a box's middle up to which its pixels are the thing's, without a mask."""
 
 MOST_THINGS = 500
 """Number of things that a floor remembers; the least certain are forgotten first."""
@@ -171,7 +169,7 @@ def _mask(
     x_min, y_min, x_max, y_max = box.pixels()
     window = (slice(y_min, y_max), slice(x_min, x_max))
     middle_m = _middle_depth(box, observation, camera)
-    mask[window] = np.abs(observation.depth[window] - middle_m) <= _SAME_DEPTH_M
+    mask[window] = np.abs(observation.depth[window] - middle_m) <= SAME_DEPTH_M
     return mask
 
 

@@ -14,7 +14,8 @@ SHOWN_M = 4.0
 """Distance beyond which no image can be expected to show a thing, metres."""
 _SAME_WIDTH = 0.5
 """Least overlap over union of the image columns of a box and of an object in it."""
-_DEPTH_SLACK_M = 0.5
+SAME_DEPTH_M = 0.5
+"""Difference in depth up to which the pixels of a box and a thing in it are as far away, metres."""
 _OWN_DEPTH_M = 1.0
 """Depth of an object, metres, by which its near side may lie before its far side."""
 _WALL_SLACK_M = 0.3
@@ -132,7 +133,7 @@ def seems_to_hold(
     if overlap < _SAME_WIDTH * union or len(depth) == 0:
         return False
     middle = float(np.median(depth))
-    return bool(distance.min() - _DEPTH_SLACK_M < middle < distance.max() + _DEPTH_SLACK_M)
+    return bool(distance.min() - SAME_DEPTH_M < middle < distance.max() + SAME_DEPTH_M)
 
 
 def _projected(

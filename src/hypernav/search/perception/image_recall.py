@@ -40,10 +40,8 @@ _LEAST_SPREAD = 0.005
 """Cosine below which images that differ by it count as alike."""
 _TO_DEVIATION = 1.4826
 """Standard deviation of normal values over the median of their distances from their median."""
-_TOLD = 6
-
 IMAGES_PER_QUESTION = 6
-"""Number of images in one question."""
+"""Number of images in one question, and of those whose similarity the trace tells."""
 _COLUMNS = 3
 _TILE_PX = 640
 """Width of an image on the sheet, pixels."""
@@ -123,7 +121,9 @@ class ImageRanking:
         above = away / spread if len(images) >= _LEAST_IMAGES else np.zeros(len(images))
         order = sorted(range(len(images)), key=lambda k: (-fits[k], images[k].number))
         ranked = [RankedImage(images[k].number, round(float(above[k]), 3)) for k in order]
-        told = ", ".join(f"image {one.number}: {one.above:+.1f}" for one in ranked[:_TOLD])
+        told = ", ".join(
+            f"image {one.number}: {one.above:+.1f}" for one in ranked[:IMAGES_PER_QUESTION]
+        )
         took_s = time.perf_counter() - began_s
         self.log.note("rank images", self.name, words, told, seconds=took_s)
         return ranked

@@ -10,13 +10,12 @@ from hypernav.core.embodiment import Action, MotionConfig
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.search.mapping.elevation_map import Ground
 from hypernav.search.mapping.grid_kernels import travel_cells
+from hypernav.search.mapping.stairs.flights import HALF_WIDTH_M
 
 _TURN_M = 0.12
 """Cost of a turn of 30 degrees, metres of path."""
-_MIDDLE_M = 0.42
-"""Distance from edges, metres, below which a step costs more: the robot keeps to the middle."""
 _EDGE_COST = 3.0
-"""Cost of a step for every metre that it comes nearer to an edge than that."""
+"""Cost of a step for every metre that it comes nearer to an edge than the middle of stairs is."""
 _LEAST_GAIN_M = 0.05
 _FREED_M = 0.2
 """First part of a step, metres, that may lead out of where the robot should not be."""
@@ -57,7 +56,7 @@ def step_over_ground(
         row, column = np.unravel_index(int(middle.argmax()), middle.shape)
         to_go = travel_cells(ground.reached.astype(np.uint8), int(row), int(column))
         to_go *= ground.grid.resolution_m
-    narrow_m = np.maximum(_MIDDLE_M - ground.clearance_m.astype(np.float64), 0.0)
+    narrow_m = np.maximum(HALF_WIDTH_M - ground.clearance_m.astype(np.float64), 0.0)
     ahead = {
         turns: line
         for turns, line in _open_steps(ground, robot, motion).items()

@@ -21,6 +21,7 @@ from hypernav.search.mapping.stairs.connectors import Connector
 from hypernav.search.mapping.stairs.seen_connectors import (
     EDGE_M,
     LEAST_M2,
+    TREAD_M,
     connectors_in,
     edge_beside,
 )
@@ -41,22 +42,18 @@ _Place = tuple[float, float, float]
 
 _AHEAD_M = 0.9
 """Distance of the next aim on stairs, metres."""
-_LEAST_AHEAD_M = 0.3
 _NEXT_M = 2.5
 """Length of the axis, metres, on which presumed stairs must begin for the robot to follow it."""
 _SAME_TREAD_M = 0.06
 _BESIDE_AXIS_M = 0.15
 """Distance from the axis within which the robot's aim on stairs that it does not see lies."""
-_HALF_WIDTH_M = 0.42
-"""Distance from the axis of a flight down, metres, beyond which nothing counts as ground."""
+HALF_WIDTH_M = 0.42
+"""Half the width of narrow stairs, metres: nothing farther from the axis of a flight down counts as
+ground, and where there is room the robot keeps so far from edges."""
 _FRONT_M = 0.2
 """Distance before a flight, metres, from which a robot that comes from the front is on its axis."""
 _FRONT_HALF_M = 0.3
 """Distance from the axis, metres, beyond which it does not come onto the flight then."""
-_BACK_M = 0.3
-"""Height above the robot, metres, of ground that is not on the way down, or below it on that up."""
-_PASSED_M = 0.3
-"""Distance past its beginning, metres, at which a robot on level ground is not on a flight."""
 _ASKEW = 0.4
 """Deviation of a flight from parallels and right angles, in right angles."""
 _OTHER_WAY = math.radians(60.0)
@@ -69,8 +66,8 @@ _APART_M = 0.1
 """Spread of a robot's way to both sides of a line, metres, from which it tells how ground falls."""
 _MOST = 0.75
 """Share of the ground where a flight begins, from which it is known to be level or not."""
-_BEGINS_M = 1.5
-"""Distance within which a flight begins from where it was seen, metres."""
+BEGINS_M = 1.5
+"""Distance within which stairs begin from where they seem to, metres."""
 _AROUND_M = 1.0
 """Distance within which a landing tells its height, metres."""
 _UNDERFOOT_M = 0.25
@@ -224,12 +221,12 @@ def flight_down(
         if one.goes_up or abs(quarters - round(quarters)) > _ASKEW:
             continue
         flight = replace(one, axis=first.axis + round(quarters) * math.pi / 2.0)
-        if _passed_m(flight, robot) <= _PASSED_M:
+        if _passed_m(flight, robot) <= TREAD_M:
             found.append(flight)
     if before is not None:
-        is_behind = _passed_m(before, robot) > _PASSED_M
+        is_behind = _passed_m(before, robot) > TREAD_M
         before = None if is_behind or _is_level(ground, before, robot_z) else before
-    if before is not None and robot.distance_to(*before.end) <= _BEGINS_M:
+    if before is not None and robot.distance_to(*before.end) <= BEGINS_M:
         found = [one for one in found if one.is_same(before) and _agree(one, before)] or [before]
     return min(found, key=lambda one: robot.distance_to(*one.end), default=None)
 
@@ -300,7 +297,7 @@ def _passed_m(flight: Connector, robot: Pose2) -> float:
 def _is_level(ground: Ground, flight: Connector, landing_z: float) -> bool:
     """Whether the landing was seen to go on where a flight seemed to begin."""
     ahead_m, beside_m = ground.along(flight.end, flight.axis)
-    begins = (beside_m <= _BESIDE_AXIS_M) & (ahead_m >= _LEAST_AHEAD_M) & (ahead_m <= _AHEAD_M)
+    begins = (beside_m <= _BESIDE_AXIS_M) & (ahead_m >= TREAD_M) & (ahead_m <= _AHEAD_M)
     with np.errstate(invalid="ignore"):
         is_level = ground.seen & (np.abs(ground.measured - landing_z) <= LEVEL_M)
     return bool(is_level[begins].sum() > _MOST * begins.sum())
@@ -318,10 +315,10 @@ def on_flight(
     sign = 1.0 if goes_up else -1.0
     back_z = sign * min(sign * robot_z, sign * underfoot_z(ground, robot, robot_z))
     with np.errstate(invalid="ignore"):
-        closed = ground.seen & (sign * (back_z - ground.heights) > _BACK_M)
+        closed = ground.seen & (sign * (back_z - ground.heights) > POSE_ERROR_M)
     if flight is not None and not goes_up:
         ahead_m, beside_m = ground.along(flight.end, flight.axis)
-        closed |= (ahead_m > 0.0) & (beside_m > _HALF_WIDTH_M) & ~ground.seen
+        closed |= (ahead_m > 0.0) & (beside_m > HALF_WIDTH_M) & ~ground.seen
     return ground.without(closed, robot.xy)
 
 
@@ -358,7 +355,7 @@ def stairs_ahead(
             ahead_m = ground.along(robot.xy, flight.axis)[0]
             on_axis = ground.along(flight.end, flight.axis)[1] <= _BESIDE_AXIS_M
             on_axis &= ground.reached if on_slope else beyond | presumed
-            on_axis &= (ahead_m > _LEAST_AHEAD_M) & (ahead_m < (_AHEAD_M if on_slope else _NEXT_M))
+            on_axis &= (ahead_m > TREAD_M) & (ahead_m < (_AHEAD_M if on_slope else _NEXT_M))
             if on_axis.sum() >= least_cells:
                 return on_axis & (ahead_m >= min(_AHEAD_M, float(ahead_m[on_axis].max())) - 0.1)
     if beyond.sum() < least_cells:

@@ -17,15 +17,12 @@ import numpy as np
 from jaxtyping import Bool
 
 from hypernav.core.geometry.transforms import Pose2
+from hypernav.search.mapping.elevation_kernels import HEIGHT_ERROR_M
 from hypernav.search.mapping.elevation_map import Ground
 
 ANOTHER_M = 1.0
 """Least height between two floors, metres; less is a step, a ramp or odometry's drift."""
 _LEVEL_M = 0.1
-_ERROR_M = 0.15
-"""How far the ground may seem above or below the height at which the robot is said to be, metres:
-poses on meshes of floors were off by up to 0.13, and less than a riser tells treads from ground.
-"""
 _OFF_M = 0.12
 """Difference in height, metres, from which the robot is off the ground that it walked on."""
 _LEAST_FLOOR_M2 = 6.0
@@ -161,4 +158,4 @@ class Footing:
     def _level(self, ground: Ground, z: float) -> Bool[np.ndarray, "rows columns"]:
         """Mask of the ground about as high as the robot and a height, and between them."""
         low, high = sorted((z, self.z))
-        return ground.between(low - _ERROR_M, high + _ERROR_M)
+        return ground.between(low - HEIGHT_ERROR_M, high + HEIGHT_ERROR_M)

@@ -23,8 +23,8 @@ LEAST_M2 = 0.1
 """Ground that far from the floor's height, within the robot's reach, square metres."""
 _HIGH_M = 0.65
 """Height, metres, to which steps are seen at least that count without the first one."""
-_UNSEEN_M = 0.6
-"""Greatest length of steps up before those that are seen, metres: two treads."""
+TREAD_M = 0.3
+"""Length of a tread, metres, about."""
 _DROP_M2 = 0.25
 """Presumed stairs down, within the robot's reach, square metres."""
 _ALONG_M = 1.0
@@ -37,8 +37,8 @@ _GAP_CELLS = 5
 
 EDGE_M = 1.5
 """Distance to both sides of the end of stairs, metres, in which their edge is looked for."""
-_BEFORE_EDGE_M, _BEYOND_EDGE_M = 0.15, 0.3
-"""Distances before and beyond it at which there is floor, and none."""
+_BEFORE_EDGE_M = 0.15
+"""Distance before it at which there is floor; a tread beyond it there is none."""
 _HEADROOM_M = np.arange(0.5, 1.5, 0.05)
 """Distances beyond the head of stairs down, metres, at which nothing is above them."""
 _ACROSS_M = np.arange(-0.3, 0.3, 0.05)
@@ -151,8 +151,8 @@ def _first_step(
 def _with_unseen_steps(
     ground: Ground, part: Bool[np.ndarray, "rows columns"], floor_z: float
 ) -> Bool[np.ndarray, "rows columns"]:
-    """Steps up with those right before them that the camera does not see from so near."""
-    side = 2 * math.ceil(_UNSEEN_M / ground.grid.resolution_m) + 1
+    """Steps up, with up to two right before them that the camera does not see from so near."""
+    side = 2 * math.ceil(2.0 * TREAD_M / ground.grid.resolution_m) + 1
     unseen = ground.reached & ~ground.seen & _grown(part, side)
     return _joined(part | (unseen & (ground.heights >= floor_z + LEVEL_M)), part)
 
@@ -220,7 +220,7 @@ def edge_beside(ground: Ground, one: Connector, floor_z: float) -> tuple[float, 
     reach_m = [0.0, 0.0]
     for side, sign in enumerate((1.0, -1.0)):
         edge = np.array(one.end) + sign * beside_m[:, None] * left
-        before, beyond = edge - _BEFORE_EDGE_M * ahead, edge + _BEYOND_EDGE_M * ahead
+        before, beyond = edge - _BEFORE_EDGE_M * ahead, edge + TREAD_M * ahead
         is_edge = ground.grid.picked(ground.reached, before)
         is_edge &= ground.grid.picked(ground.grid.free, beyond) & ~_is_floor(
             ground, beyond, floor_z

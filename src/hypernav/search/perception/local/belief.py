@@ -24,8 +24,7 @@ from hypernav.search.memory.visibility import is_cut_off, seems_to_hold, should_
 from hypernav.search.perception.config import LocalConfig
 from hypernav.search.perception.local.shape import form_evidence
 
-_RIVAL_SHARE = 0.5  # share of the shift that counts for a detection of another thing there
-_SHAPE_SHARE = 0.5  # share of the shift that counts for the form in one image
+_INDIRECT = 0.5  # share of the shift that counts for the form in one image, or another thing there
 _BELIEVED = 3.0
 """Log-odds from which a candidate is taken for the goal, after a second look if it needs one."""
 _SURE = 4.2
@@ -73,7 +72,7 @@ class Sighting:
     @property
     def weight(self) -> float:
         """Shift of the log-odds by score and form; a form that fits counts for nothing."""
-        return self.score_weight + _SHAPE_SHARE * min(self.shape, 0.0)
+        return self.score_weight + _INDIRECT * min(self.shape, 0.0)
 
 
 def weight_of(score: float, config: LocalConfig) -> float:
@@ -305,7 +304,7 @@ def _rivalry(
     """Log-odds that the surest detection of another thing in the same pixels takes away."""
     seen = one.area.seen_points
     scores = [o.score for o in others if seems_to_hold(o.box, seen, observation)]
-    return _RIVAL_SHARE * max([0.0, *(weight_of(score, config) for score in scores)])
+    return _INDIRECT * max([0.0, *(weight_of(score, config) for score in scores)])
 
 
 def _best(evidence: GoalEvidence, robot: Pose2) -> int | None:

@@ -96,9 +96,6 @@ _TAKEN_FOR: dict[tuple[str, str], float] = {
 }
 """Shares of the views of a thing in which it is taken for a kind."""
 
-_TAKEN_FOR_ANY_OTHER = 0.0003
-"""The same for any other two kinds."""
-
 _TAKEN_FROM_BUILDING: dict[str, float] = {
     "chair": 0.041,
     "book": 0.039,
@@ -111,7 +108,8 @@ _TAKEN_FROM_BUILDING: dict[str, float] = {
 }
 """Mean number of boxes per view in which walls, floors and ceilings are taken for a kind."""
 
-_TAKEN_FROM_BUILDING_ANY_OTHER = 0.0003
+_ANY_OTHER = 0.0003
+"""Both for any others: two kinds, or a kind that parts of the building are taken for."""
 _RIGHT_SCORE, _RIGHT_SCORE_SD = 0.67, 0.19
 _WRONG_SCORE, _WRONG_SCORE_SD = 0.49, 0.16
 _LEAST_SCORE = 0.3
@@ -251,14 +249,14 @@ class SystematicDetector:
             for (thing, said), rate in _TAKEN_FOR.items()
             if same_name(said, goal.thing) and label.is_named(thing)
         ]
-        return self._share * max(taken, default=_TAKEN_FOR_ANY_OTHER), SAME_NAME_SAID
+        return self._share * max(taken, default=_ANY_OTHER), SAME_NAME_SAID
 
     def _taken_places(
         self, truth: LabelledPixels, observation: Observation, goal: Goal
     ) -> list[Detection]:
         """Detections of places of the building, always the same ones, taken for the goal."""
         named = [rate for kind, rate in _TAKEN_FROM_BUILDING.items() if same_name(kind, goal.thing)]
-        rate = self._share * max(named, default=_TAKEN_FROM_BUILDING_ANY_OTHER)
+        rate = self._share * max(named, default=_ANY_OTHER)
         depth, ids = observation.depth[::_STRIDE, ::_STRIDE], truth.ids[::_STRIDE, ::_STRIDE]
         is_building = ~np.isin(ids, np.array(list(truth.labels), dtype=np.int64))
         rows, columns = np.nonzero(is_building & is_measured(depth))
