@@ -125,6 +125,14 @@ class CameraConfig(RoomConfig):
         return PinholeCamera.from_hfov(self.width, self.height, self.hfov_deg)
 
     @property
+    def floor_from_m(self) -> float:
+        """Distance from which it shows the floor ahead, metres; its range where it shows none."""
+        below = math.radians(self.pitch_deg) + math.atan2(self.height / 2.0, self.intrinsics.fy)
+        if below <= 0.0:
+            return self.max_depth_m
+        return min(self.height_m / math.tan(min(below, math.pi / 2.0)), self.max_depth_m)
+
+    @property
     def camera_to_base(self) -> Transform:
         """Pose of the camera on the robot: the transform from the optical to the base frame."""
         return optical_to_base(self.height_m, self.pitch_deg)

@@ -51,11 +51,7 @@ class Gaze:
         """
         camera = embodiment.camera
         self._half_view = math.radians(camera.hfov_deg) / 2.0
-        below = math.radians(camera.pitch_deg) + math.atan2(
-            camera.height / 2.0, camera.intrinsics.fy
-        )
-        self._nearest_m = camera.height_m / math.tan(below) if below > 0.0 else camera.max_depth_m
-        self._farthest_m = camera.max_depth_m
+        self._nearest_m, self._farthest_m = camera.floor_from_m, camera.max_depth_m
         self._turn = math.radians(embodiment.motion.turn_angle_deg)
         self._turns_of_a_circle = embodiment.motion.turns_of_a_circle
         self._least_m2 = least_m2

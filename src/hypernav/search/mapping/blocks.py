@@ -25,12 +25,6 @@ _DROP_SHARE = 0.5
 """Worth of where the floor ends, as it does at the head of stairs, and behind a railing, by that of
 stairs."""
 STAIRS_SIDE_M = 1.0
-_BESIDE_CELLS = 10
-"""Rows and columns around the position before stairs in which a reachable cell is looked for."""
-_BESIDE_DROP_M = 1.0
-"""Distance, along each axis, from where the floor ends within which the robot goes there, metres:
-there may be a railing before it.
-"""
 
 
 def blocks_of(reach: ReachableArea, config: MappingConfig, first: int = 1) -> tuple[Block, ...]:
@@ -90,7 +84,7 @@ def stairs_blocks(
     blocks: list[Block] = []
     beyond_m2 = FLOOR_SHARE * reach.grid.free_m2
     for one in ways_out:
-        there = _block_at(reach, one.xy, first + len(blocks), _BESIDE_CELLS)
+        there = _block_at(reach, one.xy, first + len(blocks), STAIRS_SIDE_M / 2.0)
         if there is not None:
             to = {"connector": one.connector, "words": one.words, "beyond_m2": beyond_m2}
             blocks.append(replace(there, **to))
@@ -107,9 +101,9 @@ def drop_blocks(reach: ReachableArea, drops: Sequence[Drop], first: int) -> tupl
     """
     blocks: list[Block] = []
     beyond_m2 = _DROP_SHARE * FLOOR_SHARE * reach.grid.free_m2
-    within_cells = int(_BESIDE_DROP_M / reach.grid.resolution_m + 1e-9)
     for one in drops:
-        there = _block_at(reach, one.xy, first + len(blocks), within_cells)
+        # there may be a railing before it
+        there = _block_at(reach, one.xy, first + len(blocks), STAIRS_SIDE_M)
         if there is not None:
             x, y = there.destination
             face = math.atan2(one.y - y, one.x - x) if one.axis is None else one.axis
@@ -118,9 +112,10 @@ def drop_blocks(reach: ReachableArea, drops: Sequence[Drop], first: int) -> tupl
 
 
 def _block_at(
-    reach: ReachableArea, position: tuple[float, float], number: int, within_cells: int
+    reach: ReachableArea, position: tuple[float, float], number: int, within_m: float
 ) -> Block | None:
     """A block around a position ``(x, y)``, metres; None if the robot can't go near it."""
+    within_cells = int(within_m / reach.grid.resolution_m + 1e-9)
     at = nearest_open_cell(reach.reachable, *reach.grid.cell_of(*position), within_cells)
     if at == (-1, -1):
         return None

@@ -58,8 +58,6 @@ POSE_ERROR_M = 0.3
 """Greatest error of the height at which the robot is said to be, metres."""
 _LEAST_AGREEING = 0.25
 """Share of the ground that must agree: then the rest is another level, such as a raised room."""
-_LEAST_ANGLE = 0.01
-"""Angle below the horizon, radians, under which a camera sees no ground."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,11 +255,7 @@ class ElevationMap:
         )
         self._ground_z = 0.0
         self._corner: tuple[int, int] | None = None
-        camera = embodiment.camera
-        lens = camera.intrinsics
-        lowest = math.atan((lens.height - lens.cy) / lens.fy) + math.radians(camera.pitch_deg)
-        begins_m = camera.height_m / math.tan(min(max(lowest, _LEAST_ANGLE), math.pi / 2.0))
-        self._blind_m = min(begins_m, camera.max_depth_m) + 2 * cell_size_m
+        self._blind_m = embodiment.camera.floor_from_m + 2 * cell_size_m
 
     @property
     def ground_z(self) -> float:

@@ -19,8 +19,16 @@ _COMFORT_M = 0.2
 middle of doors where there is room."""
 _ESCAPE_COST = np.float32(3.0)
 """Cost factor of an escape from an inflated obstacle: the robot may scrape along it."""
-SURROUNDINGS_M = 5.0
+HORIZON_M = 3.0
+"""Length of path over which actions are searched, metres: beyond the next door, and bend."""
+SIDEWAYS_M = 1.0
+"""Length, metres, by which paths to the aim may exceed the robot's and still be searched."""
+LOOK_AHEAD_M = HORIZON_M + SIDEWAYS_M
+"""Length of path to the point that the actions aim at, metres."""
+SURROUNDINGS_M = LOOK_AHEAD_M + SIDEWAYS_M
 """Distance around the given points, metres, within which all costs are computed."""
+LEAST_GAIN_M = 0.05
+"""Smallest reduction of the cost left to go, metres, that makes actions worth taking."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,23 +12,21 @@ from hypernav.core.embodiment import Action, MotionConfig
 from hypernav.core.geometry.grid import has_cell
 from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.search.planning.config import PlanningConfig
-from hypernav.search.planning.costmap import SURROUNDINGS_M, Costmap
+from hypernav.search.planning.costmap import (
+    HORIZON_M,
+    LEAST_GAIN_M,
+    LOOK_AHEAD_M,
+    SIDEWAYS_M,
+    SURROUNDINGS_M,
+    Costmap,
+)
 from hypernav.search.planning.costmap_kernels import plan_actions
 from hypernav.search.planning.planner import PlannedPath, costs_to_go, is_blocked
 
 _NEAR_M = 0.25
 """Distance, metres, up to which two positions on a path count as the same."""
-
-_LEAST_GAIN_M = 0.05
-"""Smallest reduction of the cost left to go, metres, that makes actions worth taking."""
-_HORIZON_M = 3.0
-"""Length of path over which actions are searched, metres: beyond the next door, and bend."""
-_LOOK_AHEAD_M = 4.0
-"""Length of path to the point that the actions aim at, metres; beyond the horizon."""
-_SIDEWAYS_M = 1.0
-"""Length, metres, by which paths to the aim may exceed the robot's and still be searched."""
-_SAME_POSITION_M = 0.02
-_SAME_HEADING_RAD = 0.02
+_AS_EXPECTED = 0.02
+"""Deviation from the expected pose, metres and radians, up to which all goes as planned."""
 _ANGLE_SLACK = 1e-9
 """Slack, radians, so that rounding makes no turn of a bearing of exactly the tolerance."""
 _ACTIONS = (Action.MOVE_FORWARD, Action.TURN_LEFT, Action.TURN_RIGHT)
@@ -219,7 +217,7 @@ class PathFollower:
         )
         # A long step passes a near end, and the next path would lead back from there.
         gain_m = off - abs(off - self.motion.forward_m)
-        if off <= self._tolerance or overshot or gain_m < _LEAST_GAIN_M:
+        if off <= self._tolerance or overshot or gain_m < LEAST_GAIN_M:
             return None
         return self._turn_or_go(robot.bearing_to(*path.end))
 
@@ -253,9 +251,9 @@ class PathFollower:
     def _goes_as_planned(self, route: Route, robot: Pose2, costmap: Costmap) -> bool:
         """Whether the robot has the expected pose, and the next step forward is still open."""
         expected = route.expected
-        if expected is None or expected.distance_to(*robot.xy) > _SAME_POSITION_M:
+        if expected is None or expected.distance_to(*robot.xy) > _AS_EXPECTED:
             return False
-        if abs(wrap_angle(expected.yaw - robot.yaw)) > _SAME_HEADING_RAD:
+        if abs(wrap_angle(expected.yaw - robot.yaw)) > _AS_EXPECTED:
             return False
         pose = robot
         for action in route.actions:
@@ -283,7 +281,7 @@ class PathFollower:
         aim = (aim_row - bottom, aim_column - left)
         if not all(_is_open(costs, cell) for cell in (here, aim)):
             return None
-        to_go = costs_to_go(costs, aim, here, _SIDEWAYS_M / size)
+        to_go = costs_to_go(costs, aim, here, SIDEWAYS_M / size)
         if np.isinf(to_go[here]):
             return None
         turns = self.motion.turns_of_a_circle
@@ -298,20 +296,20 @@ class PathFollower:
             self.motion.forward_m / size,
             self.config.turn_cost_m * (self.motion.turn_angle_deg / 30.0) / size,
             self._tolerance / size,
-            _HORIZON_M / size,
+            HORIZON_M / size,
         )
-        if rest > to_go[here] - _LEAST_GAIN_M / size:
+        if rest > to_go[here] - LEAST_GAIN_M / size:
             return ()
         return tuple(_ACTIONS[action] for action in actions)
 
     def _ahead(self, route: Route, path: PlannedPath, robot: Pose2) -> tuple[float, float]:
-        """The point on the path that is `_LOOK_AHEAD_M` farther along it than the robot."""
-        left = _LOOK_AHEAD_M
+        """The point on the path that is `LOOK_AHEAD_M` farther along it than the robot."""
+        left = LOOK_AHEAD_M
         for start, end in list(pairwise(path.waypoints))[route.next_waypoint - 1 :]:
             length = math.dist(start, end)
             along = (
                 min(max(along_line(start, end, robot)[0], 0.0), length)
-                if left == _LOOK_AHEAD_M
+                if left == LOOK_AHEAD_M
                 else 0.0
             )
             if along + left < length:

@@ -11,12 +11,12 @@ from hypernav.core.geometry.transforms import Pose2, wrap_angle
 from hypernav.search.mapping.elevation_map import Ground
 from hypernav.search.mapping.grid_kernels import travel_cells
 from hypernav.search.mapping.stairs.flights import HALF_WIDTH_M
+from hypernav.search.planning.costmap import LEAST_GAIN_M
 
 _TURN_M = 0.12
 """Cost of a turn of 30 degrees, metres of path."""
 _EDGE_COST = 3.0
 """Cost of a step for every metre that it comes nearer to an edge than the middle of stairs is."""
-_LEAST_GAIN_M = 0.05
 _FREED_M = 0.2
 """First part of a step, metres, that may lead out of where the robot should not be."""
 
@@ -64,7 +64,7 @@ def step_over_ground(
     }
     for edge_cost in (_EDGE_COST, 0.0):  # the way may lead through where it is narrow
         now_m = float(to_go[here]) + edge_cost * float(narrow_m[here])
-        most_m = math.inf if touching else now_m - _LEAST_GAIN_M
+        most_m = math.inf if touching else now_m - LEAST_GAIN_M
         costs = {
             turns: left_m + _TURN_M * abs(turns) * (motion.turn_angle_deg / 30.0)
             for turns, line in ahead.items()

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
+from hypernav.core.config import MOST_STEPS
 from hypernav.core.embodiment import MOST_PIXELS, Embodiment
 from hypernav.core.errors import CameraError, MapError, MemoryFolderError
 from hypernav.io.array_files import arrays_in
@@ -48,14 +49,13 @@ from hypernav.search.memory.store.memory_writer import (
 )
 
 _MOST_INDEX_BYTES = 100_000_000
-_MOST_STEPS = 1_000_000
 _BYTES_PER_PATCH = 120
 """Memory that one patch of surface takes in the count of the images that show it."""
 _DEPTH_PNG = b"\x10\x00"
 """Bits and colours in the header of a PNG of 16 bits without colours, after its size."""
 
 _ARRAYS = {
-    "trajectory": (np.float64, 2, 16 * (MOST_POSITIONS + _MOST_STEPS)),
+    "trajectory": (np.float64, 2, 16 * (MOST_POSITIONS + MOST_STEPS)),
     "image_numbers": (np.int64, 1, 8 * MOST_IMAGES),
     "patch_counts": (np.int64, 1, 8 * MOST_IMAGES),
     "patches": (np.int64, 1, MOST_BYTES_READ),
