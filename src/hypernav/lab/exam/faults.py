@@ -78,26 +78,26 @@ def _coordinates(answers: Sequence[Answered], model: str, family: str) -> Iterat
         own = family_of(model) if family == "auto" else family_named(family)
     except ConfigError:
         return
-    readings = {"as configured": own}
+    readings = {"configured": own}
     readings["with x and y swapped"] = replace(own, rows_first=not own.rows_first)
     for name in _READINGS:
         space = family_named(name).space
         if space != own.space:
-            readings[f"as {_SPACES[space]}"] = replace(own, space=space)
-            readings[f"as {_SPACES[space]}, with x and y swapped"] = replace(
+            readings[_SPACES[space]] = replace(own, space=space)
+            readings[f"{_SPACES[space]}, with x and y swapped"] = replace(
                 own, space=space, rows_first=not own.rows_first
             )
     hits = {name: [_hits(*one, how) for one in told] for name, how in readings.items()}
     best = max(hits, key=lambda name: sum(hits[name]))
-    gained = sum(b and not a for a, b in zip(hits["as configured"], hits[best], strict=True))
-    lost = sum(a and not b for a, b in zip(hits["as configured"], hits[best], strict=True))
+    gained = sum(b and not a for a, b in zip(hits["configured"], hits[best], strict=True))
+    lost = sum(a and not b for a, b in zip(hits["configured"], hits[best], strict=True))
     if gained + lost and binomtest(gained, gained + lost, alternative="greater").pvalue < _CLEAR:
         yield Finding(
             "coordinates",
             State.FAULT,
-            f"boxes look as if they were given {best.removeprefix('as ')}: read so, "
+            f"boxes look as if they were given {best}: read so, "
             f"{sum(hits[best])} of {len(told)} are right, read {own.name}'s way "
-            f"{sum(hits['as configured'])}",
+            f"{sum(hits['configured'])}",
             f"--set grounding.family={_family_for(readings[best])}",
         )
 
