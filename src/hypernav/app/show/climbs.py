@@ -77,19 +77,20 @@ def stairs_on(floor: int, made: Iterable[Climb]) -> list[StairsMark]:
     Stairs that were taken once lead there, whatever became of later attempts. Two flights may begin
     at one landing.
     """
-    marks = list[tuple[StairsMark, bool]]()
+    marks = list[tuple[StairsMark, int | None]]()
     for one in sorted(made, key=lambda climb: climb.other_floor is not None):
         if one.floor == floor:
-            words = "no way" if one.given_up else "stairs"
-            if one.other_floor is not None:
-                words = _leads_to(one.other_floor, *one.heights_m)
+            to, words = one.other_floor, "no way" if one.given_up else "stairs"
+            if to is not None:
+                words = _leads_to(to, *one.heights_m)
             mark = StairsMark(one.ends[0], words)
         elif one.other_floor == floor:
-            mark = StairsMark(one.ends[1], _leads_to(one.floor, *reversed(one.heights_m)))
+            to = one.floor
+            mark = StairsMark(one.ends[1], _leads_to(to, *reversed(one.heights_m)))
         else:
             continue
-        marks = [pair for pair in marks if not _is_replaced(*pair, by=mark)]
-        marks.append((mark, one.other_floor is not None))
+        marks = [pair for pair in marks if not _is_replaced(pair, by=(mark, to))]
+        marks.append((mark, to))
     return [mark for mark, _ in marks]
 
 
@@ -102,10 +103,11 @@ def _direction(rise_m: float, up: str, down: str, level: str) -> str:
     return level if abs(rise_m) < _SAME_HEIGHT_M else up if rise_m > 0.0 else down
 
 
-def _is_replaced(mark: StairsMark, tells_floor: bool, *, by: StairsMark) -> bool:
+def _is_replaced(one: tuple[StairsMark, int | None], *, by: tuple[StairsMark, int | None]) -> bool:
     """Whether a later mark tells of the same stairs; one that tells of another floor doesn't."""
-    is_near = math.dist(mark.position, by.position) <= _SAME_STAIRS_M
-    return is_near and (mark.words == by.words or not tells_floor)
+    (mark, to), (later, later_to) = one, by
+    is_near = math.dist(mark.position, later.position) <= _SAME_STAIRS_M
+    return is_near and to in (None, later_to)
 
 
 def stairs_by_step(steps: Iterable[StepTrace]) -> dict[int, dict[int, list[StairsMark]]]:
