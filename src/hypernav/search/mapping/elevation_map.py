@@ -19,7 +19,7 @@ from hypernav.search.mapping.elevation_kernels import (
     survey,
 )
 from hypernav.search.mapping.grid_kernels import nearest_open_cell
-from hypernav.search.mapping.inflation import distance_from, joined_to
+from hypernav.search.mapping.inflation import disc, distance_from, joined_to
 
 _NEAR_M = 0.4
 """Distance within which the ground under the robot is looked for, metres."""
@@ -170,7 +170,7 @@ def reach(
         least_m: Clearance that its middle needs, metres.
     """
     is_open = (grid.cells == Cell.FREE).view(np.uint8)
-    fits = cv2.erode(is_open, _disc(least_m / grid.resolution_m))
+    fits = cv2.erode(is_open, disc(least_m, grid.resolution_m))
     start = nearest_cell(fits > 0, grid, position)
     if start is None:
         return np.zeros(fits.shape, dtype=np.bool_)
@@ -181,12 +181,6 @@ def closed(mask: Bool[np.ndarray, "rows columns"], side: int) -> Bool[np.ndarray
     """The mask with its gaps that a square of so many cells doesn't fit into."""
     square = np.ones((side, side), np.uint8)
     return cv2.morphologyEx(mask.view(np.uint8), cv2.MORPH_CLOSE, square) > 0
-
-
-def _disc(radius: float) -> UInt8[np.ndarray, "rows columns"]:
-    """Square of cells, 1 where the middle is at most so many cells away."""
-    side = np.arange(-int(radius), int(radius) + 1)
-    return (np.hypot(side[:, None], side[None, :]) <= radius).astype(np.uint8)
 
 
 def nearest_cell(

@@ -23,9 +23,8 @@ _MOST_BY_LOOKS = 6.0
 all sides, so the candidate's form must still be able to refute it."""
 _BESIDE_M = 2.0
 """Distance from an entry point, metres, up to which a view of the target is beside it."""
-_ANOTHER_SIDE_DEG = 45.0
-_SAME_VIEW = 0.5
-"""Views share their errors below this many eighths of a circle, or halvings of the distance."""
+_SAME_VIEW_DEG = 22.5
+"""Views share their errors below this turn around the target, or half a halving of the distance."""
 
 
 def log_odds_by(weights: Iterable[float]) -> float:
@@ -226,8 +225,8 @@ class Candidate:
             return False
         towards_a, towards_b = math.atan2(a[1] - y, a[0] - x), math.atan2(b[1] - y, b[0] - x)
         turn = math.remainder(towards_a - towards_b, math.tau)
-        side = math.degrees(abs(turn)) / _ANOTHER_SIDE_DEG
-        return math.hypot(side, math.log2(from_a / from_b)) < _SAME_VIEW
+        side = math.degrees(abs(turn)) / _SAME_VIEW_DEG
+        return math.hypot(side, 2.0 * math.log2(from_a / from_b)) < 1.0
 
 
 def areas_touch(a: GoalArea, b: GoalArea) -> bool:

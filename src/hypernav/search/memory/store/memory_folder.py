@@ -24,8 +24,7 @@ from hypernav.search.memory.key_images import MOST_BYTES, KeyImages
 from hypernav.search.memory.memory import Memory
 from hypernav.search.memory.start.start_check import StartCheck
 from hypernav.search.memory.store.memory_index import (
-    MOST_REFUTED,
-    MOST_SEARCHES,
+    MOST_KEPT,
     GoalRecord,
     Index,
     Place,
@@ -203,7 +202,7 @@ class MemoryFolder:
                 began=datetime.now().astimezone().isoformat(timespec="seconds"),
             )
         )
-        del self.history[:-MOST_SEARCHES]
+        del self.history[:-MOST_KEPT]
         return self.memory
 
     def check(self, observation: Observation) -> None:
@@ -259,7 +258,7 @@ class MemoryFolder:
                 "steps": steps,
                 "end": floor.trajectory[-1] if floor.trajectory else None,
                 "floor": self.memory.number,
-                "refuted": tuple(refuted[:MOST_REFUTED]),
+                "refuted": tuple(refuted[:MOST_KEPT]),
             }
         )
         self.save()

@@ -34,10 +34,8 @@ VERSION = 1
 OURS = r"^(images/[0-9]{6,10}\.(jpg|png)|floor-[0-9]{1,4}/state-[0-9]{1,10}\.npz)$"
 """Files of a memory besides its index."""
 
-MOST_SEARCHES = 1000
-"""Number of searches that the history keeps."""
-MOST_REFUTED = 1000
-"""Number of refuted positions that it keeps of a search."""
+MOST_KEPT = 1000
+"""Number of searches that the history keeps, and of refuted positions of each."""
 MOST_IMAGES = 100_000
 _MOST_COUNT = 1_000_000_000
 _MOST_PIXELS = 1e8
@@ -306,7 +304,7 @@ class GoalRecord(_Record):
     steps: Count = 0
     end: Xy | None = None
     floor: Count = 0
-    refuted: Items[Xy] = Field(default=(), max_length=MOST_REFUTED)
+    refuted: Items[Xy] = Field(default=(), max_length=MOST_KEPT)
 
 
 class Index(_Record):
@@ -341,7 +339,7 @@ class Index(_Record):
     floors: Items[FloorRecord] = Field(min_length=1, max_length=MOST_FLOORS)
     images: Items[ImageRecord] = Field(max_length=MOST_IMAGES)
     image_count: Count
-    history: Items[GoalRecord] = Field(max_length=MOST_SEARCHES)
+    history: Items[GoalRecord] = Field(max_length=MOST_KEPT)
     connectors: Items[ConnectorRecord] = Field(default=(), max_length=MOST_CONNECTORS)
     under_way: UnderWayRecord | None = None
     most_bytes: int | None = Field(default=None, ge=1, le=10**12)
