@@ -39,6 +39,7 @@ NOT_ZERO = {
     "Episode.success_distance_m": 0.1,  # Habitat's ObjectNav challenge
     "GroundTruthDetector.min_area_share": 0.0005,
     "Item.score": 1.0,
+    "MapOverview.seen_m2": float("inf"),
     "Overview.seen_m2": float("inf"),
     "Plan.full_turn": True,
     "Progress.shortest_m": float("inf"),

@@ -13,7 +13,7 @@ MAX_LAYERS = 32
 """Number of voxel layers that fit into the bit mask that the map keeps for every cell."""
 HIT_WEIGHT = 2
 """Evidence that a frame adds to a voxel that it hits."""
-OCCUPIED_EVIDENCE = 2
+OCCUPIED_EVIDENCE = HIT_WEIGHT
 """Evidence of a voxel from which its cell is occupied: that of one hit, so that the robot avoids
 an obstacle at once."""
 MAX_EVIDENCE = 6

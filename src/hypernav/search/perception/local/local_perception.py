@@ -38,9 +38,13 @@ from hypernav.search.perception.local.belief import (
     with_sightings,
 )
 from hypernav.search.perception.local.second_look import detect_twice
-from hypernav.search.perception.local.shape import measure_of, measured_form, shape_evidence
+from hypernav.search.perception.local.shape import (
+    MANY_PIXELS,
+    measure_of,
+    measured_form,
+    shape_evidence,
+)
 
-_MANY_PIXELS = 4000  # above it only every second pixel in both directions is used
 _LEAST_LEFT = 0.25  # share of a mask below which it is too thin to be eroded
 _STRAY_SHARE = 0.05
 """Share of the points below which a separate part of a guessed mask belongs to another thing."""
@@ -106,7 +110,7 @@ def projected(
         observation,
         min_depth_m=camera.min_depth_m,
         max_depth_m=camera.max_depth_m,
-        stride=2 if np.count_nonzero(mask) > _MANY_PIXELS else 1,
+        stride=2 if np.count_nonzero(mask) > MANY_PIXELS else 1,
     )
     if len(points) < config.min_points:
         return None

@@ -30,7 +30,8 @@ _NEARER_M = 0.12  # difference in depth from which something beside a thing may 
 _HIDDEN_SHARE = 0.3  # share of an end's outline with something nearer, from which it is hidden
 _SHORT_OF_BOX = 0.1
 """Share of the box that a mask may fall short of it."""
-_MOST_POINTS = 4000
+MANY_PIXELS = 4000
+"""Number of pixels of a thing, about, beyond which more of them tell no more."""
 _PLANE_M = 0.03  # distance within which a point lies in a plane
 _ON_PLANE = 0.8  # share of its points in a plane from which a thing is flat
 _LEVEL = 0.85
@@ -117,7 +118,7 @@ def measured_form(
     rows, columns = np.nonzero(part.mask & is_measured(part.depth))
     if len(rows) < _LEAST_POINTS:
         return None
-    step = -(-len(rows) // _MOST_POINTS)
+    step = -(-len(rows) // MANY_PIXELS)
     points = part.points(rows[::step], columns[::step])
     normal = _normal_of_flat(points)
     is_upright = normal is not None and abs(float(normal[2])) < _UPRIGHT
@@ -217,7 +218,7 @@ def _ends(part: _Part, turns: int) -> bool:
 def _level_share(part: _Part) -> float:
     """Share of a thing's pixels whose surface is level, seen from above or below."""
     rows, columns = np.nonzero(part.mask)
-    step = max(int((len(rows) / _MOST_POINTS) ** 0.5), 1) * 2
+    step = max(int((len(rows) / MANY_PIXELS) ** 0.5), 1) * 2
     window = np.ix_(
         np.arange(rows.min(), rows.max() + 1, step),
         np.arange(columns.min(), columns.max() + 1, step),
