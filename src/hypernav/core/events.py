@@ -27,6 +27,7 @@ class Event(StrEnum):
     NO_PATH = "no path to destination"
     NO_PROGRESS = "no progress to destination"
     ENDURANCE_EXCEEDED = "endurance exceeded"
+    NOWHERE_TO_GO = "nowhere to go on to"
     LOOKING_AGAIN = "all is known, looking again"
 
     THING_GONE = "remembered thing is gone"

@@ -54,6 +54,8 @@ def test_a_search_that_found_nothing_says_how_it_ended() -> None:
     assert "Nothing in the building" not in out_of_steps.detail
     absent = captions.headline({**ended, "holds_goal": False})
     assert absent.detail == "Nothing in the building answers to it."
+    stuck = captions.headline({**ended, "holds_goal": False, "detail": "nowhere to go"})
+    assert stuck.detail == f"{absent.detail} Why it ended: nowhere to go"
     far = captions.headline({**ended, "max_steps": 600, "distance_to_goal_m": math.inf})
     assert far.detail == captions.headline(ended).detail
 

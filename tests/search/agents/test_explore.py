@@ -304,3 +304,30 @@ def test_the_paper_does_not_go_to_what_is_far_away():
     )
     assert turns == []
     assert visits == [(4.0, 2.2)]
+
+
+class Stubborn:
+    """An explorer that always names a place to which no path leads."""
+
+    def next_destination(self, view):
+        return Destination(100.0, 0.0, reason="there")
+
+
+def test_a_circle_of_headings_from_which_no_destination_leads_on_ends_exploration():
+    phase, robot = Exploration(Stubborn(), drop_explored=False), Pose2(4.0, 2.0, 0.0)
+    for _ in range(12):
+        assert phase.act(robot, corridor()) is not Phase.END
+    phase.plan = phase.plan.explore(destination=Destination(6.0, 2.0, reason="here"))
+    assert isinstance(phase.act(robot, corridor()), Decision)  # so that the circle begins anew
+    assert phase.plan.exploring.refusal == ""
+    phase.plan = phase.plan.explore(destination=None)
+    for _ in range(12):
+        assert phase.act(robot, corridor()) is not Phase.END
+    assert phase.act(robot, corridor()) is Phase.END
+    assert phase.plan.exploring.refusal == "no path to destination at (100.0, 0.0) m: there"
+
+
+def test_who_forgets_and_goes_on_asks_from_every_heading_to_the_end():
+    phase = Exploration(Stubborn(), end_when_explored=False)
+    outcomes = [phase.act(Pose2(4.0, 2.0, 0.0), corridor()) for _ in range(30)]
+    assert Phase.END not in outcomes

@@ -11,6 +11,7 @@ from hypernav.core.components.protocols import Agent, ExplainsItself
 from hypernav.core.embodiment import Action
 from hypernav.core.episode import Outcome
 from hypernav.core.errors import WorldError
+from hypernav.core.exploring.exploration import Destination
 from hypernav.core.geometry.transforms import Pose2
 from hypernav.core.goal import Goal
 from hypernav.core.trace import Ending, ExchangeLog, Mode, without_timings
@@ -63,12 +64,29 @@ def test_a_goal_that_is_not_there_is_given_up_when_all_is_explored():
     assert steps[-1].action is None
     assert not result.metrics.success
     assert result.steps < 200
+    assert result.detail == "nothing is left to explore"
 
 
 def test_the_step_limit_ends_a_search():
     steps, result = run(search(), "bed", max_steps=5)
     assert len(steps) == result.steps == 5
     assert result.outcome is Outcome.NOT_FOUND
+    assert result.detail == ""
+
+
+class Stubborn:
+    """An explorer that always names a place to which no path leads."""
+
+    def next_destination(self, view):
+        return Destination(100.0, 0.0, "far away")
+
+
+@pytest.mark.parametrize("gives_up", [True, False])
+def test_a_search_whose_destinations_lead_nowhere_says_so_at_its_end(gives_up):
+    agent = search(f"{__name__}:Stubborn", search={"end_when_explored": gives_up})
+    steps, result = run(agent, "bed", max_steps=60)
+    assert (steps[-1].ending is Ending.GAVE_UP) == gives_up
+    assert result.detail.startswith("no path to destination at (100.0, 0.0) m: far away")
 
 
 def test_local_perception_beats_global_perception():

@@ -205,7 +205,7 @@ def headline(result: Mapping[str, Any]) -> Headline:
         away = number(result["distance_to_goal_m"], 1, "m")
         detail += f" It ended {away} of path from the nearest one."
     if result.get("detail"):
-        detail = f"{detail} {result['detail']}"
+        detail = f"{detail} Why it ended: {result['detail']}"
     tone: Tone = "neutral" if outcome in _NEUTRAL else "bad"
     return Headline(text.replace("{goal}", goal), tone, detail)
 

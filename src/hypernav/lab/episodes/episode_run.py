@@ -18,6 +18,7 @@ from hypernav.core.errors import (
     ModelSetupError,
     ModelUnavailableError,
 )
+from hypernav.core.events import Event
 from hypernav.core.geometry.grid import OccupancyGrid
 from hypernav.core.geometry.transforms import Transform
 from hypernav.core.observation import Observation
@@ -62,7 +63,8 @@ class EpisodeResult:
         steps: Number of actions, STOP included.
         model_calls: Number of questions that a model was asked.
         seconds: Wall-clock time: "total", "world" (the simulator's share) and per module.
-        detail: Why a model was not available; empty otherwise.
+        detail: Why a model was not available, or why the robot had nowhere to go at the end; empty
+            otherwise.
         parts: The path before and after the first sight of the goal; None if it was never in the
             image, or the world has no labels.
     """
@@ -186,6 +188,7 @@ class EpisodeRun:
         self._sight = None if referee is None else GoalSight(referee)
         self._model_calls = 0
         self._outage = ""
+        self._nowhere_to_go = ""
         if told is not None:
             told.tell(
                 rng=None if rng is None else rng.spawn(1)[0], path_left_m=true_paths(self.trial)
@@ -240,6 +243,8 @@ class EpisodeRun:
         )
         action = self._agent.act(observation)
         trace, grid = self._explanation(observation, action)
+        is_stuck = trace.ending is Ending.GAVE_UP or Event.NOWHERE_TO_GO in trace.events
+        self._nowhere_to_go = trace.reason if is_stuck else ""
         self._model_calls += sum(exchange.by_model for exchange in trace.exchanges)
         for module, seconds in trace.seconds.items():
             self._clock.seconds[module] = self._clock.seconds.get(module, 0.0) + seconds
@@ -298,7 +303,7 @@ class EpisodeRun:
             steps=self.trial.steps,
             model_calls=self._model_calls,
             seconds={"total": time.perf_counter() - self._began, **self._clock.seconds},
-            detail=self._outage,
+            detail=self._outage or self._nowhere_to_go,
             parts=None if self._sight is None else self._sight.parts,
         )
 

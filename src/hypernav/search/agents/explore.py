@@ -119,11 +119,11 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
     plan = pursuing(step, memory, replace(plan, turns_left=0))
     turn = _look_across(step, memory, plan)
     if turn is not None:
-        plan = plan.explore(age=plan.exploring.age + 1)
-        return _decision(turn, "looking at what is unexplored here", step, plan), plan
+        return _leading_on(turn, "looking at what is unexplored here", step, plan)
     plan = _without_finished(step, memory, plan)
     plan = _without_expired(plan)
     plan = _reconsidered(step, memory, plan)
+    refusal = ""
     for _ in range(_CHOICES_PER_STEP):
         destination = plan.destination
         if destination is None:
@@ -141,7 +141,7 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
             return _onto_stairs(destination, plan)
         turn = _facing_turn(destination, step)
         if turn is not None:
-            return _decision(turn, destination.reason, step, plan), plan
+            return _leading_on(turn, destination.reason, step, plan)
         with step.clock("plan"):
             action, route = step.components.navigator.towards(
                 plan.exploring.route, step.grid, robot, np.array([destination.xy])
@@ -151,18 +151,20 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
             return _onto_stairs(destination, plan)
         if action is None:
             event = Event.DESTINATION_REACHED if route.arrived else Event.NO_PATH
-            plan = _ended(event, step, memory, plan)
-            if _holds(destination):
-                break  # The next move is chosen from another image.
-            continue
-        patience = plan.exploring.patience.after(route.left_m(robot), len(route.actions))
-        plan = plan.explore(patience=patience)
-        if patience.lasts:
-            plan = plan.explore(age=plan.exploring.age + 1)
-            return _decision(action, destination.reason, step, plan), plan
-        plan = _ended(patience.worn_out, step, memory, plan)
-    reason = "no way to any destination, looking again"
-    return _decision(Action.TURN_LEFT, reason, step, plan), plan
+        else:
+            patience = plan.exploring.patience.after(route.left_m(robot), len(route.actions))
+            plan = plan.explore(patience=patience)
+            if patience.lasts:
+                return _leading_on(action, destination.reason, step, plan)
+            event = patience.worn_out
+        plan = _ended(event, step, memory, plan)
+        x, y = destination.xy
+        refusal = f"{event} at ({x:.1f}, {y:.1f}) m: {destination.reason}"
+        if event is Event.NO_PATH:
+            plan = plan.explore(refusal=refusal)
+        if action is None and _holds(destination):
+            break  # The next move is chosen from another image.
+    return _nowhere_to_go(refusal, step, plan)
 
 
 def _turn_of_the_look_around(step: Step, memory: Memory, plan: Plan) -> Action | None:
@@ -215,6 +217,21 @@ def _stairs_out(step: Step, memory: Memory) -> StairsDestination | None:
         return None
     reason = f"nothing is left to explore on this floor: {nearest.words}"
     return StairsDestination(*nearest.xy, reason, nearest.connector)
+
+
+def _leading_on(action: Action, reason: str, step: Step, plan: Plan) -> tuple[Decision, Plan]:
+    """The decision for an action towards the destination."""
+    plan = plan.explore(age=plan.exploring.age + 1, refusal="", in_vain=0)
+    return _decision(action, reason, step, plan), plan
+
+
+def _nowhere_to_go(refusal: str, step: Step, plan: Plan) -> tuple[Decision | Phase, Plan]:
+    """A turn, to ask the explorer from another heading; after a circle of them, nothing is left."""
+    step.events.append(Event.NOWHERE_TO_GO)
+    plan = plan.explore(refusal=refusal, in_vain=plan.exploring.in_vain + 1)
+    if step.config.end_when_explored and plan.exploring.in_vain > step.motion.turns_of_a_circle:
+        return Phase.END, plan
+    return _decision(Action.TURN_LEFT, f"{refusal}; looking again", step, plan), plan
 
 
 def _decision(action: Action, reason: str, step: Step, plan: Plan) -> Decision:

@@ -116,6 +116,8 @@ class Exploring:
         route: Path to it.
         age: Number of steps and turns made for it.
         unasked: Steps since the explorer was asked, counted if it may be asked again on the way.
+        refusal: Why the latest destination led nowhere; empty once one leads on.
+        in_vain: Number of steps in a row in which no destination led on.
         expired: Destination dropped after its ``most_steps``; None once the explorer answered.
         left: Positions ``(x, y)``, metres, of destinations changed for others on the way.
         pursued: Positions ``(x, y)``, metres, of far sightings whose pursuit has ended.
@@ -128,6 +130,8 @@ class Exploring:
     route: Route = field(default_factory=Route)
     age: int = 0
     unasked: int = 0
+    refusal: str = ""
+    in_vain: int = 0
     expired: Destination | None = None
     left: tuple[Position, ...] = ()
     pursued: tuple[Position, ...] = ()

@@ -377,6 +377,7 @@ def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]
     The robot gets free where a step of it was cut short.
     """
     goal, search = step.goal.in_sentence, memory.search
+    why = plan.exploring.refusal or "nothing is left to explore"
     goes_on = _goes_on(step, plan)
     if goes_on and any(one.distance_to(*step.robot.xy) < STANDS_M for one in plan.tried):
         _forget(memory)
@@ -393,7 +394,7 @@ def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]
         return decision, plan.approach(as_near_as_possible=True)
     if goes_on:
         _forget(memory)
-        reason = "nothing is left to explore, looking once more"
+        reason = f"{why}; looking once more"
         return Decision(Action.TURN_LEFT, Mode.LOOK_AROUND, reason), replace(
             plan,
             ends=(*plan.ends, step.robot.xy),
@@ -404,13 +405,12 @@ def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]
     if evidence is not None:
         search.evidence = evidence
         step.events.append(Event.AREA_RECONSIDERED)
-        reason = f"nothing is left to explore, going to what looked most like {goal}"
+        reason = f"{why}; going to what looked most like {goal}"
         decision = Decision(Action.TURN_LEFT, Mode.APPROACH, reason)
         return decision, plan.with_new_patience(step.config)
-    reason = "nothing is left to explore"
     if step.config.claim_when_explored:
-        return Decision(Action.STOP, Mode.STOP, reason, ending=Ending.FOUND), plan
-    return Decision(None, Mode.STOP, reason, ending=Ending.GAVE_UP), plan
+        return Decision(Action.STOP, Mode.STOP, why, ending=Ending.FOUND), plan
+    return Decision(None, Mode.STOP, why, ending=Ending.GAVE_UP), plan
 
 
 def _forget(memory: Memory) -> None:
