@@ -180,6 +180,17 @@ def test_help_names_every_option(capsys):
         assert option in said
 
 
+@pytest.mark.parametrize(
+    ("command", "given"),
+    [(("find",), ("bed", "--seed", "2")), (("houses", "export"), ("7",)), (("houses",), ())],
+)
+def test_help_is_the_same_whatever_is_given_beside_it(command, given, capsys):
+    assert hypernav(*command, "--help") == 0
+    said = capsys.readouterr().out
+    assert hypernav(*command, *given, "-h") == 0
+    assert capsys.readouterr().out == said
+
+
 @pytest.mark.parametrize("command", [("find",), ("robot", "simulate")])
 def test_help_names_every_kind_of_building(command, capsys):
     assert hypernav(*command, "--help") == 0

@@ -114,6 +114,10 @@ def read_options(arguments: Sequence[str]) -> Any:
     if name not in COMMANDS:
         raise ConfigError(_unknown(name))
     _refuse_empty(rest)
+    if not {"-h", "--help"}.isdisjoint(rest):
+        # Alone, since tyro's help leaves out what has been given; a subcommand has help of its own.
+        is_one = isinstance(OPTIONS[name], type)
+        rest = ["--help"] if is_one else [*rest[:1], "--help"]
     return _parse(name, _with_one_set(rest))
 
 
