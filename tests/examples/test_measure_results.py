@@ -163,7 +163,7 @@ def test_all_found_of_ten_is_no_reason_to_doubt_99_percent(modules):
 def test_the_more_values_are_checked_the_farther_one_may_lie_by_chance(modules):
     measure, tables = modules
     column = tables.Column(name="spl", head="SPL", measure="spl", digits=3)
-    now = measure.Estimate(0.66, 0.62, 0.70, 10)
+    now = measure.Estimate(0.66, 0.62, 0.70, 10, 10)
     check = measure.Check("x", column, [0.6, 0.6, 0.6], now)
     assert not check.holds(1)
     assert check.holds(100)

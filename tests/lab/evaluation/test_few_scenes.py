@@ -43,8 +43,10 @@ def test_six_are_enough() -> None:
     assert "few scenes" not in said
 
 
-@pytest.mark.parametrize(("count", "is_said"), [(4, False), (5, True)])
-def test_so_few_episodes_have_no_interval(count: int, is_said: bool) -> None:
-    records = [record(str(number)) for number in range(count)]
+@pytest.mark.parametrize(
+    ("count", "scenes", "is_said"), [(4, 1, False), (5, 1, True), (40, 2, False), (40, 5, True)]
+)
+def test_so_few_episodes_or_scenes_have_no_interval(count: int, scenes: int, is_said: bool) -> None:
+    records = [record(str(number), f"houses:{number % scenes}") for number in range(count)]
     run = RunData(Path("runs/ours"), "ours", {}, records, [])
     assert ("interval" in lead([run], [summarise(records)])) == is_said

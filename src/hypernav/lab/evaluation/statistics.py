@@ -23,7 +23,7 @@ _SEED = 20250101
 _EXACT_FLIPS = 13
 
 FEWEST_WITH_INTERVAL = 5
-"""Number of episodes below which an interval says nothing."""
+"""Number of scenes, or episodes of a single one, below which an interval says nothing."""
 
 
 @dataclass(frozen=True)
@@ -35,17 +35,19 @@ class Estimate:
         low: Lower end of the 95% interval.
         high: Upper end of the 95% interval.
         count: Number of episodes.
+        drawn: Number of scenes that the interval was drawn from, or episodes of a single one.
     """
 
     mean: float
     low: float
     high: float
     count: int
+    drawn: int
 
     @property
     def has_interval(self) -> bool:
-        """Whether there are enough episodes for the interval to say something."""
-        return self.count >= FEWEST_WITH_INTERVAL
+        """Whether enough was drawn from for the interval to say something."""
+        return self.drawn >= FEWEST_WITH_INTERVAL
 
     @property
     def drawn_ends(self) -> tuple[float, float]:
@@ -137,7 +139,7 @@ def ratio_with_interval(
     """
     numbers, weights = (np.asarray(each, dtype=np.float64) for each in (values, references))
     if numbers.size == 0:
-        return Estimate(float("nan"), float("nan"), float("nan"), 0)
+        return Estimate(float("nan"), float("nan"), float("nan"), 0, 0)
     clusters = _clusters(scenes)
     sums, totals = (np.bincount(clusters, weights=each) for each in (numbers, weights))
     rng = rng or np.random.default_rng(_SEED)
@@ -147,7 +149,7 @@ def ratio_with_interval(
     tail = (1.0 - CONFIDENCE) / 2.0
     low, high = np.quantile(ratios, (tail, 1.0 - tail))
     ratio = float(numbers.sum() / weights.sum())
-    return Estimate(ratio, float(low), float(high), int(numbers.size))
+    return Estimate(ratio, float(low), float(high), int(numbers.size), int(sums.size))
 
 
 def compare(
@@ -291,11 +293,32 @@ def percent(estimate: Estimate) -> str:
     return f"{100 * estimate.mean:.1f} %"
 
 
-def interval(estimate: Estimate, factor: float = 1.0, words: str = " ({})") -> str:
-    """The interval in these words and the number's own digits; empty if it says nothing."""
+def interval(
+    estimate: Estimate,
+    factor: float = 1.0,
+    words: str = " ({} to {})",
+    digits: int | None = None,
+    sign: str = "-",
+) -> str:
+    """The interval in these words; empty if it says nothing.
+
+    Args:
+        estimate: The mean with its interval.
+        factor: Factor on both ends: 100 for percents.
+        words: Words with a place for each end.
+        digits: Number of decimals; by default 1 of percents, else 3.
+        sign: ``"+"`` to show the sign of positive numbers, too.
+    """
     if not estimate.has_interval:
         return ""
-    digits = 1 if factor > 1.0 else 3
+    digits = (1 if factor > 1.0 else 3) if digits is None else digits
     return words.format(
-        f"{factor * estimate.low:.{digits}f} to {factor * estimate.high:.{digits}f}"
+        *(f"{factor * end:{sign}.{digits}f}" for end in (estimate.low, estimate.high))
     )
+
+
+def ends(estimate: Estimate) -> tuple[str, str]:
+    """Both ends of the interval for a file of numbers; empty if it says nothing."""
+    if not estimate.has_interval:
+        return "", ""
+    return f"{estimate.low:.4f}", f"{estimate.high:.4f}"

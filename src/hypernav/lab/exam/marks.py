@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import binomtest
@@ -133,9 +133,9 @@ def costs_of(answers: Sequence[Answered]) -> dict[str, Cost]:
 def rate(hits: int, count: int) -> Estimate:
     """A share with its 95% interval (Wilson); NaN if `count` is 0."""
     if not count:
-        return Estimate(float("nan"), float("nan"), float("nan"), 0)
+        return Estimate(float("nan"), float("nan"), float("nan"), 0, 0)
     interval = binomtest(hits, count).proportion_ci(method="wilson")
-    return Estimate(hits / count, float(interval.low), float(interval.high), count)
+    return Estimate(hits / count, float(interval.low), float(interval.high), count, count)
 
 
 def _marks(kind: Kind, answers: list[Answered]) -> TypeMarks:
@@ -172,7 +172,7 @@ def share(hits: Sequence[bool], scenes: Sequence[str]) -> Estimate:
     drawn = mean_with_interval([float(hit) for hit in hits], scenes)
     counted = rate(sum(hits), len(hits))
     low, high = min(drawn.low, counted.low), max(drawn.high, counted.high)
-    return Estimate(drawn.mean, low, high, drawn.count)
+    return replace(drawn, low=low, high=high)
 
 
 def _mean(answers: Sequence[Answered], value: Callable[[Answered], float]) -> Estimate:

@@ -83,16 +83,22 @@ def test_too_few_scenes_to_show_anything_are_said_to_be_too_few(tmp_path):
     assert certain(other.pair).spl.p_value == pytest.approx(0.25)
 
 
-@pytest.mark.parametrize(("episodes", "has_interval"), [(4, False), (5, True)])
-def test_few_episodes_have_an_interval_nowhere(tmp_path, episodes, has_interval):
+@pytest.mark.parametrize(("scenes", "has_interval"), [(4, False), (5, True)])
+@pytest.mark.parametrize("goals", ["0", "01"])
+def test_few_scenes_have_an_interval_nowhere(tmp_path, scenes, goals, has_interval):
     for variant, growth_m in ((UNCHANGED, 1.0), (WORSE, 2.0)):
-        places = enumerate(SCENES[:episodes])
-        records = [found(5.0 + growth_m * k, [scene])[0] for k, scene in places]
-        write(tmp_path, variant, records, wanted=episodes)
+        records = [
+            record(goal, scene, shortest_path_m=4.0, path_length_m=5.0 + growth_m * k)
+            for k, scene in enumerate(SCENES[:scenes])
+            for goal in goals
+        ]
+        write(tmp_path, variant, records, wanted=len(records))
     page = certain(write_ablation(tmp_path, STUDY)).read_text()
     text = re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", page))
     assert bool(re.search(r"\.\d+( to |–)[-+]?\d+\.\d", text)) is has_interval
     assert ("[" in (tmp_path / "ablation.tex").read_text()) is has_interval
+    (row, *_) = csv.DictReader((tmp_path / "ablation.csv").read_text().splitlines())
+    assert bool(row["spl_low"]) is bool(row["spl_high"]) is has_interval
     axes = results_figure(certain(read_results(tmp_path, STUDY))).axes
     widths = [np.ptp(np.asarray(line.get_xdata())) for one in axes for line in one.lines]
     assert any(widths) is has_interval

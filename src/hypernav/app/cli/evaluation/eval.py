@@ -160,7 +160,7 @@ def duration(seconds: float) -> str:
 
 
 def _interval(estimate: Estimate, over: str, factor: float = 1.0, unit: str = "") -> str:
-    words = f"({{}}{unit} with 95 % confidence, over {over})"
+    words = f"({{}} to {{}}{unit} with 95 % confidence, over {over})"
     return interval(estimate, factor, words) if over else ""
 
 

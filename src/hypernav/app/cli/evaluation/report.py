@@ -14,7 +14,7 @@ from hypernav.io.writing import own_folder
 from hypernav.lab.evaluation.report import tables
 from hypernav.lab.evaluation.report.published_results import BesidePaper, beside_paper
 from hypernav.lab.evaluation.report.report_page import REPORT_FILES, write_report
-from hypernav.lab.evaluation.report.report_text import lead, verdict
+from hypernav.lab.evaluation.report.report_text import interval, lead, verdict
 from hypernav.lab.evaluation.report.run_data import load_runs
 from hypernav.lab.evaluation.statistics import Estimate
 
@@ -57,8 +57,7 @@ def _said(estimate: Estimate | None) -> str:
     """A share in percent with its interval, which a few episodes don't have."""
     if estimate is None:
         return "–"
-    mean, low, high = (100.0 * value for value in (estimate.mean, estimate.low, estimate.high))
-    return f"{mean:.1f}" + (f" ({low:.0f}–{high:.0f})" if estimate.has_interval else "")
+    return f"{100.0 * estimate.mean:.1f}{interval(estimate, 100.0, ' ({}–{})', 0)}"
 
 
 def run(options: ReportOptions) -> int:

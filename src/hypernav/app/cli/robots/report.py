@@ -13,7 +13,7 @@ from hypernav.app.cli.robot import Report
 from hypernav.app.cli.screen.terminal import Terminal
 from hypernav.core.errors import ConfigError, OutputError, RunFolderError
 from hypernav.lab.evaluation.field_study import StudyRow, TrialResult, study_rows
-from hypernav.lab.evaluation.statistics import interval
+from hypernav.lab.evaluation.statistics import ends, interval
 from hypernav.robot.field_trial import FieldTrial, read_trial
 
 _COLUMNS = (
@@ -82,7 +82,7 @@ def _table(rows: Sequence[StudyRow]) -> Table:
             f"{row.found} of {row.count}",
             f"{100 * row.success.mean:.1f} %",
             f"{row.spl.mean:.3f}",
-            interval(row.spl, words="{}"),
+            interval(row.spl, words="{} to {}"),
             f"{row.length_m:.1f} m",
             f"{row.shortest_m:.1f} m",
         )
@@ -95,12 +95,10 @@ def _write_csv(path: Path, rows: Sequence[StudyRow]) -> None:
             writer = csv.writer(file)
             writer.writerow(_COLUMNS)
             for row in rows:
-                spl = row.spl
-                numbers = (row.success.mean, spl.mean, spl.low, spl.high)
-                lengths = (row.length_m, row.shortest_m)
+                means = [f"{one.mean:.4f}" for one in (row.success, row.spl)]
+                lengths = [f"{one:.4f}" for one in (row.length_m, row.shortest_m)]
                 writer.writerow(
-                    [row.goal, row.method, row.count, row.found]
-                    + [f"{number:.4f}" for number in (*numbers, *lengths)]
+                    [row.goal, row.method, row.count, row.found, *means, *ends(row.spl), *lengths]
                 )
     except OSError as error:
         raise OutputError(f"{path} cannot be written ({error.strerror})") from error

@@ -107,7 +107,7 @@ def write_tex(path: Path, results: StudyResults) -> None:
 
 
 def _estimates(*estimates: Estimate) -> list[str]:
-    return [f"{x:.4f}" for one in estimates for x in (one.mean, one.low, one.high)]
+    return [x for one in estimates for x in (f"{one.mean:.4f}", *report_text.ends(one))]
 
 
 def _comparisons(*gaps: Comparison) -> list[str]:
@@ -178,8 +178,8 @@ def _lead(results: StudyResults) -> str:
         f"{run.who['preset']} searched for the same goals as the unchanged method, in "
         f"{number_of(run.wanted, 'episode')} of {run.dataset}. Unchanged,{done} it "
         f"finds {report_text.percent(summary.success)}"
-        f"{report_text.interval(summary.success, 100.0, ' ({} %)')} of its goals with an SPL of "
-        f"{summary.spl.mean:.3f}{report_text.interval(summary.spl)}."
+        f"{report_text.interval(summary.success, 100.0, ' ({} to {} %)')} of its goals with an "
+        f"SPL of {summary.spl.mean:.3f}{report_text.interval(summary.spl)}."
     )
 
 

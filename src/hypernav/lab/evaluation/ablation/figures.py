@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -43,7 +44,7 @@ def quality_curves(results: StudyResults) -> "Figure":
     figure.suptitle(
         "Goals found (SR) and how direct the paths to them were (SPL; 1 is the shortest path): "
         f"means with 95 % intervals over {report_text.drawn(results.baseline.run)}, "
-        f"from {FEWEST_WITH_INTERVAL} episodes on",
+        f"from {FEWEST_WITH_INTERVAL} on",
         fontsize=10,
     )
     return figure
@@ -81,7 +82,7 @@ def _panel(axes: "Axes", axis: Axis, results: StudyResults, *, is_success: bool)
 def _measure(result: VariantResult, factor: float, *, is_success: bool) -> Estimate:
     estimate = result.summary.success if is_success else result.summary.spl
     low, high = estimate.drawn_ends
-    return Estimate(factor * estimate.mean, factor * low, factor * high, estimate.count)
+    return replace(estimate, mean=factor * estimate.mean, low=factor * low, high=factor * high)
 
 
 def _line(axes: "Axes", estimate: Estimate, name: str, place: int) -> None:
@@ -171,7 +172,7 @@ def _differences(results: StudyResults) -> "Figure":
     left.set_ylim(len(rows) - 0.5, -0.5)
     figure.suptitle(
         "Each variant minus the unchanged method, with 95 % intervals over "
-        f"{drawn(results.baseline.run)} from {FEWEST_WITH_INTERVAL} episodes on; "
+        f"{drawn(results.baseline.run)} from {FEWEST_WITH_INTERVAL} on; "
         f"coloured where corrected p < {SIGNIFICANT:g}",
         fontsize=10,
     )

@@ -17,6 +17,7 @@ from hypernav.lab.evaluation.refinement.area_record import AreaRecord, MaskSourc
 from hypernav.lab.evaluation.refinement.boxes import JITTER_SHARE, MATCHING_IOU
 from hypernav.lab.evaluation.refinement.goal_position import GoalPosition
 from hypernav.lab.evaluation.refinement.summary import MEASURES, Measure, Row, drawn_in, table
+from hypernav.lab.evaluation.report import report_text
 from hypernav.lab.evaluation.statistics import FEWEST_WITH_INTERVAL
 from hypernav.search.drawing import palette
 
@@ -44,6 +45,7 @@ def write_refinement(folder: Path, records: Sequence[AreaRecord], *, lead: str) 
             verdicts=(),
             warnings=(),
             rows=rows,
+            report_text=report_text,
             measures=MEASURES,
             drawn=drawn_in(rows),
             figure=write_figure(folder, lambda: shares_figure(rows)) if rows else "",
@@ -112,7 +114,7 @@ def shares_figure(rows: Sequence[Row]) -> "Figure":
     panels[0].set_ylim(len(rows) - 0.5, -0.5)
     figure.suptitle(
         f"Shares with 95 % intervals over {drawn_in(rows)} "
-        f"from {FEWEST_WITH_INTERVAL} episodes on; less is better",
+        f"from {FEWEST_WITH_INTERVAL} on; less is better",
         fontsize=10,
     )
     return figure

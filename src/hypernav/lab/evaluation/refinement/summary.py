@@ -1,7 +1,7 @@
 """The table of the study of goal refinement: shares and drops, with intervals."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from hypernav.lab.evaluation.refinement.area_record import AreaRecord, BoxSource, MaskSource
 from hypernav.lab.evaluation.statistics import (
@@ -133,5 +133,5 @@ def _measure(
     if sum(references) == 0.0:
         return Measure(share, None)
     ratio = ratio_with_interval(values, references, scenes)
-    drop = Estimate(1.0 - ratio.mean, 1.0 - ratio.high, 1.0 - ratio.low, ratio.count)
+    drop = replace(ratio, mean=1.0 - ratio.mean, low=1.0 - ratio.high, high=1.0 - ratio.low)
     return Measure(share, drop)

@@ -162,9 +162,8 @@ def _by_scene(runs: Sequence[RunData]) -> str:
 
 def with_interval(estimate: Estimate, factor: float, digits: int) -> str:
     """A mean, with its interval in brackets where that says something."""
-    mean, low, high = (factor * v for v in (estimate.mean, estimate.low, estimate.high))
-    brackets = f" [{low:.{digits}f}, {high:.{digits}f}]" if estimate.has_interval else ""
-    return f"{mean:.{digits}f}{brackets}"
+    brackets = report_text.interval(estimate, factor, " [{}, {}]", digits)
+    return f"{factor * estimate.mean:.{digits}f}{brackets}"
 
 
 def _column(protocol: EvaluationProtocol) -> str:

@@ -73,7 +73,7 @@ def lead(runs: Sequence[RunData], summaries: Sequence[Summary]) -> str:
         parts.append(
             f"{run.name} found its goal in {percent(summary.success)} of "
             f"{number_of(summary.success.count, 'episode')}"
-            f"{interval(summary.success, 100.0, ' (95 % interval {} %)')} with an SPL of "
+            f"{interval(summary.success, 100.0, ' (95 % interval {} to {} %)')} with an SPL of "
             f"{summary.spl.mean:.3f}{interval(summary.spl)}"
         )
     return "; ".join(parts) + "."
