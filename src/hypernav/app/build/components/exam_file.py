@@ -37,7 +37,7 @@ class Calibration(_Part):
         presence: Told and true probability that the goal is there, if it is there in half of all
             cases (`hypernav.search.perception.local.yes_no_checks.PresenceConfig.calibration`).
         boxes: Score of a box, and how much it shifts the log-odds that this is the goal
-            (`hypernav.search.perception.local.config.LocalConfig.score_weights`).
+            (`hypernav.search.perception.config.LocalConfig.score_weights`).
     """
 
     presence: ProbabilityCurve = ()
