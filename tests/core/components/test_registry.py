@@ -106,6 +106,7 @@ def test_a_thing_of_ones_own_is_named_by_where_it_is(shapes: Registry, own_modul
         ("odd_shapes:Stra", "has no 'Stra', but 'Star'"),
         ("broken_shapes:Star", "needs the module 'no_such_package_at_all', which is not installed"),
         ("older_shapes:Star", "older_shapes cannot be imported: cannot import name"),
+        ("odd_shapes.py:Star", "there is no module 'odd_shapes.py'; leave out .py"),
         ("circlee:Star", "there is no module 'circlee'; run this in its folder"),
         ("circlee:Star", "did you mean 'circle'?"),
     ],

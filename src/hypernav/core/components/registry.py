@@ -285,10 +285,10 @@ def _imported_target(module_name: str, attribute: str) -> Any:
     except ModuleNotFoundError as error:
         missing = error.name or module_name
         if module_name == missing or module_name.startswith(f"{missing}."):
-            raise ImportTargetError(
-                f"there is no module '{missing}'; run this in its folder, install its package or "
-                "name its folder in PYTHONPATH"
-            ) from error
+            remedy = "run this in its folder, install its package or name its folder in PYTHONPATH"
+            if module_name.endswith(".py"):
+                remedy = "leave out .py"
+            raise ImportTargetError(f"there is no module '{missing}'; {remedy}") from error
         raise ImportTargetError(
             f"{module_name} needs the module '{missing}', which is not installed"
         ) from error
