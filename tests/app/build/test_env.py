@@ -81,6 +81,7 @@ def test_many_run_side_by_side():
     envs.close()
 
 
+@pytest.mark.slow
 def test_a_generated_house_is_a_scene():
     program = (
         "import gymnasium, hypernav.envs as _; "

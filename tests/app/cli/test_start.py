@@ -167,6 +167,7 @@ def completed(shell, words):
     return ran.stdout.split()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shell", ["bash", "fish"])
 def test_names_of_scenes_and_agents_are_offered_and_then_files(shell, tmp_path, monkeypatch):
     if shutil.which(shell) is None:

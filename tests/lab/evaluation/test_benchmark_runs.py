@@ -151,6 +151,7 @@ def test_the_files_view_points_decide_about_distances(records):
     assert records[0].shortest_path_m == pytest.approx(0.5, abs=0.15)
 
 
+@pytest.mark.slow
 def test_the_command_takes_the_robot_and_the_limits_of_the_benchmark(benchmark_data, tmp_path):
     quick = ("--max-steps", "3", "--workers", "1", "--quiet", "--episodes", "0:1")
     split = f"ovon:{benchmark_data}#val_seen"

@@ -39,6 +39,7 @@ def plan(tmp_path):
     return RunPlan(f"scene:{room}#1", Selection(goals="bed"), config=small_config())
 
 
+@pytest.mark.slow
 def test_an_agent_of_ones_own_gets_a_run_and_a_report(tmp_path):
     progress = evaluate(plan(tmp_path), tmp_path / "run", Quitter)
     assert (progress.done_now, progress.records[0].steps) == (1, 1)

@@ -129,6 +129,7 @@ def started_worker(folder):
     return owner, int(certain(owner.stdout).readline())
 
 
+@pytest.mark.slow
 def test_the_first_worker_is_started_with_ctrl_c_blocked(tmp_path):
     """The resource tracker of multiprocessing, started with it, unblocks Ctrl-C."""
     owner, worker = started_worker(tmp_path)

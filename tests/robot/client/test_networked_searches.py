@@ -169,6 +169,7 @@ def test_a_search_over_the_network_is_recorded_for_the_viewers(tmp_path):
     assert (out / "trace.jsonl").read_text().count("\n") == counts["/step"]
 
 
+@pytest.mark.slow
 def test_a_server_that_is_not_there_is_an_error_that_names_it(capsys):
     done = subprocess.run(
         [*HYPERNAV, "robot", "simulate", "bed", "--server", "http://127.0.0.1:9"],

@@ -139,6 +139,7 @@ def test_a_robot_that_localises_itself_gives_poses_in_the_frame_of_the_building(
     assert np.allclose(seen.robot.xy, base.pose.xy)
 
 
+@pytest.mark.slow
 def test_on_hold_it_stands_still_and_asks_again():
     at_once, held = undisturbed(), search(hold_first=2)
     assert [step.reply for step in held.steps] == [step.reply for step in at_once.steps]

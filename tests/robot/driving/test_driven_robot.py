@@ -260,6 +260,7 @@ def test_what_is_gone_from_the_image_is_forgotten():
     assert safety.look(gone).obstacles.distances(box)[0] > 0.5
 
 
+@pytest.mark.slow
 def test_it_stops_before_the_head_of_stairs_although_the_edge_leaves_the_image():
     base = FloorBase(edge_x=2.2)
     robot = DrivenRobot(base, patience_s=20.0)  # longer than what is in its way is remembered

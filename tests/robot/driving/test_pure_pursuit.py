@@ -115,6 +115,7 @@ def test_it_converges_onto_a_straight_path(beside_m, yaw):
     assert all(abs(pose.y) < 0.03 for pose in driven if pose.x > 3.0)
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(angles, st.floats(math.radians(5.0), math.radians(175.0)), st.sampled_from([-1, 1]))
 def test_it_drives_around_a_corner_and_stays_near_the_path(heading, bend, side):

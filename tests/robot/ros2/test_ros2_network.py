@@ -103,6 +103,7 @@ def test_what_dds_refuses_names_the_topic(monkeypatch, refused):
                 network.publisher("/nose", ros.Image)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("offered", "asked", "words"),
     [

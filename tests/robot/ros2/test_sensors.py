@@ -122,6 +122,7 @@ def networks(monkeypatch) -> Iterator[tuple[Ros2Network, Ros2Network]]:
         yield theirs, ours
 
 
+@pytest.mark.slow
 def test_the_camera_of_a_tilted_body_is_where_it_is_over_the_floor(networks):
     theirs, ours = networks
     config = configured(*NAMED)
@@ -139,6 +140,7 @@ def test_the_camera_of_a_tilted_body_is_where_it_is_over_the_floor(networks):
         assert (base.camera.cx, base.camera.cy) == (32.0, 24.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("range_m", "of_the_map"),
     [
@@ -155,6 +157,7 @@ def test_what_is_out_of_the_range_of_maps_is_in_the_way(networks, range_m, of_th
         assert (base.sense().depth == of_the_map).all()
 
 
+@pytest.mark.slow
 def test_a_live_camera_without_rgb_shows_its_colours(networks):
     theirs, ours = networks
     config = configured(*NAMED)
@@ -306,6 +309,7 @@ def test_a_delay_that_images_and_odometry_share_makes_them_old(networks):
         assert not sensors.is_fresh()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("settings", "stands"),
     [((), False), (("nav2.still_s=1", "nav2.still_m=0.1"), True)],

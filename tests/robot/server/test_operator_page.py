@@ -291,6 +291,7 @@ def test_a_silent_robot_is_shown_as_silent_and_a_stopped_one_as_stopping(
         assert page.driver.find_element(By.TAG_NAME, "body").get_attribute("data-silent") == "false"
 
 
+@pytest.mark.slow
 def test_the_token_is_asked_for_and_kept_in_this_tab(page, tmp_path):
     with robot_server(tmp_path, token=TOKEN) as link:
         search = link.open("quick")
@@ -586,6 +587,7 @@ def test_a_remembered_thing_has_its_picture_and_its_place_on_the_map(page, tmp_p
         assert not page.driver.get_log("browser")
 
 
+@pytest.mark.slow
 def test_an_empty_page_says_what_to_run_and_a_searching_robot_is_named(page, tmp_path):
     with robot_server(tmp_path) as link:
         page.driver.get(f"http://127.0.0.1:{link.port}/")

@@ -352,6 +352,7 @@ def test_stop_ends_a_paused_search_at_once_and_it_stays_stopped(tmp_path):
         assert link.observe(search, body_of(1)).json["ending"] == "stopped"
 
 
+@pytest.mark.slow
 def test_a_restarted_server_lets_no_paused_robot_go(tmp_path):
     with robot_server(tmp_path) as link:
         search, port = link.open("quick"), link.port

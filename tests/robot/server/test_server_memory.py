@@ -98,6 +98,7 @@ def test_one_search_at_a_time_has_the_memory(tmp_path, plan):
         link.open()
 
 
+@pytest.mark.slow
 def test_a_search_that_is_stopped_leaves_what_it_saw(tmp_path, plan):
     with robot_server(tmp_path / "state", plan) as link:
         search = link.open()
@@ -122,6 +123,7 @@ def test_a_search_that_fails_in_its_first_step_leaves_nothing(tmp_path, plan, mo
     assert read_index(tmp_path / "home") is None
 
 
+@pytest.mark.slow
 def test_a_restarted_server_adds_a_search_to_the_memory_once(tmp_path, plan):
     def without_times(index: Index) -> Index:
         history = [one.model_copy(update={"began": ""}) for one in index.history]

@@ -101,6 +101,7 @@ def test_every_report_begins_at_zero(server: ScriptedServer):
     assert parts.take_report()["ledger"]["total"]["calls"] == 0
 
 
+@pytest.mark.slow
 def test_transport_faults_lose_nothing_and_change_nothing(server: ScriptedServer):
     traces = []
     for rates in (NO_FAULTS, FAULTS):
@@ -140,6 +141,7 @@ def test_a_careless_model_still_finds_the_bed(server: ScriptedServer):
     assert any(one.remarks for step in steps for one in step.exchanges)
 
 
+@pytest.mark.slow
 def test_a_wrong_coordinate_space_is_seen_in_trace_and_report(server: ScriptedServer):
     bend(server, Errors(wrong_space=1.0))
     parts = agent_on(server.spec)

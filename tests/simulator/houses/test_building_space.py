@@ -3,6 +3,7 @@
 from contextlib import closing
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -25,6 +26,7 @@ def test_positions_are_some_of_the_points_and_near_to_all(
     assert away.max() <= 1.5 * np.sqrt(2.0)
 
 
+@pytest.mark.slow
 def test_every_object_is_in_the_view_and_the_camera_sees_the_rooms(builtin_scene: Scene) -> None:
     storeys = storeys_of(house(BUILTIN_HOUSE))
     told = list[tuple[int, int]]()

@@ -153,6 +153,7 @@ def test_storeys_that_nobody_names_are_found():
     assert found == pytest.approx(scene.storeys, abs=0.05)
 
 
+@pytest.mark.slow
 def test_an_exported_building_has_the_same_paths(tmp_path: Path):
     scene, surface = scene_of(3004), climbed(3004)
     files = export_building(Building("storeys", 3004), tmp_path)

@@ -92,6 +92,7 @@ def test_there_is_one_worker_a_core_unless_each_would_load_a_model():
     assert worker_count(EvalOptions("houses-val", local, workers=3)) == 3
 
 
+@pytest.mark.slow
 def test_saved_episodes_have_a_page_and_colours_change_no_result(runs, room, tmp_path):
     lines = timeless_lines(runs / "hypernav")
     for line in lines:
@@ -235,6 +236,7 @@ def test_a_plan_by_an_exam_runs_nothing_and_tells_the_cost(room, tmp_path, capsy
     assert "210 calls of the model, 105 in a search" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_plan_by_episodes_first_asks_the_model_how_long_it_takes(room, tmp_path, capsys):
     with ScriptedServer() as server:
         server.delay_s = 0.3

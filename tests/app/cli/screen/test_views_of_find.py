@@ -126,6 +126,7 @@ def test_an_impossible_pace_is_refused(glb, tmp_path, capsys):
     assert "--pace" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_search_waits_for_foxglove_and_sends_it_every_step(glb, tmp_path, monkeypatch, capsys):
     """A client of the protocol takes the place of the program, which has no screen here."""
     waiting, steps = threading.Event(), []

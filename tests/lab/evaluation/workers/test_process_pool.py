@@ -1,6 +1,8 @@
 import logging
 from functools import partial
 
+import pytest
+
 from eval_runs import write_room
 from hypernav.app.build.data.datasets import load_episodes
 from hypernav.app.build.data.scenes import load_scene
@@ -16,6 +18,7 @@ def doubted(path: str, scene: str):
     return load_scene(path)
 
 
+@pytest.mark.slow
 def test_a_warning_of_a_worker_is_shown_once_by_its_owner(tmp_path, caplog):
     room = write_room(tmp_path / "room.glb")
     config = small_config()

@@ -33,6 +33,7 @@ def driven(link: RobotLink, search: str, room: BoxRoom, first: int) -> tuple[flo
     raise AssertionError("the search has no end")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_restarted", [False, True])
 def test_a_search_drives_around_a_closed_place(tmp_path, is_restarted):
     room = BoxRoom()

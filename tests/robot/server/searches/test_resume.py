@@ -83,6 +83,7 @@ def test_stop_holds_after_a_restart(tmp_path):
         assert link.call("GET", search).json["detail"] == "enough"
 
 
+@pytest.mark.slow
 def test_an_accepted_observation_is_decided_after_a_restart(tmp_path, script):
     script.gate.clear()
     with robot_server(tmp_path, limits=ServerLimits()) as link:

@@ -330,6 +330,7 @@ def other_memory(folder: Path) -> None:
         memory.save()
 
 
+@pytest.mark.slow
 def test_a_restart_leaves_the_start_as_it_was_decided(tmp_path, plan, home, house, monkeypatch):
     robot = Lost(house, BEDROOM)
     with robot_server(tmp_path / "state", plan) as link:
@@ -380,6 +381,7 @@ def test_a_first_search_gets_no_turn_by_a_restart(tmp_path, plan, home, house):
     assert files_of(home) == files_of(tmp_path / "later")
 
 
+@pytest.mark.slow
 def test_a_search_that_began_anew_goes_on_after_a_restart_without_the_memory(tmp_path, plan, home):
     robot = Lost(elsewhere(), Pose2(2.0, 2.0, 0.5))
     with robot_server(tmp_path / "state", plan) as link:
@@ -426,6 +428,7 @@ def test_a_robot_that_does_not_turn_around_begins_anew(tmp_path, plan, home, hou
     assert files_of(home) == before
 
 
+@pytest.mark.slow
 def test_only_frames_of_new_headings_are_kept(tmp_path, plan, home, house, monkeypatch):
     def counting(memory: Memory, frames: Sequence[Observation]) -> FoundStart:
         counts.append(len(frames))

@@ -283,6 +283,7 @@ def malformed_answers(count: int) -> list[str]:
     return answers
 
 
+@pytest.mark.slow
 def test_ten_thousand_malformed_answers_never_raise_and_never_leave_the_image():
     families = list(FAMILIES.values())
     usable = 0

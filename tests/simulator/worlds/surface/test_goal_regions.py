@@ -123,6 +123,7 @@ def test_surface_points_lie_on_the_surface_spread_by_area_and_repeat():
     assert (points[:40, 1] < 1.5).mean() == pytest.approx(0.5, abs=0.15)
 
 
+@pytest.mark.slow
 def test_the_view_points_of_a_real_house_are_reachable(small_house):
     from hypernav.simulator.worlds.scenes.loading import read_scene
 

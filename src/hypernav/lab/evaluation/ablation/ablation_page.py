@@ -23,7 +23,7 @@ from hypernav.lab.evaluation.ablation.study import (
 from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.report import report_text, tables
 from hypernav.lab.evaluation.report.report_page import tex, with_interval
-from hypernav.lab.evaluation.statistics import Comparison, Estimate, failure_counts
+from hypernav.lab.evaluation.statistics import Comparison, Estimate, ends, failure_counts
 
 _MEANS = ("success", "spl", "steps")
 _PARTS = ("", "_low", "_high")
@@ -107,7 +107,7 @@ def write_tex(path: Path, results: StudyResults) -> None:
 
 
 def _estimates(*estimates: Estimate) -> list[str]:
-    return [x for one in estimates for x in (f"{one.mean:.4f}", *report_text.ends(one))]
+    return [x for one in estimates for x in (f"{one.mean:.4f}", *ends(one))]
 
 
 def _comparisons(*gaps: Comparison) -> list[str]:

@@ -372,6 +372,7 @@ def test_urls_that_cannot_be_used(url: str, hint: str):
     assert "me:secret" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_ten_percent_faults_lose_no_question(server: ScriptedServer):
     server.brain = lambda asked: "7"
     server.rates = {"429": 0.03, "500": 0.03, "reset": 0.02, "half": 0.01, "broken json": 0.01}

@@ -56,6 +56,7 @@ def test_a_stream_holds_what_its_pieces_hold(texts: list[str], is_finished: bool
     assert whole["usage"] == COUNTED["usage"]
 
 
+@pytest.mark.slow
 def test_an_answer_that_comes_slowly_is_waited_for():
     slow = [piece(letter) for letter in "[1, 2, 34]"] + [piece(None, "stop"), COUNTED]
     with FaultyServer(lambda talk: say(talk, stream(*slow), every_s=0.2)) as server:
