@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from eval_runs import apart, record
 from hypernav.app.cli.evaluation.eval import outcome_lines, progress_table, result_line
 from hypernav.lab.evaluation.runner import RunProgress
@@ -30,15 +32,18 @@ def test_nothing_is_said_where_all_count():
 
 def test_the_interval_is_that_of_the_report_whatever_the_order():
     goals = [record(str(k), "scene", path_length_m=4.0 + k) for k in range(8)]
-    expected = interval(summarise(goals).spl, words="({} with 95 % confidence, over episodes)")
+    expected = interval(
+        summarise(goals).spl, words="({} to {} with 95 % confidence, over episodes)"
+    )
     for order in (goals, goals[::-1]):
         (line,) = [line for line in lines(*order) if "SPL" in line]
         assert line.endswith(expected)
 
 
-def test_the_interval_is_said_to_be_over_scenes_where_there_are_some():
-    goals = [record(str(k), f"scene {k % 2}") for k in range(5)]
-    assert "".join(lines(*goals)).count("over scenes)") == 2
+@pytest.mark.parametrize(("scenes", "said"), [(5, 2), (2, 0)])
+def test_the_interval_is_over_scenes_where_there_are_several_and_needs_five(scenes, said):
+    goals = [record(str(k), f"scene {k % scenes}") for k in range(10)]
+    assert "".join(lines(*goals)).count("over scenes)") == said
 
 
 def test_so_few_episodes_have_no_interval_on_the_screen_either():
