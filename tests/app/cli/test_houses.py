@@ -133,6 +133,19 @@ def test_a_house_is_exported_and_opens_again(tmp_path, monkeypatch, capsys):
     assert len(load_scene(str(glb)).instances) > 40
 
 
+def test_an_interrupted_export_of_a_house_says_that_it_is_not_complete(
+    tmp_path, monkeypatch, capsys
+):
+    def interrupted(building, folder):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(houses, "export_building", interrupted)
+    assert hypernav("houses", "export", "0", "--out", tmp_path / "house") == 130
+    said = " ".join(capsys.readouterr().err.split())
+    assert said.startswith("building house 0, to be written to")
+    assert f"interrupted; {tmp_path / 'house'} is not complete. Run the same command again" in said
+
+
 def test_a_split_is_exported_with_its_episodes(box_houses, tmp_path, monkeypatch, capsys):
     asked = {}
 

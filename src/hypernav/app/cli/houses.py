@@ -133,9 +133,17 @@ def _export_building(options: Export) -> None:
     folder = _folder_for(building) if options.out is None else options.out
     check_folder(folder)
     console = Terminal(quiet=options.quiet)
-    with console.status(f"building and writing {building.noun} {building.number} …"):
-        files = export_building(building, folder)
-        dataset_config = write_dataset_config(folder)
+    words = f"building {building.noun} {building.number}, to be written to {folder} …"
+    console.print(words, soft_wrap=True)
+    try:
+        with interruptions_of_kernels():
+            files = export_building(building, folder)
+            dataset_config = write_dataset_config(folder)
+    except KeyboardInterrupt:
+        console.print(
+            f"interrupted; {folder} is not complete. Run the same command again", soft_wrap=True
+        )
+        raise
     console.print(f"{building.noun} {building.number} in {folder}:", soft_wrap=True)
     for path, what in (
         (files.glb, f"the {building.noun}; opens in Blender, web viewers and hypernav"),
