@@ -319,12 +319,21 @@ def test_a_circle_of_headings_from_which_no_destination_leads_on_ends_exploratio
         assert phase.act(robot, corridor()) is not Phase.END
     phase.plan = phase.plan.explore(destination=Destination(6.0, 2.0, reason="here"))
     assert isinstance(phase.act(robot, corridor()), Decision)  # so that the circle begins anew
-    assert phase.plan.exploring.refusal == ""
+    assert phase.plan.exploring.in_vain is None
     phase.plan = phase.plan.explore(destination=None)
     for _ in range(12):
         assert phase.act(robot, corridor()) is not Phase.END
     assert phase.act(robot, corridor()) is Phase.END
-    assert phase.plan.exploring.refusal == "no path to destination at (100.0, 0.0) m: there"
+    vain = phase.plan.exploring.in_vain
+    assert vain is not None
+    assert vain.why == "no path to destination at (100.0, 0.0) m: there"
+
+
+def test_the_circle_begins_anew_where_the_robot_stands_elsewhere():
+    phase = Exploration(Stubborn(), drop_explored=False)
+    for x in (4.0, 4.5, 5.0):
+        for _ in range(8):
+            assert phase.act(Pose2(x, 2.0, 0.0), corridor()) is not Phase.END
 
 
 def test_who_forgets_and_goes_on_asks_from_every_heading_to_the_end():

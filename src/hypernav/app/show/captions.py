@@ -205,7 +205,8 @@ def headline(result: Mapping[str, Any]) -> Headline:
         away = number(result["distance_to_goal_m"], 1, "m")
         detail += f" It ended {away} of path from the nearest one."
     if result.get("detail"):
-        detail = f"{detail} Why it ended: {result['detail']}"
+        words = "Why it ended: " if outcome == "not_found" else ""
+        detail = f"{detail} {words}{result['detail']}".lstrip()
     tone: Tone = "neutral" if outcome in _NEUTRAL else "bad"
     return Headline(text.replace("{goal}", goal), tone, detail)
 

@@ -297,13 +297,15 @@ class EpisodeRun:
             WorldError: The world has no ground truth to measure by.
         """
         metrics = self.trial.measure()
+        outcome = Outcome.INTERRUPTED if interrupted else self._outcome(metrics)
+        nowhere_to_go = self._nowhere_to_go if outcome is Outcome.NOT_FOUND else ""
         return EpisodeResult(
-            outcome=Outcome.INTERRUPTED if interrupted else self._outcome(metrics),
+            outcome=outcome,
             metrics=metrics,
             steps=self.trial.steps,
             model_calls=self._model_calls,
             seconds={"total": time.perf_counter() - self._began, **self._clock.seconds},
-            detail=self._outage or self._nowhere_to_go,
+            detail=self._outage or nowhere_to_go,
             parts=None if self._sight is None else self._sight.parts,
         )
 

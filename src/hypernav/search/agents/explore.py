@@ -29,7 +29,7 @@ from hypernav.search.agents.destinations import (
     arrival_m_of,
     beyond_stairs,
 )
-from hypernav.search.agents.plan import Climbing, Plan, patience_of
+from hypernav.search.agents.plan import Climbing, InVain, Plan, patience_of
 from hypernav.search.agents.recall import errand, may_be_hidden, recalled, refutation, remembered
 from hypernav.search.agents.step import Decision, Phase, Step, turn_towards
 from hypernav.search.memory.floor import ThingStatus
@@ -132,7 +132,7 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
                 return Phase.EXPLORE, replace(plan, turns_left=turns, full_turn=True)
             destination = _next_destination(step, memory)
             if destination is None:
-                return Phase.END, plan
+                return Phase.END, _in_vain(refusal, step, plan) if refusal else plan
             if isinstance(destination, Remembered):
                 step.events.append(destination.reason)
             plan = replace(plan, exploring=plan.exploring.towards(destination, config))
@@ -158,12 +158,13 @@ def explore(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, P
                 return _leading_on(action, destination.reason, step, plan)
             event = patience.worn_out
         plan = _ended(event, step, memory, plan)
-        x, y = destination.xy
-        refusal = f"{event} at ({x:.1f}, {y:.1f}) m: {destination.reason}"
-        if event is Event.NO_PATH:
-            plan = plan.explore(refusal=refusal)
+        if event is not Event.DESTINATION_REACHED:
+            x, y = destination.xy
+            refusal = f"{event} at ({x:.1f}, {y:.1f}) m: {destination.reason}"
         if action is None and _holds(destination):
             break  # The next move is chosen from another image.
+    if not refusal:
+        return _decision(Action.TURN_LEFT, "looking where to go next", step, plan), plan
     return _nowhere_to_go(refusal, step, plan)
 
 
@@ -221,15 +222,23 @@ def _stairs_out(step: Step, memory: Memory) -> StairsDestination | None:
 
 def _leading_on(action: Action, reason: str, step: Step, plan: Plan) -> tuple[Decision, Plan]:
     """The decision for an action towards the destination."""
-    plan = plan.explore(age=plan.exploring.age + 1, refusal="", in_vain=0)
+    plan = plan.explore(age=plan.exploring.age + 1, in_vain=None)
     return _decision(action, reason, step, plan), plan
+
+
+def _in_vain(why: str, step: Step, plan: Plan) -> Plan:
+    """The plan after one more step in which no destination led on."""
+    before = plan.exploring.in_vain
+    turns = before.turns + 1 if before is not None and before.is_at(step.robot) else 1
+    return plan.explore(in_vain=InVain(step.robot.xy, turns, why))
 
 
 def _nowhere_to_go(refusal: str, step: Step, plan: Plan) -> tuple[Decision | Phase, Plan]:
     """A turn, to ask the explorer from another heading; after a circle of them, nothing is left."""
     step.events.append(Event.NOWHERE_TO_GO)
-    plan = plan.explore(refusal=refusal, in_vain=plan.exploring.in_vain + 1)
-    if step.config.end_when_explored and plan.exploring.in_vain > step.motion.turns_of_a_circle:
+    plan = _in_vain(refusal, step, plan)
+    vain = plan.exploring.in_vain
+    if step.config.end_when_explored and vain and vain.turns > step.motion.turns_of_a_circle:
         return Phase.END, plan
     return _decision(Action.TURN_LEFT, f"{refusal}; looking again", step, plan), plan
 

@@ -106,6 +106,25 @@ class Progress:
         return self.steps <= self.patience_steps + granted
 
 
+@dataclass(frozen=True)
+class InVain:
+    """A place from which no destination leads on.
+
+    Attributes:
+        position: Where it is ``(x, y)``, metres.
+        turns: Number of steps in a row, turns on the spot, in which none did.
+        why: Why the latest destination led nowhere.
+    """
+
+    position: Position
+    turns: int
+    why: str
+
+    def is_at(self, robot: Pose2) -> bool:
+        """Whether a robot still stands there."""
+        return robot.distance_to(*self.position) < STANDS_M
+
+
 @dataclass(frozen=True, eq=False)
 class Exploring:
     """The part of the plan that leads to places where the goal may come into sight.
@@ -116,8 +135,7 @@ class Exploring:
         route: Path to it.
         age: Number of steps and turns made for it.
         unasked: Steps since the explorer was asked, counted if it may be asked again on the way.
-        refusal: Why the latest destination led nowhere; empty once one leads on.
-        in_vain: Number of steps in a row in which no destination led on.
+        in_vain: Where and why no destination led on; None once one does.
         expired: Destination dropped after its ``most_steps``; None once the explorer answered.
         left: Positions ``(x, y)``, metres, of destinations changed for others on the way.
         pursued: Positions ``(x, y)``, metres, of far sightings whose pursuit has ended.
@@ -130,8 +148,7 @@ class Exploring:
     route: Route = field(default_factory=Route)
     age: int = 0
     unasked: int = 0
-    refusal: str = ""
-    in_vain: int = 0
+    in_vain: InVain | None = None
     expired: Destination | None = None
     left: tuple[Position, ...] = ()
     pursued: tuple[Position, ...] = ()

@@ -377,7 +377,8 @@ def end(step: Step, memory: Memory, plan: Plan) -> tuple[Decision | Phase, Plan]
     The robot gets free where a step of it was cut short.
     """
     goal, search = step.goal.in_sentence, memory.search
-    why = plan.exploring.refusal or "nothing is left to explore"
+    vain = plan.exploring.in_vain
+    why = vain.why if vain and vain.is_at(step.robot) else "nothing is left to explore"
     goes_on = _goes_on(step, plan)
     if goes_on and any(one.distance_to(*step.robot.xy) < STANDS_M for one in plan.tried):
         _forget(memory)
