@@ -37,6 +37,8 @@ CORNER_SOFA = ObjectLabel("sofa", ("L-shaped sofa", "sectional"), ("grey",), roo
         ("bookshelves", "bookcase"),
         ("batteries", "battery"),
         ("cookies", "cookie"),
+        ("hoodies", "hoodie"),
+        ("axes", "axe"),
         ("gloves", "glove"),
         ("TVs", "tv"),
     ],

@@ -116,11 +116,12 @@ _SYNONYMS: tuple[tuple[str, ...], ...] = (
 )
 _CANONICAL = {name: group[0] for group in _SYNONYMS for name in group}
 _SINGULARS = (
+    (re.compile(r"\b((?:cook|mov|hood|bean|brown|smooth|self)i|nich|quich|ax)es$"), r"\1e"),
     (re.compile(r"(ch|sh|ss|x)es$"), r"\1"),
     (re.compile(r"(shel|lea|loa|scar)ves$"), r"\1f"),
     (re.compile(r"knives$"), "knife"),
-    (re.compile(r"(\w\w[^aeioukv\W])ies$"), r"\1y"),
-    (re.compile(r"(\w[^s\W])s$"), r"\1"),
+    (re.compile(r"(\w\w[^aeiou\W])ies$"), r"\1y"),
+    (re.compile(r"(\w\w[^s\W])s$"), r"\1"),
 )
 """Ends of plurals, and what the singular has there; the first that fits."""
 _ARTICLE = re.compile(r"^(?:please )?(?:find |go to )?(?:the |a |an |my |some )?")
@@ -150,6 +151,8 @@ def canonical(name: str) -> str:
     name = normalise(name)
     if name in _CANONICAL:
         return _CANONICAL[name]
+    if name.endswith("s") and name[:-1] in _CANONICAL:
+        return _CANONICAL[name[:-1]]
     plural = next((end for end in _SINGULARS if end[0].search(name)), None)
     singular = name if plural is None else plural[0].sub(plural[1], name)
     return _CANONICAL.get(singular, singular)
