@@ -67,11 +67,11 @@ class DetectorsTogether:
             GoalError: No detector has a name for the goal.
         """
         self.check_goal(goal)
+        asked = [k for k in range(len(self.parts)) if self._can_name(k, goal.text)]
         told = [
             (along(self._curves[number], one.score), number, one)
-            for number, detector in enumerate(self.parts)
-            if self._can_name(number, goal.text)
-            for one in detector.detect(observation, goal)
+            for number in asked
+            for one in self.parts[number].detect(observation, goal)
         ]
         told.sort(key=lambda one: -one[0])
         found: list[tuple[float, Detection]] = []
@@ -83,7 +83,7 @@ class DetectorsTogether:
                     left.append((weight, number, one))
                 else:  # of one detector only its surest box counts
                     same.setdefault(number, weight)
-            found.append((self._together(same, best), best))
+            found.append((self._together(same, best, asked), best))
             told = left
         found.sort(key=lambda one: -one[0])
         return [replace(one, score=self._score_of(weight)) for weight, one in found]
@@ -94,10 +94,10 @@ class DetectorsTogether:
         """All that `detect` found."""
         return list(detections)
 
-    def _together(self, said: dict[int, float], one: Detection) -> float:
-        """The weight of what some detectors said, and the others did not."""
-        asked = [k for k in range(len(self.parts)) if k in said or self._can_name(k, one.label)]
-        return float(np.mean([said.get(number, self._missed[number]) for number in asked]))
+    def _together(self, said: dict[int, float], one: Detection, asked: Sequence[int]) -> float:
+        """The weight of what some of the detectors that were asked said, and the others did not."""
+        able = [k for k in asked if k in said or self._can_name(k, one.label)]
+        return float(np.mean([said.get(number, self._missed[number]) for number in able]))
 
     def _score_of(self, weight: float) -> float:
         """The score of the first detector that is worth so much."""
