@@ -34,7 +34,12 @@ from hypernav.lab.evaluation.failures import Failure
 from hypernav.lab.evaluation.record import EpisodeRecord
 from hypernav.lab.evaluation.report import tables
 from hypernav.lab.evaluation.report.run_data import RunData, load_runs
-from hypernav.lab.evaluation.statistics import Estimate, mean_with_interval, ratio_with_interval
+from hypernav.lab.evaluation.statistics import (
+    FEWEST_WITH_INTERVAL,
+    Estimate,
+    mean_with_interval,
+    ratio_with_interval,
+)
 from hypernav.simulator.houses.building import Building
 from hypernav.simulator.houses.house_cache import cached_building
 
@@ -174,7 +179,7 @@ def checks_of(name: str, table: Table, folder: Path) -> Iterator[Check]:
             then = rows[row_name].cells.get(column.name)
             if column.measure in ESTIMATES and then is not None and not isinstance(then, str):
                 estimate = ESTIMATES[column.measure](run)
-                if estimate.has_interval:
+                if estimate.count >= FEWEST_WITH_INTERVAL:
                     whole = then if isinstance(then, list) else [then] * 3
                     yield Check(f"{name}.{row_name}.{column.name}", column, whole, estimate)
 
