@@ -114,12 +114,11 @@ def tasks() -> list[Task]:
         for height, width in ((480, 640), (240, 200))
     )
     boxes = grounding_question(VlmDetectorConfig(), family_named("qwen2.5-vl"), view, goal)
-    drawn = drawn_house(OverviewConfig(), 1)
     blocks = tuple(
         Block(number, number, 0.0, 2.0, 1000, 40, (number + 1.0, 1.0), 3.0)
         for number in range(1, 13)
     )
-    house = replace(drawn, blocks=blocks, draw=lambda *_: drawn.image)
+    house = replace(drawn_house(OverviewConfig(), 1), blocks=blocks)
     reasoned, constrained = (
         map_question(VlmReasonerConfig(mode=mode), house, goal)
         for mode in ("reasoned", "constrained")
